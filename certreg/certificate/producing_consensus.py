@@ -32,6 +32,7 @@ from certreg.certificate.consistency import (
     consistent_pairs,
 )
 from certreg.certificate.envelope import Certificate
+from certreg.certificate.reach import ANGLE_BITS, turn_about
 from certreg.certificate.refuting import PointRows, davenport_stack
 from certreg.certificate.staging import Stager
 from certreg.certificate.thinning import Graph
@@ -44,9 +45,11 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.certificate.isotropic import IsotropicBody
+    from certreg.certificate.springs_cones import SpringsConesBody
+    from certreg.certificate.springs_sos import SpringsSosBody
     from certreg.problem import ConsensusProblem
 
-ANGLE_BITS = 24  # of the bound on an angle
+    FitBody = IsotropicBody | SpringsSosBody | SpringsConesBody
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -142,7 +145,7 @@ def pose_of(witness: Witness) -> Pose:
 def consensus_certificate(
     problem: ConsensusProblem,
     found: Consensus,
-    fit: Certificate[IsotropicBody] | None,
+    fit: Certificate[FitBody] | None,
     about: dict[str, Any] | None = None,
 ) -> Certificate[ConsensusBody]:
     """The certificate; fit: of the least squares over the rows that the witness meets."""
@@ -154,12 +157,13 @@ def consensus_certificate(
         stages=found.stages,
         fit=None if fit is None else {**json.loads(fit.line()), "problem": _unheld(fit)},
         reach=None if fit is None else _reach(problem, found.met, fit.body.quaternion),
+        springs=problem.factors is not None,
     )
     digest = hashlib.sha256(data).hexdigest()
     return Certificate(n=problem.n, digest=digest, inline=data, body=body, about=about or {})
 
 
-def _unheld(fit: Certificate[IsotropicBody]) -> dict[str, Any]:
+def _unheld(fit: Certificate[FitBody]) -> dict[str, Any]:
     """Its `problem`, without the points: they are those of the outer one."""
     return {"data": None, "digest": fit.digest, "n": fit.n}
 
@@ -171,10 +175,11 @@ def _reach(
 
     They have 2 p^T K p >= c, c = S - B. In the frame of the eigenvectors of K, l1 >= l2, u the
     first, c I - 2 K + t (u u^T - (1 - s) I) > 0 asks for t s > 2 l1 - c and t (1 - s) < c - 2 l2:
-    there is such a t iff s > (2 l1 - c) / (2 l1 - 2 l2). Doubles: the checker decides.
+    there is such a t iff s > (2 l1 - c) / (2 l1 - 2 l2). The pose of general springs is no
+    eigenvector: `turn_about` allows for that. Doubles: the checker decides.
     """
     rows = list(met)
-    points, weights = PointRows.of(problem), problem.of_rows(met).weights
+    points, weights = PointRows.of(problem), problem.problem.weights[rows]
     x, y = (p[rows] - p[rows[0]] for p in (points.source, points.target))
     w = (weights / weights.max())[:, None]
     x, y = (p - (w * p).sum(axis=0) / w.sum() for p in (x, y))
@@ -186,6 +191,8 @@ def _reach(
     across = np.linalg.svd(u[None])[2][1:]
     first = float(2.0 * u @ K @ u)
     second = float(2.0 * np.linalg.eigvalsh(across @ K @ across.T)[-1])
+    if problem.factors is not None:
+        return turn_about(c / spread, 2.0 * K / spread, u)
     if not (first > c > second):
         return None
     s = (first - c) / (first - second) * (1.0 + 1e-6) + 1e-12

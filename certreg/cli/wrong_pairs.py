@@ -35,8 +35,8 @@ def consensus_options(command: Callable[..., Any]) -> Callable[..., Any]:
         "--max-residual",
         metavar="X|FILE",
         help="Pairs may be wrong: how far apart the two points of a right pair are at most, in the "
-        "clouds' unit; or a file, one number per row of SOURCE. The most pairs that one motion "
-        "brings within are sought, and which they are is proved.",
+        "clouds' unit, whatever their spring; or a file, one number per row of SOURCE. The most "
+        "pairs that one motion brings within are sought, and which they are is proved.",
     )
     @click.option(
         "--objective",

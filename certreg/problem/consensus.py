@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 PREFIX = b"certreg-consensus/1\0"
+SPRUNG_PREFIX = b"certreg-consensus-springs/1\0"
 LEAST_PAIRS = 3  # two pairs of equal lengths always fit: a set of two says nothing
 MOST_PAIRS = 4096  # whose eight million pairs of pairs the checker tests in half a minute
 
@@ -35,22 +36,26 @@ class ConsensusProblem(Brief):
         Points, and the weights of the least squares over the pairs that are met.
     bounds
         (N,), > 0, in the unit of the clouds.
+    factors
+        (N, 6), of the general springs of that least squares, as a problem has them; None where it
+        has weights. They change no bound: which pairs a motion meets is a matter of their points.
+    notes
+        What the user should know of these springs.
     """
 
     problem: RegistrationProblem
     bounds: NDArray[np.float64]
+    factors: NDArray[np.float64] | None = None
+    notes: tuple[str, ...] = ()
 
     @classmethod
     def of(cls, problem: RegistrationProblem, max_residual: Any) -> ConsensusProblem:
         """The problem with one bound for all pairs, or (N,) of them.
 
         Raises InvalidProblemError for bounds that are not finite and > 0, or so wide that they say
-        nothing; for fewer than 3 or more than 4,096 pairs; for general springs, a free scale, and
-        without a translation.
+        nothing; for fewer than 3 or more than 4,096 pairs; for a free scale, and without a
+        translation.
         """
-        if problem.factors is not None:
-            message = f"{NAME} goes with one weight for each pair, not yet with general springs"
-            raise InvalidProblemError(f"{message}: leave one out", array=NAME)
         if problem.model_options:
             message = f"{NAME} is of a rigid motion, not yet with {problem.model_options}"
             raise InvalidProblemError(f"{message}: leave one out", array=NAME)
@@ -62,8 +67,14 @@ class ConsensusProblem(Brief):
             limit = LEAST_PAIRS if problem.n < LEAST_PAIRS else MOST_PAIRS
             raise InvalidProblemError(message, array=NAME, value=problem.n, limit=limit)
         bounds = checked_bounds(max_residual, problem.n)
-        _require_narrow(problem, bounds)
-        return cls(problem, bounds)
+        if problem.factors is None:
+            _require_narrow(problem, bounds)
+            return cls(problem, bounds)
+        block = problem.spring_block(slice(None))
+        points = RegistrationProblem(block.source, block.target)
+        _require_narrow(points, bounds)
+        notes = () if problem.springs is None else problem.springs.notes
+        return cls(points, bounds, block.factors, notes)
 
     @property
     def n(self) -> int:
@@ -71,10 +82,16 @@ class ConsensusProblem(Brief):
         return self.problem.n
 
     def data_bytes(self) -> bytes:
-        """The bytes that state the problem: prefix, n (u64), points, weights, then bounds."""
-        head = PREFIX + self.n.to_bytes(8, "little")
+        """The bytes that state the problem: prefix, n (u64), points, weights, then bounds.
+
+        With general springs there are no weights, and their factors come last.
+        """
         block = self.problem.block(slice(None))
-        arrays = block.source, block.target, block.weights, self.bounds
+        if self.factors is None:
+            prefix, own = PREFIX, (block.weights, self.bounds)
+        else:
+            prefix, own = SPRUNG_PREFIX, (self.bounds, self.factors)
+        head, arrays = prefix + self.n.to_bytes(8, "little"), (block.source, block.target, *own)
         return head + b"".join((array + 0.0).astype("<f8").tobytes() for array in arrays)
 
     def digest(self) -> str:
@@ -82,8 +99,15 @@ class ConsensusProblem(Brief):
         return hashlib.sha256(self.data_bytes()).hexdigest()
 
     def of_rows(self, rows: Sequence[int]) -> RegistrationProblem:
-        """The least-squares problem of some of the pairs, with their weights."""
+        """The least-squares problem of some of the pairs, with their weights, or their springs.
+
+        Raises InvalidProblemError where all of them are 0.
+        """
         block, chosen = self.problem.block(slice(None)), list(rows)
+        if self.factors is not None:
+            return RegistrationProblem(
+                block.source[chosen], block.target[chosen], factors=self.factors[chosen]
+            )
         return RegistrationProblem(
             block.source[chosen], block.target[chosen], weights=block.weights[chosen]
         )

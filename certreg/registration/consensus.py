@@ -35,6 +35,7 @@ from certreg.registration.exit_codes import (
     worst,
 )
 from certreg.registration.row_names import RowNames
+from certreg.registration.spring_certification import certified_springs
 from certreg.relaxation import candidates
 from certreg.results import Limits, Presented, presenter
 
@@ -48,6 +49,7 @@ if TYPE_CHECKING:
     from certreg.certificate import Certificate, ConsensusBody
     from certreg.problem import ConsensusProblem
     from certreg.registration.result import Registration
+    from certreg.registration.spring_result import SpringRegistration
     from certreg.results import Verdict
 
 LOG = logging.getLogger(__name__)
@@ -66,7 +68,8 @@ class ConsensusRegistration(Presented):
     found
         The witness, the rows that it meets and their labels.
     fit
-        The least squares over these rows, a registration with its own proof.
+        The least squares over these rows, a registration with its own proof; of general springs a
+        `SpringRegistration`.
     certificate
         Of kind "consensus", the proof of the fit inside; the checker has accepted it.
     verdict
@@ -80,7 +83,7 @@ class ConsensusRegistration(Presented):
 
     problem: ConsensusProblem
     found: Consensus
-    fit: Registration
+    fit: Registration | SpringRegistration
     certificate: Certificate[ConsensusBody]
     verdict: Verdict
     second: int | None
@@ -290,18 +293,19 @@ def proved_consensus(
 
 def _fit(
     problem: ConsensusProblem, found: Consensus, limits: Limits | None, names: RowNames
-) -> Registration:
+) -> Registration | SpringRegistration:
     """The least squares over the pairs that are met; its rows say which of all they are."""
-    if not problem.problem.weights[list(found.met)].any():
+    met, factors = list(found.met), problem.factors
+    own = problem.problem.weights if factors is None else factors
+    if not own[met].any():
         rows = RowNames(None).words(found.met[:3], len(found.met))
-        message = f"weights are 0 for all pairs that were met ({rows}): give one of them a weight"
-        raise InvalidProblemError(message, array="weights", value=0.0, row=found.met[0])
-    fit = certified(
-        problem.of_rows(found.met),
-        relaxation=False,
-        integrator=None,
-        about={"labels": [_label(names, row) for row in found.met]},
-    )
+        one, array = ("weight", "weights") if factors is None else ("spring", "factors")
+        message = f"{one}s are 0 for all pairs that were met ({rows}): give one of them a {one}"
+        raise InvalidProblemError(message, array=array, value=0.0, row=found.met[0])
+    stated, about = problem.of_rows(met), {"labels": [_label(names, row) for row in met]}
+    if factors is not None:
+        return certified_springs(stated, about=about, limits=limits)
+    fit = certified(stated, relaxation=False, integrator=None, about=about)
     return fit if limits is None else replace(fit, limits=limits)
 
 

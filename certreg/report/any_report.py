@@ -68,6 +68,11 @@ class AnyReport(ABC, Generic[R]):
         )
 
     @property
+    def digested(self) -> str:
+        """What the digest binds, in words."""
+        return self.DIGESTED
+
+    @property
     def embedded(self) -> bool:
         """Whether the page carries the certificate; a large one it only names."""
         return len(self.content) <= EMBEDDED_BYTES
@@ -103,7 +108,7 @@ class AnyReport(ABC, Generic[R]):
             guarantee_words=self.GUARANTEES,
             theorems=THEOREMS,
             file=self.file,
-            digested=self.DIGESTED,
+            digested=self.digested,
             digest=problem.digest(),
             checked=self.verdict.theorems,
             **self.values(names),

@@ -9,6 +9,13 @@ from certreg.errors import DegenerateProblemError
 from certreg.registration import simulate_breaking
 from certreg.report.any_report import AnyReport, head_of
 from certreg.report.breaking import breaking_course
+from certreg.report.consensus_fit import (
+    fit_overview,
+    fit_remedies,
+    fit_theorems,
+    fit_verdict,
+    kinds_words,
+)
 from certreg.report.consensus_picture import pairs_picture, residual_chart
 from certreg.report.consensus_summary import HARDER, TOLD_SECOND, reach_degrees
 from certreg.report.overview import Fact, Overview
@@ -54,6 +61,12 @@ class ConsensusReport(AnyReport[Any]):
             documentation=documentation,
         )
 
+    @property
+    def digested(self) -> str:
+        """What the digest binds: springs in the place of weights, where there are some."""
+        springs = self.registration.problem.factors is not None
+        return "points, bounds and springs" if springs else self.DIGESTED
+
     def values(self, names: Names) -> Mapping[str, Any]:
         """Headline, pose and pictures; residuals, what is undecided, the other motion; proofs."""
         result = self.registration
@@ -62,8 +75,8 @@ class ConsensusReport(AnyReport[Any]):
         head = head_of(
             result.headline,
             further=[WEAK_FIT] if self.weak else [],
-            todo=[f"{HARDER}."] if undecided else [],
-            warnings=[one.text for one in result.fit.fit.warnings],
+            todo=[*[f"{HARDER}."] * undecided, *_spring_remedies(result)],
+            warnings=[*result.problem.notes, *(one.text for one in result.fit.fit.warnings)],
         )
         return {
             **head,
@@ -87,7 +100,7 @@ class ConsensusReport(AnyReport[Any]):
 def _overview(result: ConsensusRegistration) -> Overview:
     """That of the least squares over the met pairs, with what is proved of all pairs first."""
     labels, found = result.labels, result.lower
-    own = Overview.of(result.fit)
+    own = fit_overview(result.fit)
     reach = reach_degrees(result)
     counts = ", ".join(
         f"{labels.count(word)} {word}" for word in ("inlier", "outlier", "undecided")
@@ -103,9 +116,18 @@ def _overview(result: ConsensusRegistration) -> Overview:
     return replace(own, proved=(*facts, *own.proved))
 
 
+def _spring_remedies(result: ConsensusRegistration) -> list[str]:
+    """What may help where springs leave a pose undetermined, or hardly determined."""
+    return [] if result.problem.factors is None else fit_remedies(result.fit)
+
+
 def _residual_words(result: ConsensusRegistration) -> Iterator[str]:
     largest = number(float(result.residuals[result.inliers].max()))
     yield f"The pose is that of the least squares over the {result.lower} pairs that are met."
+    if (kinds := kinds_words(result)) is not None:
+        yield f"{begun(kinds)}."
+        if result.fit.unique is not True:
+            yield f"Of the least squares: {fit_verdict(result.fit)[0]}"
     if result.broken:
         rows = result.names.words(result.broken[:8], len(result.broken))
         yield (
@@ -149,7 +171,8 @@ def _other_words(result: ConsensusRegistration) -> str | None:
 def _course(result: ConsensusRegistration) -> Any:
     """The motion while the springs break; None of many pairs, and where none is defined."""
     block = result.problem.problem.block(slice(None))
-    if result.problem.n > MOST_MOVED or not block.weights.all():
+    springs = result.problem.factors is not None
+    if result.problem.n > MOST_MOVED or springs or not block.weights.all():
         return None
     try:
         run = simulate_breaking(
@@ -192,5 +215,5 @@ def _known(result: ConsensusRegistration) -> Iterator[Sentence]:
     yield Sentence(
         words=f"The least squares over these {found} pairs: {result.fit.status.value}.",
         guarantee=exact,
-        theorems=("optimality_certificate",),
+        theorems=fit_theorems(result.fit),
     )

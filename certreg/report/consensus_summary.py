@@ -6,8 +6,9 @@ import math
 from typing import TYPE_CHECKING
 
 from certreg.exact import double_above
-from certreg.report.remedies import ADVICE, remedies
-from certreg.report.summary import explained_words, number, verdict_words
+from certreg.report.consensus_fit import fit_remedies, fit_verdict, kinds_words, rmse_words
+from certreg.report.remedies import ADVICE
+from certreg.report.summary import number
 
 if TYPE_CHECKING:
     from certreg.registration import ConsensusRegistration
@@ -23,23 +24,27 @@ def consensus_summary(result: ConsensusRegistration) -> str:
     found, undecided = result.lower, labels.count("undecided")
     sure, out = labels.count("inlier"), labels.count("outlier")
     rmse = "beyond doubles" if fit.rmse is None else number(fit.rmse)
+    kinds, (verdict, *further) = kinds_words(result), fit_verdict(fit)
     largest = float(result.residuals[result.inliers].max())
     lines = [
         result.headline,
         *([f"{ADVICE}{HARDER}."] if undecided else []),
-        *(f"{ADVICE}{words}" for words in remedies(fit)),
+        *(f"{ADVICE}{words}" for words in fit_remedies(fit)),
         "",
         f"  correspondences   {result.problem.n}",
         f"  within bounds     {found} found, at most {result.upper} (proved)",
         f"  labels            {sure} inliers, {out} outliers, {undecided} undecided",
         *_second(result),
-        f"  least squares     of these {found}: {verdict_words(fit)[0]}",
+        *([] if kinds is None else [f"  springs           {kinds}"]),
+        f"  least squares     of these {found}: {verdict}",
+        *(f"                    {words}" for words in further),
         f"  rotation (wxyz)   {' '.join(map(repr, pose.quaternion_wxyz.tolist()))}",
         f"  translation       {' '.join(map(repr, pose.translation.tolist()))}",
-        f"  RMSE              {rmse}  (of these {found}; explained {explained_words(fit.fit)})",
+        f"  RMSE              {rmse}  ({rmse_words(result)})",
         f"  largest residual  {number(largest)}",
         *_broken(result),
         *_reach(result),
+        *(f"  warning           {words}" for words in result.problem.notes),
     ]
     return "\n".join(lines)
 

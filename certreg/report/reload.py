@@ -22,7 +22,9 @@ from certreg.certificate import (
     IsotropicBody,
     PoseBounds,
     SimilarityBody,
+    SpringsConesBody,
     SpringsListBody,
+    SpringsSosBody,
     TruncatedRotationBody,
     pose_bounds,
     spring_pose_bounds,
@@ -42,6 +44,7 @@ from certreg.problem import (
 from certreg.registration import (
     CROSS_CHECK,
     SPRING_KINDS,
+    SpringRegistration,
     certified,
     certified_springs,
     restated_consensus,
@@ -61,6 +64,7 @@ if TYPE_CHECKING:
 
 SPRING = 12 * 8  # bytes of two points and six entries of a factor
 BOUNDED_PAIR = 8 * 8  # bytes of two points, a weight and a bound
+BOUNDED_SPRING = 13 * 8  # bytes of two points, a bound and a factor
 PAIR = 7 * 8  # bytes of two points and a weight; the data end with these, after a header
 WEAKER = 1e3  # times the bounds that certreg proves: the page warns of such a certificate
 
@@ -260,11 +264,8 @@ def _consensus_report(
     if fields is None or not data:
         message = f"{shown(file)}: holds no least squares, or no points: there is no pose to report"
         raise InvalidFileError(message, path=file)
-    doubles = np.frombuffer(data, dtype="<f8", offset=len(data) - BOUNDED_PAIR * n)
-    source, target, weights, bounds = np.split(doubles, [3 * n, 6 * n, 7 * n])
-    stated = RegistrationProblem(source.reshape(n, 3), target.reshape(n, 3), weights=weights)
-    result = restated_consensus(ConsensusProblem.of(stated, bounds), certificate, verdict)
-    given = _bounds(IsotropicBody.from_fields(fields), result.fit)
+    result = restated_consensus(_bounded_problem(certificate.body, n, data), certificate, verdict)
+    given = _fit_bounds(fields, result.fit)
     return ConsensusReport(
         registration=replace(result, fit=replace(result.fit, bounds=given)),
         certificate=certificate,
@@ -273,6 +274,27 @@ def _consensus_report(
         name=file.name,
         weak=_weaker(given, result.fit.bounds),
     )
+
+
+def _bounded_problem(body: ConsensusBody, n: int, data: bytes) -> ConsensusProblem:
+    """The pairs of a certificate, each with its bound, and a weight or a spring."""
+    size = BOUNDED_SPRING if body.springs else BOUNDED_PAIR
+    doubles = np.frombuffer(data, dtype="<f8", offset=len(data) - size * n)
+    source, target, own, others = np.split(doubles, [3 * n, 6 * n, 7 * n])
+    bounds = own if body.springs else others
+    held: dict[str, Any] = {"factors": others.reshape(n, 6)} if body.springs else {"weights": own}
+    stated = RegistrationProblem(source.reshape(n, 3), target.reshape(n, 3), **held)
+    return ConsensusProblem.of(stated, bounds)
+
+
+def _fit_bounds(fields: dict[str, Any], fit: Registration | SpringRegistration) -> PoseBounds:
+    """What the least squares in a certificate are proved to be, of the pose computed anew."""
+    if not isinstance(fit, SpringRegistration):
+        return _bounds(IsotropicBody.from_fields(fields), fit)
+    squares = fields["kind"] == SpringsSosBody.KIND
+    body: Any = (SpringsSosBody if squares else SpringsConesBody).from_fields(fields)
+    place = ExactPose.of_doubles(fit.pose.quaternion_wxyz, fit.pose.translation)
+    return spring_pose_bounds(fit.solution.objective, body, place)
 
 
 def _bounds(body: IsotropicBody | SimilarityBody, registration: Registration) -> PoseBounds:

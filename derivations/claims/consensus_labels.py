@@ -109,6 +109,7 @@ def accepted(labels: str, upper: int, stages: Sequence[object]) -> bool:
         fit=None,
         sin2_half_angle=None,
         tau=None,
+        springs=None,
     )
     try:
         return statement.prove(rows(), 0, equal=True).verified
@@ -176,7 +177,7 @@ CLAIM = Claim(
     not_claimed="That a pair which is not decided is in doubt: perhaps strikes would be found. "
     "That the targets are right: a maximum of wrong pairs is a maximum, too.",
     needs=("few_neighbours", "few_colours", "weighted_refutation"),
-    runs=("certreg.verify.ConsensusStatement.prove", "certreg.verify.ConsensusStatement._met"),
+    runs=("certreg.verify.ConsensusStatement.prove", "certreg.verify.LabelledStatement.met"),
     used_by=("certreg.certificate.producing_consensus.ConsensusProver",),
     not_in_coq="All of it: the checker in Coq reads no bounds of pairs.",
 )

@@ -40,6 +40,8 @@ CASES = (
             "certify cloud.csv noisy.csv --max-residual nothing.txt",
             "certify cloud.csv noisy.csv --effort 2",
             "certify cloud.csv noisy.csv --max-residual 0.08 --scale asymmetric",
+            "certify cloud.csv planes.csv --springs plane --max-residual 0.08",
+            "certify cloud.csv wall.csv --springs plane --max-residual 0.08",
         ),
     ),
     NetCase(

@@ -246,7 +246,6 @@ def test_nothing_that_fits_is_undecided():
         ({"bound": 0.0}, "max_residual is 0"),
         ({"scale": "symmetric"}, "max_residual is of a rigid motion, not yet with --scale"),
         ({"rotation_only": True}, "max_residual is of a rigid motion, not yet with --rotation"),
-        ({"normals": 1}, "max_residual goes with one weight for each pair, not yet with general"),
         ({"effort": 0}, "effort is 0: give a number above 0"),
         ({"effort": "much"}, "effort is 'much': give a number above 0"),
     ],
@@ -254,8 +253,6 @@ def test_nothing_that_fits_is_undecided():
 def test_what_is_refused_is_refused_in_one_line(change, words):
     source, target = wrong_pairs(1)
     n, bound = change.pop("n", 20), change.pop("bound", BOUND)
-    if "normals" in change:
-        change["normals"] = np.tile([0.0, 0.0, 1.0], (n, 1))
     with pytest.raises(InvalidProblemError, match=words):
         certified(source[:n], target[:n], bound, **change)
 

@@ -1,0 +1,63 @@
+"""What is said of the least squares over the proved pairs, whether they weigh or have springs."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from certreg.registration import SpringRegistration
+from certreg.report.overview import Overview
+from certreg.report.remedies import remedies
+from certreg.report.spring_overview import spring_overview
+from certreg.report.spring_summary import (
+    RMSE_WORDS,
+    spring_remedies,
+    spring_verdict_words,
+    springs_words,
+)
+from certreg.report.spring_words import RESTS_ON
+from certreg.report.summary import explained_words, verdict_words
+
+if TYPE_CHECKING:
+    from certreg.registration import ConsensusRegistration, Registration
+
+    AnyFit = Registration | SpringRegistration
+
+DISTANCES = "of the least squares alone: a bound is on the distance of two points"
+
+
+def fit_verdict(fit: AnyFit) -> list[str]:
+    """Its headline, and what the springs leave undetermined."""
+    if isinstance(fit, SpringRegistration):
+        return spring_verdict_words(fit)
+    return verdict_words(fit)[:1]
+
+
+def fit_remedies(fit: AnyFit) -> list[str]:
+    """What may help where something is said against it."""
+    return spring_remedies(fit) if isinstance(fit, SpringRegistration) else remedies(fit)
+
+
+def fit_overview(fit: AnyFit) -> Overview:
+    """The first screen of its page."""
+    return spring_overview(fit) if isinstance(fit, SpringRegistration) else Overview.of(fit)
+
+
+def rmse_words(result: ConsensusRegistration) -> str:
+    """What its RMSE is of."""
+    fit, found = result.fit, result.lower
+    if isinstance(fit, SpringRegistration):
+        return f"of these {found}, {RMSE_WORDS}"
+    return f"of these {found}; explained {explained_words(fit.fit)}"
+
+
+def kinds_words(result: ConsensusRegistration) -> str | None:
+    """What kind of springs the pairs have that are met, and what for; None where they weigh."""
+    fit = result.fit
+    return f"{springs_words(fit)}, {DISTANCES}" if isinstance(fit, SpringRegistration) else None
+
+
+def fit_theorems(fit: AnyFit) -> tuple[str, ...]:
+    """What its optimality rests on."""
+    if not isinstance(fit, SpringRegistration):
+        return ("optimality_certificate",)
+    return () if fit.method is None else (*RESTS_ON[fit.method], "spring_translation")
