@@ -1924,10 +1924,97 @@ def positive(form: list[int], q: list[int], f: int, h: int, spare: int, slack: i
 SUMS[TRUNCATED] = (2, bounded_pairs, "bounds are other ones: give --max-residual")
 
 # --- end of kind: truncated-rotation ------------------------------------------------------------
+# --- part: turns --------------------------------------------------------------------------------
+# A motion that meets two pairs, see `thinning`, is nearly a turn about the line through them.
+
+GRID = 64  # bits of frames
+QUARTER = 32  # turns in a quarter: by phi with tan(phi/2) = k/32, that is c, s over d
+TURNS = [(QUARTER**2 - k * k, 2 * QUARTER * k, QUARTER**2 + k * k) for k in range(QUARTER)]
+AXIS = 17, 29, 43  # across which the first axis of a frame lies: a line along it has none
+
+
+def turned(rows: Matrix, e: int, f: int, others: int) -> list[int]:
+    """A motion that meets e and f meets, of the others, no more than those of one of these sets.
+
+    a, b lead from e to f, p, q from e to another, ba and bp are the sums of the two bounds. Let R
+    be its rotation. |b - R a| <= ba, so R = E R_phi, where R_phi takes the direction of a to that
+    of b, and E turns by delta: 4 sin^2(delta/2) |a||b| = |b - R a|^2 - (|a| - |b|)^2, at most
+    2 |a||b| - D, D = |a|^2 + |b|^2 - ba^2. Let R_m have the angle m that is next to phi of those
+    with tan(m/2) = k / QUARTER and these plus 90, 180, 270 degrees, within 1 / QUARTER. Then
+    |q - R_m p| <= bp + (2 sin(delta/2) + 1 / QUARTER) min(|p|, |q|), as |q - R p| <= bp.
+    """
+    a, b, reach = parted(rows[e], rows[f])
+    A, B = squared(a), squared(b)
+    D, size = A + B - reach**2, isqrt(A * B << 2 * GRID) + 1  # size above |a||b|
+    require(D > 0, "rows {} and {} are too near to be turned about", e, f)
+    tilt = isqrt((2 * size - (D << GRID) << 2 * GRID) // size) + 1 + (1 << GRID) // QUARTER
+    frames, sets = (frame(a), frame(b)), [0] * (4 * QUARTER)
+    for i in ones(others):
+        p, q, reach = parted(rows[e], rows[i])
+        short, long = sorted((squared(p), squared(q)))
+        # x and y are off by less than 6 |p| and 6 |q|: nine entries by less than 2 each
+        x, y = ([sum(map(mul, axis, v)) for axis in F] for F, v in zip(frames, (p, q)))
+        reach = (reach << GRID) + 12 * (isqrt(long) + 1) + 1
+        reach += tilt * (isqrt(short << 2 * GRID) + 1) >> GRID
+        left, right, level = arc(x, y, reach)
+        for k, (c, s, d) in enumerate(TURNS):
+            one, other, least = left * c + right * s, right * c - left * s, level * d
+            for turn, value in enumerate((one, other, -one, -other)):
+                sets[4 * k + turn] |= (value >= least) << i
+    return sets
+
+
+def arc(x: Sequence[int], y: Sequence[int], reach: int) -> tuple[int, int, int]:
+    """A, B, g: turned by phi about the third axis x is within `reach` of y iff A c + B s >= g.
+
+    c = cos phi, s = sin phi: |x|^2 + |y|^2 - 2 (the product of y and turned x) <= reach^2.
+    """
+    level = squared(x) + squared(y) - reach * reach - 2 * x[2] * y[2]
+    return 2 * (x[0] * y[0] + x[1] * y[1]), 2 * (x[0] * y[1] - x[1] * y[0]), level
+
+
+def frame(a: list[int]) -> Matrix:
+    """Three axes, one across the other, of length 2^GRID, the last along a.
+
+    |v| 2^GRID is less than size + 1, so an entry is off by less than 2.
+    """
+    axes, across = list[list[int]](), crossed(a, AXIS)
+    for v in (across, crossed(a, across), a):
+        size = isqrt(squared(v) << 2 * GRID)
+        require(size, "two rows are along the axis of all frames")
+        axes.append([(k << 2 * GRID) // size for k in v])
+    return axes
+
+
+def parted(one: Sequence[int], other: Sequence[int]) -> tuple[list[int], list[int], int]:
+    """What leads from one row to another, in both clouds, and the sum of their bounds."""
+    gaps = [k - o for k, o in zip(other, one)]
+    return gaps[:3], gaps[3:6], one[7] + other[7]
+
+
+def crossed(a: Sequence[int], b: Sequence[int]) -> list[int]:
+    """The cross product."""
+    return [a[k - 2] * b[k - 1] - a[k - 1] * b[k - 2] for k in range(3)]
+
+
+def ones(mask: int) -> Iterator[int]:
+    """The places of the ones."""
+    while mask:
+        low = mask & -mask
+        yield low.bit_length() - 1
+        mask ^= low
+
+
+def squared(v: Sequence[int]) -> int:
+    """The square of its length."""
+    return sum(map(mul, v, v))
+
+
+# --- end of part: turns -------------------------------------------------------------------------
 # --- part: thinning -----------------------------------------------------------------------------
 # Pairs i, each with a bound b_i > 0, that one motion may meet together: |y_i - R x_i - t| <= b_i.
 
-LOOKS_MAX = 1 << 26  # at pairs and groups, in all stages: a minute
+LOOKS_MAX = 1 << 26  # at pairs, groups and turns, in all stages: a minute
 Steps = list[Any]
 
 
@@ -1935,7 +2022,8 @@ Steps = list[Any]
 class Thinning:
     """Of `alive`, a set of pairs as bits, what every motion that meets at least K of it can meet.
 
-    near: of each pair those that one motion may meet with it; a motion meets a clique.
+    near: of each pair those that one motion may meet with it; a motion meets a clique. Its own:
+    of pairs that are struck together both lose the other.
     """
 
     rows: Matrix
@@ -1943,44 +2031,70 @@ class Thinning:
     alive: int
     K: int
     looks: list[int]  # one number: how many there may be yet
+    rigid: bool = False  # whether all motions keep lengths, as `turned` asks
 
     def after(self, steps: Steps) -> int:
         """The pairs left. A motion that meets K pairs or more of `alive` meets none struck.
 
-        A step [e, [T, L], ...] strikes e. A motion that meets e misses a row of each T, a set of
-        neighbours of e that is not met as a whole with e. If no r rows hit every T, it misses
-        r + 1 rows of their union U or more, and of the other neighbours it meets at most as many
-        as they have colours, if no two of one colour are neighbours: 1 + |U| - r - 1 + colours in
-        all, less than K if r > |U| + colours - K.
+        A step [e, [T, L], ...] strikes e, [[e, f], [T, L], ...] neighbours e and f: none of these
+        motions meets both, so they are neighbours no longer.
         """
         alive, last = self._linked(self.alive), len(self.rows) - 1
         for step in listed(steps):
-            row, *groups = listed(step) or [None]
-            e = whole(row, last)
-            beside, sets, union = self.near[e] & alive, list[int](), 0
-            require(alive >> e & 1, "a step strikes row {} twice", e)
-            for group in groups:
-                T = [whole(i, last) for i in listed(listed(group, 2)[0])]
-                L = [whole(k, 1 << BITS) for k in listed(group[1])]
-                mask = sum({1 << i for i in T})
-                good = T and mask.bit_count() == len(T) and mask & ~beside == 0
-                require(good, "a group of row {} is not of its neighbours, each once", e)
-                require(len(L) == len(T) + 1 and any(L), "a group of row {} is not weighed", e)
-                refuted = self.refuted([self.rows[i] for i in (e, *T)], L)
-                require(refuted, "a group of row {} is not refuted", e)
-                sets, union = [*sets, mask], union | mask
-            most = self.K - 2 + len(sets) - union.bit_count()
-            others = colours(beside & ~union, self.near, most)
-            left_out = union.bit_count() + others - self.K + 1
-            struck = others <= most and not self._hit(sets, left_out)
-            require(struck, "row {} is not struck", e)
-            alive = self._linked(alive & ~(1 << e))
+            head, *groups = listed(step) or [None]
+            met = [whole(i, last) for i in (listed(head, 2) if head.__class__ is list else [head])]
+            who = " with ".join(map(str, met))
+            for i in met:
+                require(alive >> i & 1, "a step strikes row {} twice", i)
+            pair = len(met) == 2
+            require(not pair or self.near[met[0]] >> met[1] & 1, "row {} is no neighbour", who)
+            require(self._apart(met, alive, groups, who), "row {} is not struck", who)
+            for i, j in (met, met[::-1]) if pair else ():
+                self.near[i] &= ~(1 << j)
+            alive = self._linked(alive if pair else alive & ~(1 << met[0]))
         return alive
+
+    def _apart(self, met: list[int], alive: int, groups: Steps, who: str) -> bool:
+        """Whether no motion meets K pairs, these c = 1 or 2 among them, by the groups or turns.
+
+        It misses a row of each T, a set of their common neighbours that is not met as a whole with
+        them. If no r rows hit every T, it misses r + 1 rows of their union U or more, and of the
+        other neighbours it meets at most as many as they have colours, if no two of one colour are
+        neighbours: c + |U| - r - 1 + colours in all, less than K if r > |U| + colours + c - 1 - K.
+        """
+        beside, sets, union, room = alive, list[int](), 0, self.K - 1 - len(met)
+        for i in met:
+            beside &= self.near[i]
+        for group in groups:
+            T = [whole(i, len(self.rows) - 1) for i in listed(listed(group, 2)[0])]
+            L = [whole(k, 1 << BITS) for k in listed(group[1])]
+            mask = sum({1 << i for i in T})
+            good = T and mask.bit_count() == len(T) and mask & ~beside == 0
+            require(good, "a group of row {} is not of its neighbours, each once", who)
+            good = len(L) == len(T) + len(met) and any(L)
+            require(good, "a group of row {} is not weighed", who)
+            refuted = self.refuted([self.rows[i] for i in (*met, *T)], L)
+            require(refuted, "a group of row {} is not refuted", who)
+            sets, union = [*sets, mask], union | mask
+        most = room + len(sets) - union.bit_count()
+        others = colours(beside & ~union, self.near, most)
+        if others <= most and not self._hit(sets, union.bit_count() + others - room - 1):
+            return True
+        return self.rigid and len(met) == 2 and self._no_turn(met[0], met[1], beside)
 
     def refuted(self, rows: Matrix, weights: Sequence[int]) -> bool:
         """Whether no motion meets them all: then sum w r^2 <= sum w b^2, see `weighed`."""
         squares, bound, K = weighed(rows, weights)
         return definite(raised([[-2 * k for k in row] for row in K], squares - bound))
+
+    def _no_turn(self, e: int, f: int, beside: int) -> bool:
+        """Whether `turned` leaves too few of the rows beside e and f, whatever the turn."""
+        self._look(4 * QUARTER * beside.bit_count())
+        for mask in {*turned(self.rows, e, f, beside)}:
+            self._look(mask.bit_count())
+            if colours(mask, self.near, self.K - 3) > self.K - 3:
+                return False
+        return True
 
     def _hit(self, sets: list[int], most: int) -> bool:
         """Whether so many rows, or fewer, are enough for one of each set.
@@ -2033,14 +2147,6 @@ def whole(value: Any, most: int) -> int:
 def raised(A: Matrix, by: int) -> Matrix:
     """A + by I."""
     return [[k + by * (i == j) for j, k in enumerate(row)] for i, row in enumerate(A)]
-
-
-def ones(mask: int) -> Iterator[int]:
-    """The places of the ones."""
-    while mask:
-        low = mask & -mask
-        yield low.bit_length() - 1
-        mask ^= low
 
 
 def colours(mask: int, near: list[int], most: int) -> int:
@@ -2165,13 +2271,15 @@ class LabelledStatement(Statement):
 
 
 def staged(
-    stages: Steps, n: int, K: int, thin: Callable[[int, int], Thinning]
+    stages: Steps, near: list[int], K: int, thin: Callable[[list[int], int, int], Thinning]
 ) -> tuple[int, int, int]:
-    """What is left of n pairs after the first stage; no motion meets more; which pairs are met.
+    """What is left of all pairs after the first stage; no motion meets more; which pairs are met.
 
     The latter by every motion that meets K: so few pairs but one of them are left that fewer than K
-    can be met. thin: of a set of pairs and a number of them.
+    can be met. What the first stage strikes together no motion meets in any other, either. thin: of
+    neighbours, a set of pairs and a number of them.
     """
+    n = len(near)
     first = alive = (1 << n) - 1
     last, upper, sure = K, n, 0
     for number, stage in enumerate(stages):
@@ -2179,12 +2287,13 @@ def staged(
         k, i = whole(least, n + 1), whole(without, n)
         require(k == K if number == 0 or i < n else k >= last, "a stage is misplaced")
         require(number or i == n, "the first stage leaves a pair out")
-        left = thin(first & ~(1 << i) if i < n else alive, k).after(steps)
+        thinning = thin([*near], first & ~(1 << i) if i < n else alive, k)
+        left = thinning.after(steps)
         if i < n:
             sure |= (left.bit_count() < K) << i
             continue
         alive, last, upper = left, k, min(upper, max(k - 1, left.bit_count()))
-        first = first if number else left
+        first, near = (first, near) if number else (left, thinning.near)
     return first, upper, sure
 
 
@@ -2256,9 +2365,11 @@ class ConsensusStatement(LabelledStatement):
         del equal  # weights are of the fit alone
         met = self.met(m, e)
         K, looks, within = len(met), [LOOKS_MAX], sum(1 << i for i in met)
-        near = consistent([row[:8] for row in m])
         first, upper, sure = staged(
-            self.stages, len(m), K, lambda alive, k: Thinning(m, near, alive, k, looks)
+            self.stages,
+            consistent([row[:8] for row in m]),
+            K,
+            lambda near, alive, k: Thinning(m, near, alive, k, looks, rigid=True),
         )
         self.require_claims(within if first == within else sure, first, upper)
         fit = self.fitted(m, e, met, "springs-sos springs-cones" if self.springs else "isotropic")

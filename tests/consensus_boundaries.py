@@ -22,6 +22,7 @@ from typing import TYPE_CHECKING, Any
 import certificates as oracle
 import numpy as np
 from checker_boundaries import NEAR, Case, dyadic, outcome_of, value_of
+from turning_boundaries import turning_cases
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -476,6 +477,7 @@ def stage_cases() -> Iterator[Case]:
             )
     yield from later_cases()
     yield from plate_cases()
+    yield from parted_cases()
 
 
 def later_cases() -> Iterator[Case]:
@@ -512,6 +514,32 @@ def plate_cases() -> Iterator[Case]:
     ):
         found = pairs.document("????????", upper, stages)
         yield Case(f"plate {len(str(stages))} {upper}", outcome_of(found), answer)
+
+
+def parted_cases() -> Iterator[Case]:
+    """Rows that are struck together by turns: a plate, and a point that is mirrored; K = 6.
+
+    Strikes of the first stage stand in all, those of another one there alone.
+    """
+    plate = [[4.0, 0, 0], [-4, 3, 0], [-4, -3, 0], [-5, 0, 0], [5, 3, 0], [5, -4, 0]]
+    pairs = Stated([*plate, [0, 0, 2]], [*plate, [0, 0, -2]], [0.5] * 7)
+    part: Any = [[6, 0]]
+    for stages, labels, upper, answer in (
+        ([[6, 7, [part, [[1, 6]]]]], "iiiiiio", 6, "VERIFIED"),
+        ([[6, 7, [part]]], "iiiiiio", 7, "REFUSED: claims.labels: that of row 0 is not proved$"),
+        ([[6, 7, [part]]], "???????", 7, "VERIFIED"),
+        ([[6, 7, [part]]], "???????", 6, "REFUSED: claims.upper"),
+        ([[6, 7, [part]], [7, 7, []]], "???????", 6, "VERIFIED"),
+        ([[6, 7, [part]], [6, 1, []]], "?i?????", 7, "VERIFIED"),
+        ([[6, 7, [part]], [6, 0, []]], "i??????", 7, "REFUSED: claims.labels: that of row 0"),
+        ([[6, 7, []], [6, 0, [[[6, 1]]]], [6, 2, []]], "i??????", 7, "VERIFIED"),
+        ([[6, 7, []], [6, 0, [[[6, 1]]]], [6, 2, []]], "i?i????", 7, "REFUSED: claims.labels: th"),
+        ([[6, 7, []], [7, 7, [part]], [6, 1, []]], "???????", 6, "VERIFIED"),
+        ([[6, 7, []], [7, 7, [part]], [6, 1, []]], "?i?????", 6, "REFUSED: claims.labels: that"),
+        ([[6, 7, [[[0, 1]]]]], "???????", 7, "REFUSED: row 0 with 1 is not struck$"),
+    ):
+        found = pairs.document(labels, upper, stages)
+        yield Case(f"parted {stages} {labels} {upper}", outcome_of(found), answer)
 
 
 def size_cases() -> Iterator[Case]:
@@ -717,6 +745,6 @@ def cloud_cases() -> Iterator[Case]:
 def consensus_cases() -> list[Case]:
     parts = (
         *(vector_cases, length_cases, witness_cases, graph_cases, group_cases, stage_cases),
-        *(size_cases, reach_cases, word_cases),
+        *(size_cases, reach_cases, word_cases, turning_cases),
     )
     return [case for part in parts for case in part()]

@@ -1170,8 +1170,8 @@ MUTANTS = (
     Mutant(
         "a row more that is left out",
         CHECKER,
-        "union.bit_count() + others - self.K + 1",
-        "union.bit_count() + others - self.K",
+        "union.bit_count() + others - room - 1",
+        "union.bit_count() + others - room - 2",
         ("weighted_refutation",),
     ),
     Mutant(
@@ -1191,9 +1191,23 @@ MUTANTS = (
     Mutant(
         "K once, where it stands twice",
         CHECKER,
-        "A = [[-2 * k for k in row] for row in K]",
-        "A = [[-k for k in row] for row in K]",
+        "raised([[-2 * k for k in row] for row in K]",
+        "raised([[-k for k in row] for row in K]",
         ("weighted_refutation",),
+    ),
+    Mutant(
+        "turns about a line that does not tilt",
+        CHECKER,
+        "tilt = isqrt(",
+        "tilt = 0 * isqrt(",
+        ("arcs",),
+    ),
+    Mutant(
+        "an arc whatever lies along the line",
+        CHECKER,
+        "- reach * reach - 2 * x[2] * y[2]",
+        "- reach * reach",
+        ("arcs",),
     ),
     Mutant(
         "a reach without the bounds",

@@ -24,6 +24,7 @@ import numpy as np
 
 from certreg.certificate import ConsensusProver, consensus_certificate
 from certreg.certificate.consistency import consistent_pairs
+from certreg.certificate.parting import Parting
 from certreg.certificate.refuting import PointRows
 from certreg.certificate.thinning import Graph, Thinning
 from certreg.native import mask_of
@@ -163,10 +164,14 @@ def faults(seed: int) -> Iterator[str]:
         yield f"{seed}: two planted pairs are no neighbours"
     K = max(3, len(case.rows) - int(rng.integers(3)))
     few = rng.permutation(list(case.rows))[: int(rng.integers(1, K + 1))].tolist()
-    thinning = Thinning(Graph(near, PointRows.of(problem), 0.3), all_rows, K, mask_of(few))
+    graph = Graph(near, PointRows.of(problem), 0.3, rigid=True)
+    thinning = Thinning(graph, all_rows, K, mask_of(few))
     thinning.run()
+    Parting(thinning).run()
     if mine & ~thinning.alive:
         yield f"{seed}: a planted pair is struck of {K}"
+    if any(mine & ~(thinning.near[i] | 1 << i) for i in case.rows):
+        yield f"{seed}: two planted pairs are struck together of {K}"
     if seed % CHECKED == 0:
         yield from checked(seed, case, near, thinning, K)
 
@@ -178,9 +183,9 @@ def checked(seed: int, case: Planted, near: BitRows, thinning: Thinning, K: int)
     rows, _ = checker.bounded_rows(content, n)
     if checker.consistent(rows) != near.integers:
         yield f"{seed}: the graphs differ"
-    steps = [[s.row, *[[[*g.rows], [*g.weights]] for g in s.groups]] for s in thinning.strikes]
-    left = checker.Thinning(rows, near.integers, (1 << n) - 1, K, [checker.LOOKS_MAX]).after(steps)
-    if left != thinning.alive:
+    steps, looks = [strike.to_fields() for strike in thinning.strikes], [checker.LOOKS_MAX]
+    again = checker.Thinning(rows, [*near], (1 << n) - 1, K, looks, rigid=True)
+    if again.after(steps) != thinning.alive or again.near != [*thinning.near]:
         yield f"{seed}: the checker leaves other rows"
     if seed % PROVED == 0:
         yield from proved(seed, case)

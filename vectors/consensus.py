@@ -62,6 +62,7 @@ MIXED_STAGES: list[Any] = [[6, 12, [*FEW_COLOURS, [8, [[3, 5, 4], [1, 1, 1, 1]]]
 PLATE_STAGES: list[Any] = [[6, 7, [[6, [[0, 1, 2], [1, 1, 1, 1]], [[3, 4, 5], [1, 1, 1, 1]]]]]]
 PLATE_GROUPS = [[0, 1, 2], [0, 3, 4], [1, 3, 5]]  # no row is in all: two are missed
 PLATE_SHARED: list[Any] = [[6, 7, [[6, *[[T, [1, 1, 1, 1]] for T in PLATE_GROUPS]]]]]
+PLATE_PARTED: list[Any] = [[6, 7, [[[6, 0]], [[1, 6]]]]]  # too few neighbours are left
 SHARED_STAGES: list[Any] = [[6, 8, []], [7, 8, []], *[[6, i, []] for i in range(1, 6)]]
 
 
@@ -158,6 +159,7 @@ def accepted() -> dict[str, Certificate]:
         "-far-off": produced(off, MIXED_STAGES, mixed, 6, shift=[*map(int, shift), 0]),
         "-two-groups": produced(mirrored(), PLATE_STAGES, "iiiiiio", 6),
         "-shared-groups": produced(mirrored(), PLATE_SHARED, "iiiiiio", 6),
+        "-struck-together": bare(produced(mirrored(), PLATE_PARTED, "iiiiiio", 6)),
         "-undecided": produced(shared(), SHARED_STAGES, "?iiiii?o", 6),
         "-upper-alone": bare(produced(shared(), SHARED_STAGES[:2], "?" * 8, 6)),
         "-claims-less": bare(claim(good, labels="i?????o?????", upper=9)),
@@ -179,7 +181,8 @@ def claim(good: Certificate, **parts: Any) -> Certificate:
 def vectors() -> Vectors:
     """True ones, and forgeries: one for each thing that is asked of a file."""
     made = accepted()
-    forged = of_data() | of_claims(made) | of_stages(made) | of_groups(made) | of_fit(made)
+    forged = of_data() | of_claims(made) | of_stages(made) | of_groups(made) | of_pairs(made)
+    forged |= of_fit(made)
     return {
         **{f"accept-consensus{name}.json": (good, "") for name, good in made.items()},
         **{f"refuse-consensus-{name}.json": pair for name, pair in forged.items()},
@@ -295,6 +298,20 @@ def of_groups(made: dict[str, Certificate]) -> Vectors:
         "group-of-a-struck-row": (struck, CLASS),
         "step-of-too-many-colours": (mixed | {"stages": [[6, 12, [[7], [10], [6]]]]}, CLASS),
     }
+
+
+def of_pairs(made: dict[str, Certificate]) -> Vectors:
+    """Rows that are not struck together, or that are no two."""
+    good = made["-struck-together"]
+    one = PLATE_PARTED[0][2][0]
+    lists: dict[str, list[Any]] = {
+        "pair-left-out": [one],
+        "pair-twice-turned": [one, [[0, 6]]],
+        "pair-of-met-rows": [one, [[1, 2]]],
+        "pair-of-one-row": [one, [[6, 6]]],
+        "pair-with-a-group-not-refuted": [one, [[1, 6], [[2, 3], [1, 0, 1, 1]]]],
+    }
+    return {name: (good | {"stages": [[6, 7, steps]]}, CLASS) for name, steps in lists.items()}
 
 
 def of_fit(made: dict[str, Certificate]) -> Vectors:

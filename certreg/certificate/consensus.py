@@ -16,7 +16,7 @@ INLIER, OUTLIER, UNDECIDED = "i", "o", "?"  # labels of a file, a letter a pair
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Group(Brief):
-    """Rows that no motion meets together with the struck row: their weights, that row's first."""
+    """Rows that no motion meets together with what is struck: their weights, after its own."""
 
     rows: tuple[int, ...]
     weights: tuple[int, ...]
@@ -24,10 +24,30 @@ class Group(Brief):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Strike(Brief):
-    """A row that no motion meets that meets enough, and the groups that show it."""
+    """A row that no motion meets that meets enough, and the groups that show it.
+
+    other: None, or a second row that no such motion meets together with the first.
+    """
 
     row: int
+    other: int | None = None
     groups: tuple[Group, ...] = ()
+
+    def to_fields(self) -> list[Any]:
+        """As a file holds it."""
+        head = self.row if self.other is None else [self.row, self.other]
+        return [head, *[[[*g.rows], [*g.weights]] for g in self.groups]]
+
+    @classmethod
+    def from_fields(cls, fields: list[Any]) -> Strike:
+        """The inverse of `to_fields`."""
+        head, *groups = fields
+        pair = [head] if isinstance(head, int) else [*head]
+        return cls(
+            row=pair[0],
+            other=pair[1] if len(pair) > 1 else None,
+            groups=tuple(Group(rows=(*T,), weights=(*L,)) for T, L in groups),
+        )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -43,7 +63,7 @@ class Stage(Brief):
 
     def to_fields(self, n: int) -> list[Any]:
         """As a file holds it; n: of pairs."""
-        steps = [[s.row, *[[[*g.rows], [*g.weights]] for g in s.groups]] for s in self.strikes]
+        steps = [strike.to_fields() for strike in self.strikes]
         return [self.least, n if self.without is None else self.without, steps]
 
     @classmethod
@@ -53,10 +73,7 @@ class Stage(Brief):
         return cls(
             least=least,
             without=None if without == n else without,
-            strikes=tuple(
-                Strike(row=row, groups=tuple(Group(rows=(*T,), weights=(*L,)) for T, L in groups))
-                for row, *groups in steps
-            ),
+            strikes=tuple(Strike.from_fields(step) for step in steps),
         )
 
 

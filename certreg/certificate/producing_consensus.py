@@ -83,7 +83,7 @@ class ConsensusProver:
         self.problem = problem
         self._exact = ExactRows(problem)
         self._near = consistent_pairs(problem)
-        self.graph = Graph(self._near, PointRows.of(problem), effort)
+        self.graph = Graph(self._near, PointRows.of(problem), effort, rigid=True)
 
     @property
     def consistent(self) -> NDArray[np.bool_]:
@@ -104,9 +104,9 @@ class ConsensusProver:
         met = self._exact.met_by(witness)
         if len(met) < LEAST_PAIRS:
             return None
-        n, K, within = self.problem.n, len(met), mask_of(met)
-        stages, stager = list[Stage](), Stager(self.graph, met)
-        first = stager.stage(stages, (1 << n) - 1, K, within)
+        n, within = self.problem.n, mask_of(met)
+        stages = list[Stage]()
+        first, stager = Stager(self.graph, met).first(stages, (1 << n) - 1)
         upper, sure = first.bit_count(), within if first == within else 0
         if not sure:
             upper = stager.upper(stages, first, whole=whole)

@@ -6,10 +6,11 @@ tried, and whether the others are enough without each met pair.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from certreg.certificate.consensus import Stage
+from certreg.certificate.parting import Parting
 from certreg.certificate.thinning import Thinning
 from certreg.native import mask_of
 
@@ -28,6 +29,15 @@ class Stager:
     graph: Graph
     met: Sequence[int]
 
+    def first(self, stages: list[Stage], alive: int) -> tuple[int, Stager]:
+        """The rows left by the first stage, of as many as are met; who makes the later ones.
+
+        In these, too, no two rows are neighbours that it strikes together.
+        """
+        thinning = self._thinned(alive, len(self.met), mask_of(self.met))
+        stages.append(Stage(least=thinning.least, without=None, strikes=tuple(thinning.strikes)))
+        return thinning.alive, replace(self, graph=replace(self.graph, near=thinning.near))
+
     def stage(
         self,
         stages: list[Stage],
@@ -36,13 +46,18 @@ class Stager:
         clique: int,
         without: int | None = None,
     ) -> int:
-        """The rows left; the stage is kept where it is the first, or they are too few."""
+        """The rows left by a later stage, which is kept where they are too few."""
+        thinning = self._thinned(alive, least, clique)
+        if thinning.alive.bit_count() < least:
+            strikes = tuple(thinning.strikes)
+            stages.append(Stage(least=least, without=without, strikes=strikes))
+        return thinning.alive
+
+    def _thinned(self, alive: int, least: int, clique: int) -> Thinning:
         thinning = Thinning(self.graph, alive, least, clique)
         thinning.run()
-        left = thinning.alive
-        if not stages or left.bit_count() < least:
-            stages.append(Stage(least=least, without=without, strikes=tuple(thinning.strikes)))
-        return left
+        Parting(thinning).run()
+        return thinning
 
     def upper(self, stages: list[Stage], alive: int, *, whole: bool) -> int:
         """No motion meets more: the least number found of which too few rows are left.

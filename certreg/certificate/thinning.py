@@ -15,7 +15,7 @@ from certreg.native import mask_of, rows_of, thinned
 
 if TYPE_CHECKING:
     from certreg.certificate.refuting import PointRows
-    from certreg.native import Neighbours
+    from certreg.native import BitRows, Neighbours
 
 MOST_GROUPS = 64  # of one row, at effort 1
 MOST_LEFT_OUT = 4  # rows, where groups share some: the sets to be tried grow as its power
@@ -23,11 +23,15 @@ MOST_LEFT_OUT = 4  # rows, where groups share some: the sets to be tried grow as
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Graph:
-    """Pairs that one motion may meet together, as bits; their points; how hard to try."""
+    """Pairs that one motion may meet together, as bits; their points; how hard to try.
+
+    rigid: whether all motions keep lengths, so that two pairs can be parted by turns.
+    """
 
     near: Neighbours
     points: PointRows
     effort: float = 1.0
+    rigid: bool = False
 
 
 class Thinning:
@@ -38,7 +42,7 @@ class Thinning:
     """
 
     def __init__(self, graph: Graph, alive: int, least: int, clique: int) -> None:
-        self._graph, self._least, self._clique = graph, least, clique
+        self.graph, self.least, self.clique = graph, least, clique
         self._failed: dict[int, tuple[int, int]] = {}
         self._left = thinned(graph.near, alive, least, clique)
         self.strikes: list[Strike] = []
@@ -47,6 +51,35 @@ class Thinning:
     def alive(self) -> int:
         """The rows left, as bits."""
         return self._left.alive
+
+    @property
+    def near(self) -> BitRows:
+        """The neighbours of each row, without those that are struck together."""
+        return self._left.near
+
+    @property
+    def closed(self) -> bool:
+        """Whether no row is open, or too few are left for any motion."""
+        alive = self.alive
+        return not alive & ~self.clique or alive.bit_count() < self.least
+
+    def open_rows(self) -> list[int]:
+        """Those left that are not of the clique, those with few neighbours first."""
+        rows = rows_of(self.alive & ~self.clique)
+        return sorted(rows, key=lambda e: self.beside(e).bit_count())
+
+    def beside(self, row: int) -> int:
+        """Its neighbours that are left, as bits."""
+        return self._left.beside(row)
+
+    def colours(self, rows: int, most: int) -> int:
+        """How many colours rows take, as neighbours have different ones; or one more than most."""
+        return self._left.colours(rows, most)
+
+    def part(self, row: int, other: int) -> None:
+        """Strikes two neighbours together."""
+        self.strikes.append(Strike(row=row, other=other))
+        self._left.cut(row, other)
 
     def run(self) -> None:
         """Strikes rows until none falls."""
@@ -61,9 +94,8 @@ class Thinning:
     def _strike_by_groups(self) -> bool:
         """Tries all rows once, those with few neighbours first; whether one fell."""
         left, alive, struck = self._left, self.alive, False
-        rows = sorted(rows_of(alive & ~self._clique), key=lambda e: left.beside(e).bit_count())
-        for e in rows:
-            if alive.bit_count() < self._least:
+        for e in self.open_rows():
+            if alive.bit_count() < self.least:
                 return False
             if alive >> e & 1 and (groups := self._groups(e)) is not None:
                 self.strikes.append(Strike(row=e, groups=groups))
@@ -78,9 +110,9 @@ class Thinning:
         one of each group.
         """
         beside = self._left.beside(e)
-        rows = beside & self._clique
-        others = self._left.colours(beside & ~rows, self._least)
-        most = rows.bit_count() + others - (self._least - 1)
+        rows = beside & self.clique
+        others = self._left.colours(beside & ~rows, self.least)
+        most = rows.bit_count() + others - (self.least - 1)
         failed = self._failed.get(e)
         if not 0 <= most < rows.bit_count() or (failed == (rows, most)):
             return None
@@ -96,7 +128,7 @@ class Thinning:
         """Groups without a common row, one more than `most` if there are so many."""
         family: list[Group] = []
         while rows and len(family) <= most:
-            group = self._graph.points.refutation(e, list(rows_of(rows)))
+            group = self.graph.points.refutation(e, list(rows_of(rows)))
             if group is None:
                 break
             family.append(group)
@@ -108,13 +140,13 @@ class Thinning:
 
         Rows that meet all so far are left out, and the others refuted.
         """
-        limit = round(MOST_GROUPS * self._graph.effort)
+        limit = round(MOST_GROUPS * self.graph.effort)
         masks = [mask_of(group.rows) for group in family]
         while most <= MOST_LEFT_OUT and len(family) < limit:
             out = transversal(masks, most)
             if out is None:
                 return family
-            group = self._graph.points.refutation(e, list(rows_of(rows & ~out)))
+            group = self.graph.points.refutation(e, list(rows_of(rows & ~out)))
             if group is None:
                 return None
             family.append(group)

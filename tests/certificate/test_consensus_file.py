@@ -39,6 +39,7 @@ def test_what_the_checker_calls_no_number_row_or_list_has_not_the_form_of_the_sc
         "refuse-consensus-group-of-a-weight-below-0",
         "refuse-consensus-group-of-no-row",
         "refuse-consensus-label-of-another-letter",
+        "refuse-consensus-pair-of-one-row",
         "refuse-consensus-stage-number-true",
         "refuse-consensus-stage-of-two-entries",
         "refuse-consensus-stages-in-an-object",

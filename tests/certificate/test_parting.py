@@ -1,0 +1,168 @@
+"""Two rows that are struck together: the same turns in doubles as in the checker's integers."""
+
+from __future__ import annotations
+
+import json
+from importlib import import_module
+
+import numpy as np
+import pytest
+from consensus_rates import Cell
+
+from certreg.certificate import ConsensusProver, consensus_certificate
+from certreg.certificate.parting import Parting
+from certreg.certificate.refuting import PointRows
+from certreg.certificate.thinning import Thinning
+from certreg.certificate.turning import sets_of, turned
+from certreg.native import mask_of, rows_of
+from certreg.problem import ConsensusProblem, RegistrationProblem
+from certreg.registration.consensus import proved_consensus
+
+checker = import_module("certreg.verify")
+
+
+def integer_rows(problem):
+    content = problem.data_bytes()[len(checker.CONSENSUS) + 8 :]
+    return checker.bounded_rows(content, problem.n)[0]
+
+
+def compared(problem, e, f, rows):
+    """How many pairs of rows doubles leave open, of those that the checker takes."""
+    turns = turned(PointRows.of(problem), e, f, rows)
+    if turns is None:
+        return 1
+    exact = checker.turned(integer_rows(problem), e, f, mask_of(rows))
+    own = [mask_of([row for row, there in zip(rows, one, strict=True) if there]) for one in turns]
+    quarter = checker.QUARTER
+    assert own == [exact[4 * (m % quarter) + m // quarter] for m in range(4 * quarter)]
+    assert sets_of(turns, rows, 0) == set(exact)
+    assert sets_of(turns, rows, 2) == {mask for mask in exact if mask.bit_count() >= 2}
+    return 0
+
+
+@pytest.mark.parametrize("size", [1.0, 2.0**-300, 2.0**300])
+@pytest.mark.parametrize("sigma", [0.0, 1e-9, 0.03])
+def test_doubles_have_the_turns_of_the_checker_or_none(size: float, sigma: float):
+    rng, left_open = np.random.default_rng(5), 0
+    x = rng.uniform(-1.0, 1.0, (8, 3))
+    y = x[:, [1, 2, 0]] * [1, 1, rng.choice([-1, 1])] + rng.normal(0.0, sigma, (8, 3))
+    problem = ConsensusProblem.of(RegistrationProblem(size * x, size * y), size * (0.01 + sigma))
+    for e, f in ((0, 1), (1, 0), (3, 5), (7, 2)):
+        left_open += compared(problem, e, f, [k for k in range(8) if k not in (e, f)])
+
+    assert left_open == 0
+
+
+def test_rows_that_are_near_or_along_the_axis_of_frames_are_not_told():
+    source = [[0, 0, 0], [0.1, 0, 0], [17, 29, 43], [0, 9, 0], [0, 0, 1e-200]]
+    points = PointRows.of(ConsensusProblem.of(RegistrationProblem(source, source), 1.0))
+    fine = PointRows.of(ConsensusProblem.of(RegistrationProblem(source, source), 1e-250))
+
+    assert turned(points, 0, 1, [2, 3]) is None
+    assert turned(points, 0, 2, [1, 3]) is None
+    assert turned(fine, 0, 4, [1, 3]) is None
+    assert turned(points, 0, 3, [1, 2]) is not None
+
+
+def test_where_a_row_is_on_the_edge_of_a_turn_doubles_tell_nothing():
+    """At phi = 0 it is off by 4: its bound is 3, and 1/32 of 32 is added."""
+    source = [[0, 0, 0], [0, 0, 64], [32, 0, 0]]
+    target = [[0, 0, 0], [0, 0, 64], [32, 0, 4]]
+    bounds = np.array([2.0**-60, 2.0**-60, 3.0])
+    problem = ConsensusProblem.of(RegistrationProblem(source, target), bounds)
+    wider = ConsensusProblem.of(RegistrationProblem(source, target), bounds + 1e-6)
+
+    assert turned(PointRows.of(problem), 0, 1, [2]) is None
+    assert compared(wider, 0, 1, [2]) == 0
+
+
+def twins(rng, count):
+    """So many pairs under one motion, as many that are mirrored, all bounds 0.02."""
+    x = rng.uniform(-1.0, 1.0, (2 * count, 3))
+    y = x.copy()
+    y[count:, 2] *= -1.0
+    return ConsensusProblem.of(RegistrationProblem(x, y), 0.02)
+
+
+def test_mirror_images_are_struck_that_no_single_row_is():
+    """They agree in all lengths, so they are a clique as large as that of the motion."""
+    problem = twins(np.random.default_rng(2), 9)
+    prover, everything, within = ConsensusProver(problem), (1 << 18) - 1, (1 << 9) - 1
+    thinning = Thinning(prover.graph, everything, 9, within)
+    thinning.run()
+    before = thinning.alive
+    Parting(thinning).run()
+    found = prover.prove(np.eye(3), np.zeros(3))
+
+    assert before == everything
+    assert thinning.alive == within
+    assert all(strike.other is not None for strike in thinning.strikes)
+    assert found is not None
+    assert found.labels == "i" * 9 + "o" * 9
+    assert checker.check(consensus_certificate(problem, found, None).to_json()).verified
+
+
+def test_no_pair_is_struck_where_two_motions_meet_as_many():
+    rng = np.random.default_rng(3)
+    x = rng.uniform(-1.0, 1.0, (16, 3))
+    y = x.copy()
+    y[8:] = x[8:][:, [1, 2, 0]]
+    problem = ConsensusProblem.of(RegistrationProblem(x, y), 0.02)
+    near = ConsensusProver(problem).graph.near
+    thinning = Thinning(ConsensusProver(problem).graph, (1 << 16) - 1, 8, (1 << 8) - 1)
+    thinning.run()
+    Parting(thinning).run()
+
+    assert thinning.alive == (1 << 16) - 1
+    assert all(thinning.near[i] & 255 == near[i] & 255 for i in range(8))
+    assert all(thinning.near[i] >> 8 == near[i] >> 8 for i in range(8, 16))
+
+
+@pytest.fixture(scope="module")
+def few():
+    """Five right pairs of a hundred."""
+    cell = Cell(n=100, wrong=95)
+    problem = cell.problem(cell.instance(3))
+    prover = ConsensusProver(problem)
+    found = proved_consensus(problem, prover, 1.0)
+    assert found is not None
+    return problem, found, prover
+
+
+def test_where_few_pairs_are_right_rows_fall_that_stayed(few):
+    problem, found, prover = few
+    pairs = [strike for strike in found.stages[0].strikes if strike.other is not None]
+    met = mask_of(found.met)
+    alone = Thinning(prover.graph, (1 << problem.n) - 1, len(found.met), met)
+    alone.run()
+
+    assert len(pairs) > 50
+    assert 2 * found.labels.count("?") < alone.alive.bit_count()
+    assert checker.check(consensus_certificate(problem, found, None).to_json()).verified
+
+
+def test_a_certificate_without_one_of_its_pairs_is_refused_or_says_as_little(few):
+    problem, found, _ = few
+    document = json.loads(consensus_certificate(problem, found, None).to_json())
+    steps = document["stages"][0][2]
+    places = [k for k, step in enumerate(steps) if isinstance(step[0], list)]
+    dropped = json.loads(json.dumps(document))
+    del dropped["stages"][0][2][places[0]]
+
+    assert checker.check(json.dumps(document).encode()).verified
+    assert not checker.check(json.dumps(dropped).encode()).verified
+
+
+def test_turns_are_not_tried_without_end(few):
+    problem, found, _ = few
+    near = ConsensusProver(problem, effort=0.0).graph
+    thinning = Thinning(near, (1 << problem.n) - 1, len(found.met), mask_of(found.met))
+    thinning.run()
+    Parting(thinning).run()
+    used = checker.Thinning(
+        integer_rows(problem), [*near.near], (1 << problem.n) - 1, len(found.met), [10**9]
+    )  # not rigid: without turns
+
+    left = used.after([strike.to_fields() for strike in thinning.strikes])
+    assert left == thinning.alive
+    assert set(rows_of(left)) >= {k for k, label in enumerate(found.labels) if label != "o"}
