@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import ArrayLike, NDArray
 
+    from certreg.geometry import Matrix3
     from certreg.native import Records
     from certreg.problem import ExactMoments
 
@@ -118,10 +119,19 @@ def body_of(moments: ExactMoments, damping: float, *, length_exponent: int | Non
     matrix is the inverse of J.
     """
     core = core_of(moments, length_exponent)
-    inverse = np.linalg.inv(_full(core.inertia)).tolist()
-    upper = [inverse[i][j] for i in range(3) for j in range(i, 3)]
-    numbers = [*core.cross, *core.inertia, *upper, core.spread, damping]
+    places = 2 * (moments.source_exponent - core.length_exponent)
+    inverse = _inverse(moments.inertia, places, moments.mass**2)
+    numbers = [*core.cross, *core.inertia, *inverse, core.spread, damping]
     return Body(record=named(numbers, BODY), length_exponent=core.length_exponent)
+
+
+def _inverse(inertia: Matrix3[int], places: int, over: int) -> list[float]:
+    """The upper triangle of the inverse of integers times 2^places, over an integer."""
+    (a, b, c), (_, d, e), (_, _, f) = inertia
+    first, second, third = d * f - e * e, c * e - b * f, b * e - c * d
+    cofactors = (first, second, third, a * f - c * c, b * c - a * e, a * d - b * b)
+    determinant = a * first + b * second + c * third
+    return _in_doubles([entry * over for entry in cofactors], -places, determinant)
 
 
 @dataclass(frozen=True, slots=True)
@@ -207,8 +217,9 @@ def centres_apart(moments: ExactMoments, length_exponent: int) -> list[float]:
     """The source's centre of mass where it was given minus the target's, over 2^length_exponent."""
     a, b = moments.source_exponent, moments.target_exponent
     least = min(a, b)
+    x, y = a - least, b - least
     pairs = zip(moments.source_sum, moments.target_sum, strict=True)
-    apart = (((x << (a - least)) - (y << (b - least))) for x, y in pairs)
+    apart = [(here << x) - (there << y) for here, there in pairs]
     return _in_doubles(apart, least - length_exponent, moments.mass)
 
 

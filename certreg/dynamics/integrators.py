@@ -8,7 +8,9 @@ from __future__ import annotations
 import math
 from contextlib import suppress
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from functools import lru_cache
+from types import SimpleNamespace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -21,6 +23,7 @@ from certreg.native import (
     Integrator,
     Rules,
     current_engine,
+    named,
     plain,
     symmetric,
 )
@@ -96,17 +99,23 @@ class SimulationSettings:
 
     @property
     def rules(self) -> Rules:
-        """What the loops take of it.
+        """What the loops take of it."""
+        return _rules(self)
 
-        The height above the optimum over l1 - l2 bounds sin^2 of half the angle to the optimum.
-        """
-        return Rules(
-            speed_tolerance=self.speed_tolerance,
-            rest_share=math.sin(self.rest_angle / 2.0) ** 2,
-            first_perturbation=self.first_perturbation,
-            max_steps=self.max_steps,
-            threads=self.threads,
-        )
+
+@lru_cache(maxsize=16)
+def _rules(settings: SimulationSettings) -> Rules:
+    """The height above the optimum over l1 - l2 bounds sin^2 of half the angle to the optimum."""
+    return Rules(
+        speed_tolerance=settings.speed_tolerance,
+        rest_share=math.sin(settings.rest_angle / 2.0) ** 2,
+        first_perturbation=settings.first_perturbation,
+        max_steps=settings.max_steps,
+        threads=settings.threads,
+    )
+
+
+DEFAULT_SETTINGS = SimulationSettings()
 
 
 def step_parameters(
@@ -122,19 +131,34 @@ def step_parameters(
         limit = _stable_euler_steps(bodies, basins, settings)
         steps["h"] = np.minimum(settings.step or EULER_STEP, limit)
         return steps
+    if len(bodies) == 1:  # plain floats, which NumPy takes ten times as long for
+        _, _, stiffest = _ratios_of_one(bodies, basins)
+        own = _own_step(integrator, stiffest, bodies["damping"].item(0), settings.step, _FLOATS)
+        return named([[float(number) for number in own]], integrator.step)
     _, _, stiffest = spring_ratios(bodies, basins).T
-    fastest = np.maximum(TRANSLATION_STIFFNESS, stiffest)
-    period = np.sqrt(TRANSLATION_STIFFNESS / fastest)  # 1 without noise
+    own = _own_step(integrator, stiffest, bodies["damping"], settings.step, np)
+    for part, numbers in zip(integrator.step.names or (), own, strict=True):
+        steps[part] = numbers
+    return steps
+
+
+_FLOATS = SimpleNamespace(
+    maximum=max, minimum=min, sqrt=math.sqrt, exp=math.exp, expm1=math.expm1, inf=math.inf
+)  # of NumPy's functions those that are needed below
+
+
+def _own_step(
+    integrator: Integrator, stiffest: Any, damping: Any, given: float | None, functions: Any
+) -> tuple[Any, ...]:
+    """The parts of steps of the midpoint rule or the splitting: of many bodies, or of one."""
+    fastest = functions.maximum(TRANSLATION_STIFFNESS, stiffest)
+    period = functions.sqrt(TRANSLATION_STIFFNESS / fastest)  # 1 without noise
     if integrator is Integrator.MIDPOINT:
         own = MIDPOINT_SHARE * period
-        given = np.minimum(settings.step or np.inf, MIDPOINT_MOST * own)
-        steps["h"] = given if settings.step else own
-        return steps
-    h = np.minimum(settings.step or np.inf, SPLITTING_SHARE * period)
-    mu = bodies["damping"]
-    decayed = -mu * h
-    steps["h"], steps["decay"], steps["impulse"] = h, np.exp(decayed), -np.expm1(decayed) / mu
-    return steps
+        return (functions.minimum(given, MIDPOINT_MOST * own) if given else own,)
+    h = functions.minimum(given or functions.inf, SPLITTING_SHARE * period)
+    decayed = -damping * h
+    return h, functions.exp(decayed), -functions.expm1(decayed) / damping
 
 
 def integrate(batch: Batch, settings: SimulationSettings, log: Log | None = None) -> None:
@@ -147,10 +171,13 @@ def integrate(batch: Batch, settings: SimulationSettings, log: Log | None = None
     if batch.integrator is not Integrator.SPLITTING:
         current_engine().run(batch, rules, log)
         return
-    starts = batch.states.copy()
+    kept = batch.states.tobytes()  # sooner copied than records
     current_engine().run(batch, rules, log)
+    if np.count_nonzero(batch.status) == len(batch.status):  # none is out of steps
+        return
+    starts = np.frombuffer(kept, batch.states.dtype)
     for _ in range(SPLITTING_HALVINGS):
-        if batch.status.all():  # none is out of steps
+        if batch.status.all():
             return
         unfinished = (batch.status == Ending.OUT_OF_STEPS) & (batch.taken < rules.max_steps)
         lost = np.asarray(unfinished & np.isfinite(plain(starts)).all(axis=1), dtype=np.bool_)
@@ -168,10 +195,18 @@ def integrate(batch: Batch, settings: SimulationSettings, log: Log | None = None
 def spring_ratios(bodies: Records, basins: Records) -> NDArray[np.float64]:
     """The eigenvalues of the pencil (G, J) at the optimum, ascending, (count, 3)."""
     if len(bodies) == 1:
-        q, cross, inertia = basins["quaternions"][0, 0], bodies["cross"][0], bodies["inertia"][0]
-        with suppress(ValueError, ZeroDivisionError):  # what NumPy finds then, if anything, is told
-            ratios = spring_ratios_of_one(q.tolist(), cross.ravel().tolist(), inertia.tolist())
-            return ratios[np.newaxis]
+        return np.array([_ratios_of_one(bodies, basins)])
+    return _ratios_of_many(bodies, basins)
+
+
+def _ratios_of_one(bodies: Records, basins: Records) -> list[float]:
+    q, cross, inertia = basins["quaternions"][0, 0], bodies["cross"][0], bodies["inertia"][0]
+    with suppress(ValueError, ZeroDivisionError):  # what NumPy finds then, if anything, is told
+        return spring_ratios_of_one(q.tolist(), cross.ravel().tolist(), inertia.tolist())
+    return _ratios_of_many(bodies, basins)[0].tolist()
+
+
+def _ratios_of_many(bodies: Records, basins: Records) -> NDArray[np.float64]:
     aligned = rotation_matrices(basins["quaternions"][:, 0]).mT @ bodies["cross"]
     traces = np.trace(aligned, axis1=1, axis2=2)[:, np.newaxis, np.newaxis]
     hessian = 2.0 * traces * IDENTITY - aligned - aligned.mT

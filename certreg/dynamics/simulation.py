@@ -12,14 +12,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
 from certreg.dynamics.basin import basin_gaps, certified_basin
 from certreg.dynamics.body import body_of, centres_apart, core_of
 from certreg.dynamics.integrators import (
-    SimulationSettings,
+    DEFAULT_SETTINGS,
     integrate,
     spring_ratios,
     step_parameters,
@@ -44,22 +44,25 @@ from certreg.native import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
 
     from numpy.typing import NDArray
 
     from certreg.dynamics.basin import Basin
     from certreg.dynamics.body import Body
+    from certreg.dynamics.integrators import SimulationSettings
     from certreg.native import Records
     from certreg.objective import Isotropic
     from certreg.problem import ExactMoments
+
+Run = TypeVar("Run")
 
 LOG_CAPACITY = 2048  # samples of a trajectory that are kept
 SHORT_STEP = 0.1  # of the integrator's own: below, a run that did not end is told so
 FAR_DAMPING = 4.0  # times the best one, or a fourth of it: as above
 LARGE_TURN = 0.5  # radians of all perturbations, from which on a run is told of them
 MODEST = 1e60  # numbers of a state: no product of three of them and numbers of a body overflows
-NO_TURN, NO_TURN_QUATERNION = np.eye(3), (1.0, 0.0, 0.0, 0.0)
+NO_TURN, NO_TURN_QUATERNION = np.eye(3).ravel().tolist(), (1.0, 0.0, 0.0, 0.0)
 
 
 def simulate(
@@ -69,14 +72,16 @@ def simulate(
     *,
     start: NDArray[np.float64] | None = None,
     settings: SimulationSettings | None = None,
-) -> Trajectory:
+    kind: Callable[..., Run] = Trajectory,
+) -> Run:
     """The trajectory of the body of a problem, by default released at rest where it was given.
 
-    start: (18,), see `certreg.dynamics.body`, lengths over 2^length_exponent of the body.
+    start: (18,), see `certreg.dynamics.body`, lengths over 2^length_exponent of the body. kind: of
+    trajectory, made of the fields of one.
     Raises DegenerateProblemError where the dynamics is undefined, too stiff for explicit Euler, or
     so little damped that the integrator gains energy without end.
     """
-    settings = settings or SimulationSettings()
+    settings = settings or DEFAULT_SETTINGS
     require_dynamics(objective)
     moving = body_of(objective.moments, damping)
     basin = certified_basin(objective, moving.length_exponent)
@@ -96,7 +101,7 @@ def simulate(
     integrate(batch, settings, log)
     if (start is None or np.isfinite(start).all()) and _overflows(moving, batch):
         raise _gains_energy(moving, integrator)
-    return _trajectory(moving, basin, batch, log, settings)
+    return kind(**_told(moving, basin, batch, log, settings))
 
 
 def require_dynamics(objective: Isotropic) -> None:
@@ -108,7 +113,8 @@ def require_dynamics(objective: Isotropic) -> None:
 
 def _overflows(moving: Body, batch: Batch) -> bool:
     """Whether the energy of the last state of a body is beyond the doubles."""
-    if all(abs(number) < MODEST for number in plain(batch.states)[0].tolist()):
+    numbers: list[float] = plain(batch.states)[0].tolist()
+    if all(-MODEST < number < MODEST for number in numbers):
         return False
     with np.errstate(over="ignore", invalid="ignore"):
         end = moving.energies(plain(with_matrices(batch.states, batch.integrator))[0])
@@ -138,18 +144,14 @@ def optimal_damping(objective: Isotropic) -> float:
     core = core_of(objective.moments)
     basin_gaps(objective, core.length_exponent)  # raises where doubles do not tell the optimum
     optimum = unit_double(objective.eigenvectors[0]).tolist()
-    return _of_springs(spring_ratios_of_one(optimum, core.cross, core.inertia))
+    return _of_springs(spring_ratios_of_one(optimum, core.cross, core.inertia)[0])
 
 
 def _released(moments: ExactMoments, moving: Body, integrator: Integrator) -> Records:
     """The start of [Yang2020] as the integrator keeps it, (1,): see `start_at_rest`."""
-    states = np.zeros(1, dtype=integrator.state)
-    states["c"] = centres_apart(moments, moving.length_exponent)
-    if integrator is Integrator.EULER:
-        states["R"] = NO_TURN
-    else:
-        states["q"] = NO_TURN_QUATERNION
-    return states
+    turn = NO_TURN if integrator is Integrator.EULER else NO_TURN_QUATERNION
+    numbers = [*centres_apart(moments, moving.length_exponent), *turn, *[0.0] * 6]
+    return named([numbers], integrator.state)
 
 
 def _stepped(state: NDArray[np.float64], integrator: Integrator) -> Records:
@@ -171,26 +173,26 @@ _STATUSES = {
 }
 
 
-def _trajectory(
+def _told(
     moving: Body, basin: Basin, batch: Batch, log: Log, settings: SimulationSettings
-) -> Trajectory:
-    """What is told of a run."""
-    return Trajectory(
-        integrator=batch.integrator,
-        status=_STATUSES[Ending(int(batch.status[0]))],
-        step=float(batch.steps["h"][0]),
-        steps=int(batch.taken[0]),
-        escapes=int(batch.escapes[0]),
-        notes=tuple(_notes(basin, batch, settings)),
-        moving=moving,
-        basin=basin,
-        course=Course(samples=log.samples, last=batch.states, time=float(batch.times[0])),
-    )
+) -> dict[str, Any]:
+    """What is told of a run, by the names of the fields of `Trajectory`."""
+    return {
+        "integrator": batch.integrator,
+        "status": _STATUSES[Ending(batch.status.item(0))],
+        "step": batch.steps["h"].item(0),
+        "steps": batch.taken.item(0),
+        "escapes": batch.escapes.item(0),
+        "notes": tuple(_notes(basin, batch, settings)),
+        "moving": moving,
+        "basin": basin,
+        "course": Course(samples=log.samples, last=batch.states, time=batch.times.item(0)),
+    }
 
 
 def _notes(basin: Basin, batch: Batch, settings: SimulationSettings) -> Iterator[str]:
     """What is to be known of a run beside how it ended."""
-    escapes, status = int(batch.escapes[0]), int(batch.status[0])
+    escapes, status = batch.escapes.item(0), batch.status.item(0)
     if settings.step is not None and (step := float(batch.steps["h"][0])) < settings.step:
         yield (
             f"The step {settings.step:.6g} is longer than {batch.integrator.value} takes here: "
@@ -233,10 +235,9 @@ def _delay(basin: Basin, batch: Batch, settings: SimulationSettings) -> str:
 
 
 def _best_damping(bodies: Records, basins: Records) -> float:
-    return _of_springs(spring_ratios(bodies, basins))
+    return _of_springs(float(spring_ratios(bodies, basins).min()))
 
 
-def _of_springs(ratios: NDArray[np.float64]) -> float:
-    """The best damping of a body with these eigenvalues of the pencil (G, J)."""
-    least = float(ratios.min())
+def _of_springs(least: float) -> float:
+    """The best damping of a body with this least eigenvalue of the pencil (G, J)."""
     return 2.0 * math.sqrt(min(TRANSLATION_STIFFNESS, max(0.0, least)))

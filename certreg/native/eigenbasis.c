@@ -170,9 +170,9 @@ static void proposed(double matrix[16], fixed basis[4][4])
     }
 }
 
-int certreg_eigenbasis(const uint64_t *upper, uint64_t *values, uint64_t *vectors)
+int certreg_eigenbasis(const uint64_t *upper, uint64_t *found)
 {
-    fixed given[4][4], basis[4][4], found[4];
+    fixed given[4][4], basis[4][4], values[4];
     double largest = NEAR, doubles[16];
     for (int i = 0; i < 4; i++)
         for (int j = i; j < 4; j++, upper += WORDS) {
@@ -182,20 +182,20 @@ int certreg_eigenbasis(const uint64_t *upper, uint64_t *values, uint64_t *vector
         }
     proposed(doubles, basis);
     for (int step = 0; step < STEPS && largest > ENOUGH; step++) {
-        largest = corrected(given, basis, found);
+        largest = corrected(given, basis, values);
         if (!(largest < NEAR))
             return 0;
     }
-    memcpy(values, found, sizeof found);
-    memcpy(vectors, basis, sizeof basis);
+    memcpy(found, values, sizeof values);
+    memcpy(found + 4 * WORDS, basis, sizeof basis);
     return largest <= ENOUGH;
 }
 
 #else
 
-int certreg_eigenbasis(const uint64_t *upper, uint64_t *values, uint64_t *vectors)
+int certreg_eigenbasis(const uint64_t *upper, uint64_t *found)
 {
-    (void)upper, (void)values, (void)vectors;
+    (void)upper, (void)found;
     return 0;
 }
 

@@ -19,33 +19,30 @@ if TYPE_CHECKING:
 FIXED_BITS = 192  # behind the point
 WORD_BYTES, FIXED_WORDS = 8, 4  # CERTREG_FIXED_WORDS, as in native/eigenbasis.h
 _SIZE = WORD_BYTES * FIXED_WORDS
-_VALUES, _VECTORS = ctypes.c_char * (4 * _SIZE), ctypes.c_char * (16 * _SIZE)
+_Found, _NUMBERS = ctypes.c_char * (20 * _SIZE), struct.Struct(f"{_SIZE}s" * 20)
 
 
 def fixed_eigenbasis(
-    matrix: Sequence[Sequence[int]],
+    matrix: Sequence[Sequence[int]], shift: int = FIXED_BITS
 ) -> tuple[tuple[int, ...], tuple[tuple[int, ...], ...]] | None:
     """Eigenvalues, descending, and unit eigenvectors; all with `FIXED_BITS` fractional bits.
 
-    The largest entry of the matrix is from 1/2 to 1. Errors are of some units in the last places,
-    over the least difference of values. None where there is no compiled code, or the values are so
-    close that it leaves the matrix to others.
+    The largest entry of the matrix, over 2^shift, is from 1/2 to 1. Errors are of some units in the
+    last places, over the least difference of values. None where there is no compiled code, or the
+    values are so close that it leaves the matrix to others.
     """
     compiled = _compiled()
     if compiled is None:
         return None
-    upper = [entry for k, row in enumerate(matrix) for entry in row[k:]]
+    up, down, number = max(FIXED_BITS - shift, 0), max(shift - FIXED_BITS, 0), int.from_bytes
+    upper = [entry << up >> down for k, row in enumerate(matrix) for entry in row[k:]]
     given = b"".join([entry.to_bytes(_SIZE, "little", signed=True) for entry in upper])
-    values, vectors = _VALUES(), _VECTORS()
-    if not compiled(given, values, vectors):
+    found = _Found()
+    if not compiled(given, found):
         return None
-    entries = _integers(vectors.raw)
-    return _integers(values.raw), (entries[:4], entries[4:8], entries[8:12], entries[12:])
-
-
-def _integers(content: bytes) -> tuple[int, ...]:
-    parts, number = struct.unpack(f"{_SIZE}s" * (len(content) // _SIZE), content), int.from_bytes
-    return tuple([number(part, "little", signed=True) for part in parts])
+    parts = _NUMBERS.unpack(found.raw)
+    a = tuple([number(part, "little", signed=True) for part in parts])
+    return a[:4], (a[4:8], a[8:12], a[12:16], a[16:])
 
 
 @cache

@@ -8,7 +8,7 @@ import struct
 import sys
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, fields
-from functools import cache
+from functools import cache, lru_cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -36,7 +36,7 @@ from certreg.native.optima import ProvedOptima
 from certreg.native.stationary import StationaryPoses
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Sequence
 
     from numpy.typing import NDArray
 
@@ -53,6 +53,7 @@ SCRATCH = 56  # doubles per point: CERTREG_SCRATCH of native/stationary.h
 PORTION = 512  # bodies that one call takes: Ctrl-C is answered within milliseconds
 _POINTER = ctypes.c_void_p
 _LongSums, _Lowest = ctypes.c_uint64 * (width(EXACT_SUMS) * EXACT_WORDS), ctypes.c_int64 * 3
+_Ratios, _FOUR, _SIX, _NINE = ctypes.c_double * 3, *map(struct.Struct, ("4d", "6d", "9d"))
 _FewSums = ctypes.c_uint64 * (width(EXACT_SUMS) * FEW_WORDS)
 
 
@@ -93,6 +94,17 @@ class _Batch(ctypes.Structure):
         ("status", _POINTER),
         ("escapes", _POINTER),
         ("times", _POINTER),
+        ("log", ctypes.POINTER(_Log)),
+    )
+
+
+class _Single(ctypes.Structure):
+    """A batch of one, whose body, basin and step are given as bytes: no address is asked for."""
+
+    _fields_ = (
+        ("count", ctypes.c_int64),
+        *((name, ctypes.c_char_p) for name in ("bodies", "basins", "steps")),
+        *((name, _POINTER) for name in ("states", "taken", "status", "escapes", "times")),
         ("log", ctypes.POINTER(_Log)),
     )
 
@@ -253,6 +265,18 @@ class Library:
         self.handle.certreg_stationary_poses(ctypes.byref(passed))
         return poses
 
+    def spring_ratios(
+        self, q: Sequence[float], cross: Sequence[float], inertia: Sequence[float]
+    ) -> list[float]:
+        """The eigenvalues of the pencil (G, J) of one body, ascending; see native/pencil.h.
+
+        Raises ValueError where rounding leaves J without a root.
+        """
+        ratios, given = _Ratios(), (_FOUR.pack(*q), _NINE.pack(*cross), _SIX.pack(*inertia))
+        if not self.handle.certreg_pencil(*given, ratios):
+            raise ValueError("the inertia is not positive definite in double precision")
+        return list(ratios)
+
     def run(self, batch: Batch, rules: Rules, log: Log | None = None) -> None:
         """Integrate every body; several run on all given threads, a log is for one body."""
         count = len(batch.bodies)
@@ -273,12 +297,13 @@ class Library:
         if log is not None:
             (rows,) = _addresses((log.rows,))
             record = _Log(rows, len(log.rows), log.count, log.stride)
-        fields = (batch.bodies, batch.basins, batch.steps, batch.states, batch.taken)
-        fields += (batch.status, batch.escapes, batch.times)
-        passed = _Batch(
-            len(batch.bodies),
-            *_addresses(fields),
-            None if record is None else ctypes.pointer(record),
+        count, given = len(batch.bodies), (batch.bodies, batch.basins, batch.steps)
+        written = (batch.states, batch.taken, batch.status, batch.escapes, batch.times)
+        logged = None if record is None else ctypes.pointer(record)
+        passed = (
+            _Single(1, *[part.tobytes() for part in given], *_addresses(written), logged)
+            if count == 1
+            else _Batch(count, *_addresses((*given, *written)), logged)
         )
         getattr(self.handle, name)(ctypes.byref(passed), ctypes.byref(_settings(rules)))
         if log is not None and record is not None:
@@ -370,6 +395,7 @@ def _addresses(arrays: Iterable[Any]) -> list[int]:
     return [ctypes.addressof(ctypes.c_char.from_buffer(array)) for array in arrays]
 
 
+@lru_cache(maxsize=16)
 def _settings(rules: Rules) -> _Settings:
     return _Settings(
         rules.speed_tolerance**2,

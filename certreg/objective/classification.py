@@ -156,8 +156,8 @@ def invariants(C: Sequence[Sequence[T]]) -> Invariants:
         (b * f - c * e, c * d - a * f, a * e - b * d),
     )
     return Invariants(
-        e1=sum(entry * entry for row in C for entry in row),
-        e2=sum(entry * entry for row in cofactors for entry in row),
+        e1=sum([entry * entry for row in C for entry in row]),
+        e2=sum([entry * entry for row in cofactors for entry in row]),
         det=a * cofactors[0][0] + b * cofactors[0][1] + c * cofactors[0][2],
     )
 

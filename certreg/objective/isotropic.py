@@ -304,9 +304,7 @@ class Isotropic(Brief):
     def _eigenbasis(self, bits: int) -> tuple[tuple[int, ...], tuple[tuple[int, ...], ...]]:
         """Values over 2^shift and unit vectors, with so many fractional bits: by C where it can."""
         if bits == FIXED_BITS:
-            up, down = max(bits - self.shift, 0), max(self.shift - bits, 0)
-            scaled = [[entry << up >> down for entry in row] for row in self.davenport]
-            found = fixed_eigenbasis(scaled)
+            found = fixed_eigenbasis(self.davenport, self.shift)
             if found is not None:
                 return found
         basis = integer_eigenbasis(self.davenport, bits)

@@ -6,6 +6,7 @@ import logging
 import time
 from contextlib import contextmanager
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING, Any, Literal
 
 from certreg.certificate import (
@@ -152,8 +153,8 @@ def simulate(
     if problem.scaled:
         return simulated_breathing(problem, objective, integrator, settings=settings)
     chosen = Integrator(integrator or DEFAULT_INTEGRATOR)
-    trajectory = run(objective, problem.damping, chosen, settings=settings)
-    return ProblemTrajectory.of(problem, objective, trajectory)
+    of_problem = partial(ProblemTrajectory, problem=problem, objective=objective)
+    return run(objective, problem.damping, chosen, settings=settings, kind=of_problem)
 
 
 def simulated(
@@ -289,10 +290,11 @@ def _simulation(
     try:
         if problem.scaled:
             return simulated_breathing(problem, objective, integrator, settings=settings)
-        moved = run(objective, problem.damping, Integrator(integrator), settings=settings)
+        of_problem = partial(ProblemTrajectory, problem=problem, objective=objective)
+        chosen = Integrator(integrator)
+        return run(objective, problem.damping, chosen, settings=settings, kind=of_problem)
     except DegenerateProblemError as error:
         return Absent(str(error))
-    return ProblemTrajectory.of(problem, objective, moved)
 
 
 def _with_step(settings: SimulationSettings | None, step: float | None) -> SimulationSettings:

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -127,17 +127,6 @@ class ProblemTrajectory(Trajectory, Presented):
 
     def __repr__(self) -> str:
         return Trajectory.__repr__(self)
-
-    @classmethod
-    def of(
-        cls, problem: RegistrationProblem, objective: Isotropic, trajectory: Trajectory
-    ) -> ProblemTrajectory:
-        """The same trajectory, of this problem."""
-        kept: dict[str, Any] = {name: getattr(trajectory, name) for name in _RUN}
-        return cls(**kept, problem=problem, objective=objective)
-
-
-_RUN = tuple(one.name for one in fields(Trajectory))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

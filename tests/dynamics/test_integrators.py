@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from fractions import Fraction
 from typing import Any
 
 import numpy as np
 import pytest
 from commands import certreg
 from strategies import AXES, random_problem, random_rotation
+from sympy import Matrix, Rational
 from test_simulation import proved_end
 
 from certreg.dynamics import integrators
@@ -270,6 +272,35 @@ def test_the_springs_of_one_body_are_those_of_many():
     bodies.records["inertia"][0] = -1.0
     with pytest.raises(np.linalg.LinAlgError):
         spring_ratios(bodies.records[[0]], bodies.basins[[0]])
+
+
+def test_the_springs_of_one_body_are_the_same_without_compiled_code(monkeypatch):
+    clouds = random_clouds(np.random.default_rng(32), 40, 5)
+    bodies = bodies_of(clouds.sources, clouds.targets)
+    rows = [(bodies.records[[k]], bodies.basins[[k]]) for k in range(40)]
+    compiled = np.array([spring_ratios(*row)[0] for row in rows])
+    monkeypatch.setattr("certreg.dynamics.pencil.library_if_any", lambda: None)
+    plain = np.array([spring_ratios(*row)[0] for row in rows])
+
+    assert (np.diff(compiled) >= 0).all()
+    assert np.abs(compiled - plain).max() <= 1e-12 * plain.max()
+    assert np.allclose(compiled, plain, rtol=1e-9)
+
+
+def test_the_inverse_of_the_inertia_is_rounded_once():
+    """Of J in integers: a body 1e5 times as long as thick, where that of J in doubles is not."""
+    points = np.random.default_rng(33).normal(size=(9, 3)) * [1.0, 1e-5, 1e-5]
+    moments = exact_moments(RegistrationProblem(points, points[:, [1, 2, 0]]))
+    body = body_of(moments, 2.0)
+    unit = Fraction(4) ** (moments.source_exponent - body.length_exponent) / moments.mass**2
+    known: Any = Matrix(3, 3, lambda i, j: Rational(moments.inertia[i][j] * unit)).inv()
+    found = symmetric(body.record["inertia_inverse"])
+
+    assert found.tolist() == [
+        [float(Fraction(*map(int, known[i, j].as_numer_denom()))) for j in range(3)]
+        for i in range(3)
+    ]
+    assert found.tolist() != np.linalg.inv(body.inertia).tolist()
 
 
 @of_many

@@ -85,7 +85,7 @@ def test_an_objective_has_the_same_eigenspaces_with_and_without(
     moments = exact_moments(RegistrationProblem(size * source, source @ random_rotation(rng).T))
     with_it = Isotropic(moments)
     quaternions, value = with_it.quaternions, with_it.eigenvalue_difference(0, 1)
-    monkeypatch.setattr("certreg.objective.isotropic.fixed_eigenbasis", lambda _: None)
+    monkeypatch.setattr("certreg.objective.isotropic.fixed_eigenbasis", lambda *_: None)
     without = Isotropic(moments)
 
     assert quaternions == without.quaternions
