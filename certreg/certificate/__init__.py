@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from certreg.certificate.bounds import pose_energy as pose_energy
     from certreg.certificate.bounds import sin2_half_angle_between as sin2_half_angle_between
     from certreg.certificate.checking import CertificateVerdict as CertificateVerdict
+    from certreg.certificate.checking import bounded_clouds as bounded_clouds
     from certreg.certificate.checking import check_own as check_own
     from certreg.certificate.checking import check_own_consensus as check_own_consensus
     from certreg.certificate.checking import require_accepted as require_accepted
@@ -82,6 +83,7 @@ __getattr__ = lazy_face(
         ),
         "checking": (
             "CertificateVerdict",
+            "bounded_clouds",
             "check_own",
             "check_own_consensus",
             "require_accepted",

@@ -8,8 +8,9 @@ import sys
 from array import array
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+from certreg import problem as problems  # whose names load NumPy, which most here do without
 from certreg.certificate.envelope import certificate_bytes
 from certreg.errors import InvalidProblemError, RefusedCertificateError
 from certreg.io import write_atomically
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
     from certreg.problem import RegistrationProblem
     from certreg.verify import Limits, Worth
 
+OBJECTIVES = {"consensus": "--max-residual", "truncated": "--objective truncated"}  # of models
 UNITS = {"angle": "radians", "share": "a number"}
 # Of own certificates: so few the checker adds up itself, in 20 ms. From `MANY_POINTS` on there are
 # two exact methods besides, and a certificate is made with one of them.
@@ -45,6 +47,8 @@ def verify(
     *,
     max_angle: float | Fraction | None = None,
     max_gap: float | Fraction | None = None,
+    max_residual: Any = None,
+    objective: str | None = None,
 ) -> CertificateVerdict:
     """Re-check a certificate in exact arithmetic: a path, the bytes of the file, or as made.
 
@@ -58,6 +62,9 @@ def verify(
     max_angle, max_gap
         Refuse where the proved bound on the angle to the optima, in radians, or on the gap, as a
         share of the range of energies, is larger, or where there is none.
+    max_residual, objective
+        Beside a problem: the bounds that its pairs had, and what was sought with them, as for
+        `certreg.certify`.
 
     Returns
     -------
@@ -70,10 +77,13 @@ def verify(
     InvalidFileError
         If the file cannot be read.
     InvalidProblemError
-        Where a limit is no number, or below 0, or a mapped cloud is spoilt meanwhile.
+        Where a limit is no number, or below 0, or a mapped cloud is spoilt meanwhile; where bounds
+        are none, or stand beside no problem.
     """
     content = certificate_bytes(certificate)
     limits = _limits(angle=max_angle, share=max_gap)
+    if max_residual is not None or objective is not None:
+        problem = bounded_clouds(problem, max_residual, objective)
     if problem is None or isinstance(problem, Clouds) or problem.n <= INLINE_MAX:
         return as_verdict(check(content, _bound(problem), limits))
     from certreg.certificate.blockwise import check_in_blocks  # loads NumPy, for large ones alone
@@ -197,6 +207,27 @@ def _clouds(problem: RegistrationProblem) -> Clouds:
         weights=array("d", own.tobytes()),
         model=problem.model_options,
     )
+
+
+def bounded_clouds(
+    problem: RegistrationProblem | Clouds | None, max_residual: Any, objective: str | None = None
+) -> Clouds:
+    """A problem whose pairs have bounds, as certificates of wrong pairs state it.
+
+    Raises InvalidProblemError for bounds that are none, or where no problem is given.
+    """
+    if max_residual is None or objective not in {None, *OBJECTIVES}:
+        message = f"objective is {objective!r}: give 'consensus' or 'truncated', and max_residual"
+        raise InvalidProblemError(message, array="objective", value=objective)
+    if problem is None or isinstance(problem, Clouds):
+        message = "max_residual goes with a problem: give the points that the certificate is about"
+        raise InvalidProblemError(message, array="max_residual")
+    clouds = _clouds(problem)
+    bounds = array("d", problems.checked_bounds(max_residual, problem.n).tobytes())
+    own = clouds.weights or bounds[:0]
+    both = bounds + own if problem.factors is not None else own + bounds
+    option = OBJECTIVES[objective or "consensus"]
+    return replace(clouds, weights=both, model=f"{clouds.model} {option}".strip())
 
 
 def require_accepted(verdict: Verdict) -> None:

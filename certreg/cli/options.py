@@ -16,8 +16,9 @@ from typing import TYPE_CHECKING, Any
 import click
 
 # Of these wings names are asked where they are needed: they load NumPy, `certreg verify` does not.
-from certreg import io, registration
+from certreg import certificate, io, registration
 from certreg.cli.numbers import FROM_ZERO, NUMBER
+from certreg.cli.wrong_pairs import certified_bounds
 from certreg.errors import SlowSimulationWarning
 from certreg.io import TEXT_FORMATS, read_clouds
 from certreg.report import printable
@@ -27,7 +28,8 @@ from certreg.verify import INLINE_MAX, Clouds
 if TYPE_CHECKING:
     from collections.abc import Callable, Generator
 
-    from certreg.io import Pairing, SpringSource
+    from certreg.cli.wrong_pairs import WrongPairs
+    from certreg.io import Pair, Pairing, SpringSource
     from certreg.problem import RegistrationProblem
 
 EXIT_CODES = """
@@ -217,32 +219,33 @@ def bound_clouds(*, lightly: bool) -> Callable[[Callable[..., Any]], Callable[..
         @pairing_options
         @spring_options
         @model_options
+        @certified_bounds
         @functools.wraps(command)
         def wrapped(
             *args: Any, paths: tuple[Path, ...], any_weight: bool, pairing: Any, **options: Any
         ) -> Any:
             noise = {name: options.pop(name) for name in ("sigma", "weights")}
-            springs, model = options.pop("springs"), options.pop("model")
+            springs, model, wrong = (options.pop(name) for name in ("springs", "model", "wrong"))
             if not paths and model != RIGID:
                 message = "--scale and --rotation-only go with SOURCE TARGET: the certificate has "
                 raise click.UsageError(f"{message}its own")
-            _require_fitting(paths, noise, pairing or springs, any_weight=any_weight)
-            if any_weight and springs is not None:
-                message = "--any-weight goes without springs: give the --sigma that was certified"
-                raise click.UsageError(message)
-            clouds, notes = None, list[str]()
-            if paths and springs is not None:
+            _require_fitting(paths, noise, pairing or springs or wrong, any_weight=any_weight)
+            _require_weights(springs, wrong, any_weight=any_weight)
+            clouds, pair, notes = None, None, list[str]()
+            if paths and (springs or wrong) is not None:
+                chosen = {} if springs is None else {"springs": springs}
                 pairing = pairing or io.BY_LABEL
-                clouds, pair = io.read_problem(*paths, **noise, pairing=pairing, springs=springs)
+                clouds, pair = io.read_problem(*paths, **noise, pairing=pairing, **chosen)
                 notes = pair.notes
             elif paths:
                 clouds, notes = _clouds_to_bind(*paths, **noise, pairing=pairing, lightly=lightly)
             for note in notes:
                 click.echo(f"note: {note}", err=True)
-            if clouds is not None and any_weight:
-                clouds = _of_any_weight(clouds)
             if clouds is not None:
+                clouds = _of_any_weight(clouds) if any_weight else clouds
                 clouds = _of_model(clouds, **model)
+            if wrong is not None and pair is not None:
+                clouds = _bounded(clouds, pair, wrong)
             return command(*args, clouds=clouds, **options)
 
         return wrapped
@@ -265,6 +268,14 @@ def _require_fitting(
         raise click.UsageError(SIGMA_OR_WEIGHTS)
 
 
+def _require_weights(springs: object, wrong: object, *, any_weight: bool) -> None:
+    """That with --any-weight the weights are all that is not given."""
+    if any_weight and (springs or wrong) is not None:
+        what = "springs" if wrong is None else "--max-residual"
+        message = f"--any-weight goes without {what}: give the --sigma that was certified"
+        raise click.UsageError(message)
+
+
 def _of_any_weight(clouds: RegistrationProblem | Clouds) -> Clouds:
     bare = isinstance(clouds, Clouds)
     if not bare and clouds.n > INLINE_MAX:  # its digest is of the weights, too
@@ -274,6 +285,12 @@ def _of_any_weight(clouds: RegistrationProblem | Clouds) -> Clouds:
         message = "--any-weight: a column of the clouds tells the weights: add --ignore-weights"
         raise click.UsageError(message)
     return replace(clouds, any_weight=True)
+
+
+def _bounded(clouds: Any, pair: Pair, wrong: WrongPairs) -> Clouds:
+    """The clouds of a problem with the bounds of its pairs."""
+    bounds = wrong.bounds(pair, clouds.n)
+    return certificate.bounded_clouds(clouds, bounds, wrong.objective)
 
 
 def _of_model(

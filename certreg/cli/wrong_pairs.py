@@ -70,6 +70,30 @@ def consensus_options(command: Callable[..., Any]) -> Callable[..., Any]:
     return wrapped
 
 
+def certified_bounds(command: Callable[..., Any]) -> Callable[..., Any]:
+    """[--max-residual X|FILE] [--objective NAME] of a certificate, made one argument `wrong`."""
+
+    @click.option(
+        "--max-residual",
+        metavar="X|FILE",
+        help="With SOURCE TARGET: the bounds on residuals that were certified.",
+    )
+    @click.option(
+        "--objective",
+        type=click.Choice(["consensus", "truncated"]),
+        help="With --max-residual: what was certified.",
+    )
+    @functools.wraps(command)
+    def wrapped(*args: Any, max_residual: str | None, objective: str | None, **options: Any) -> Any:
+        if max_residual is None and objective is not None:
+            message = "--objective goes with --max-residual"
+            raise click.UsageError(message)
+        wrong = None if max_residual is None else WrongPairs(max_residual, 1.0, objective)
+        return command(*args, wrong=wrong, **options)
+
+    return wrapped
+
+
 @dataclass(frozen=True, slots=True)
 class WrongPairs:
     """That pairs may be wrong: the bound as it was typed, a number or a file; and what is asked."""
