@@ -19,11 +19,11 @@ import json
 import struct
 import sys
 from array import array
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import Field, dataclass, fields
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 from fractions import Fraction
-from functools import cache
+from functools import cache, partial
 from getopt import GetoptError, gnu_getopt
 from itertools import accumulate, chain, combinations_with_replacement, product, repeat
 from math import factorial, frexp, gcd, isfinite, isqrt, ldexp, prod
@@ -67,9 +67,14 @@ class Outcome:
     """What `check` found: theorems in words with numbers, or else the reason for refusing."""
 
     verified: bool
-    theorems: tuple[str, ...]
-    reason: str
+    reason: str = ""
     worth: Worth | None = None  # of the pose, if the certificate is about one and is verified
+    tell: Callable[[], Iterable[str]] = tuple  # the theorems, written when they are read
+
+    @property
+    def theorems(self) -> tuple[str, ...]:
+        """What is proved, in words."""
+        return tuple(self.tell())
 
 
 @dataclass(frozen=True)
@@ -115,7 +120,7 @@ def check(certificate: bytes, clouds: Clouds | None = None, limits: Limits = {})
         sums = SUMS.get(stated.prefix, (1, moments))[1](doubles, stated.n)
         return within(stated.prove(*sums, equal=equal), limits)
     except (RefusalError, MemoryError, RecursionError) as error:
-        return Outcome(verified=False, theorems=(), reason=str(error) or "not enough memory")
+        return Outcome(verified=False, reason=str(error) or "not enough memory")
 
 
 def within(outcome: Outcome, limits: Limits) -> Outcome:
@@ -272,13 +277,6 @@ def cross(m: Matrix) -> Matrix:
     return [[m[0][0] * m[j][k] - m[0][j] * m[0][k] for j in (1, 2, 3)] for k in (4, 5, 6)]
 
 
-def davenport(C: Matrix) -> Matrix:
-    """4x4 matrix K of the 3x3 matrix C: symmetric, q^T K q = tr(R(q)^T C) for unit q."""
-    (a, b, c), (d, e, f), (g, h, i) = C
-    s, t, u, x, y, z = b + d, c + g, f + h, h - f, c - g, d - b
-    return [[a + e + i, x, y, z], [x, a - e - i, s, t], [y, s, e - a - i, u], [z, t, u, i - a - e]]
-
-
 def positive_definite(rows: Matrix, last: int = 1) -> bool:
     """Whether a symmetric matrix, rows from the diagonal on, is so: all leading minors p > 0."""
     (p, *right), *rows = rows  # Sylvester; Bareiss: divisions by the last minor are exact
@@ -339,6 +337,13 @@ def main(argv: list[str]) -> int:
 
 # --- part: spectrum -----------------------------------------------------------------------------
 # What is proved of the eigenvalues of K, for kinds that are about K.
+
+
+def davenport(C: Matrix) -> Matrix:
+    """4x4 matrix K of the 3x3 matrix C: symmetric, q^T K q = tr(R(q)^T C) for unit q."""
+    (a, b, c), (d, e, f), (g, h, i) = C
+    s, t, u, x, y, z = b + d, c + g, f + h, h - f, c - g, d - b
+    return [[a + e + i, x, y, z], [x, a - e - i, s, t], [y, s, e - a - i, u], [z, t, u, i - a - e]]
 
 
 def quadratic(A: Matrix, v: Sequence[int]) -> int:
@@ -683,8 +688,8 @@ class IsotropicStatement(RotationStatement):
         worth = self._worth(weight, (x + y) * unit * norm - 2 * v, K, unit, one)
         roots = [root_up(k, 1) * _dyadic(1, e + z) for k in (x, y)]  # of M and a spread
         steady = self.steady_by_separation(K, unit, one, q, weight, *roots, angle=worth.angle)
-        theorems = tuple(self._words(worth, pattern, steady, solid=solid, equal=equal))
-        return Outcome(verified=True, theorems=theorems, reason="", worth=worth)
+        tell = partial(self._words, worth, pattern, steady, solid=solid, equal=equal)
+        return Outcome(verified=True, worth=worth, tell=tell)
 
     def _worth(self, weight: Fraction, objective: int, K: Matrix, unit: int, one: int) -> Worth:
         """The objective is sum w (|x|^2 + |y|^2) - 2 v, x and y less their means.
@@ -835,7 +840,7 @@ class SimilarityStatement(RotationStatement):
         roots = [root_up(*(weight * k * real).as_integer_ratio()) for k in (x, y)]
         steady = self.steady_by_separation(K, unit, one, q, weight, *roots, angle=angle)
         theorems = tuple(self._words(worth, pattern, steady, equal=equal))
-        return Outcome(verified=True, theorems=theorems, reason="", worth=worth)
+        return Outcome(verified=True, worth=worth, tell=lambda: theorems)
 
     def _place(self) -> str:
         return "at the origin" if self.rotation_only else "at one point"
@@ -988,7 +993,7 @@ class CountStatement(Statement):
             "Complex solutions and multiplicities are counted in.",
             "Not proved: anything under `about`, and where the points come from.",
         )
-        return Outcome(verified=True, theorems=theorems, reason="")
+        return Outcome(verified=True, tell=lambda: theorems)
 
 
 def coefficients(C: Matrix, chart: Sequence[int]) -> Matrix:
@@ -1197,7 +1202,7 @@ def settled(
     require(unique is None or (one if unique else several), "claims.unique is not proved")
     worth, steady = _worth(f, value, delta, mu), (mu, delta, value, 3 * f.weight, f.lever)
     words = tuple(_words(stated, f, worth, stated.steady_by_growth(*steady)))
-    return Outcome(verified=True, theorems=words, reason="", worth=worth)
+    return Outcome(verified=True, worth=worth, tell=lambda: words)
 
 
 def is_symmetry(F: Sequence[int], turns: Sequence[int]) -> bool:
@@ -1612,7 +1617,7 @@ class SpringsListStatement(SpringsStatement):
         require(self.unique is None or (self.unique and one), "claims.unique is not proved")
         worth = _worth(f, values[0], gap, gap / sines[0] if one else Fraction(0))
         words = tuple(_words(self, f, worth, self._told(values[0])))
-        return Outcome(verified=True, theorems=words, reason="", worth=worth)
+        return Outcome(verified=True, worth=worth, tell=lambda: words)
 
     def _told(self, value: Fraction) -> list[str]:
         """All equilibria in words; value: the objective at R."""
@@ -1794,7 +1799,7 @@ class TruncatedRotationStatement(Statement):
         least, length = max(cost - gap, Fraction(0)) / one, root_up(int(gap) + 1, self.n * one)
         bound = None if angle is None else angle_bound(delta, mu)
         worth = Worth(Fraction(self.n), Fraction(cost, one), least, self.gap, length, share, bound)
-        return Outcome(verified=True, theorems=(*self._words(worth),), reason="", worth=worth)
+        return Outcome(verified=True, worth=worth, tell=partial(self._words, worth))
 
     def _words(self, w: Worth) -> Iterator[str]:
         length = isqrt(sum(c * c for c in self.pose) << 128)
@@ -2254,7 +2259,7 @@ class LabelledStatement(Statement):
     def fitted(self, m: Matrix, e: int, met: list[int], kinds: str, model: str = "") -> Outcome:
         """What `fit`, of one of the kinds, proves of the pairs that the witness meets."""
         if self.fit is None:
-            return Outcome(verified=True, theorems=(), reason="")
+            return Outcome(verified=True)
         require(self.fit.get("kind") in kinds.split(), "fit is of another kind")
         spans = (0, 1, 2), (3, 4, 5), (range(8, 14) if len(m[0]) > 8 else (6,))
         x, y, w = (array("d", [ldexp(m[i][k], e) for i in met for k in span]) for span in spans)
@@ -2267,7 +2272,7 @@ class LabelledStatement(Statement):
         words = [*words, *[f"Of the least squares over these {K} pairs:"] * bool(fit.theorems)]
         last = "Not proved: anything under `about`, and where the points come from."
         theorems = (*[w for w in (*words, *fit.theorems) if w != last], last)
-        return Outcome(verified=True, theorems=theorems, reason="", worth=fit.worth)
+        return Outcome(verified=True, worth=fit.worth, tell=lambda: theorems)
 
 
 def staged(

@@ -75,7 +75,7 @@ def _checked(
     try:
         return within(_proved(certificate, problem, table), limits)
     except (RefusalError, MemoryError) as error:
-        return Outcome(verified=False, theorems=(), reason=str(error) or "not enough memory")
+        return Outcome(verified=False, reason=str(error) or "not enough memory")
 
 
 def _proved(

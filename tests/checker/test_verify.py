@@ -577,7 +577,7 @@ class Weighed(checker.Statement):
 
     def prove(self, m, e, *, equal):
         checker.require(self.mass in (None, m[0][0] * Fraction(2) ** e), "claims.mass is wrong")
-        return checker.Outcome(equal, (f"{self.mass} {self.radius}",), "")
+        return checker.Outcome(equal, tell=lambda: (f"{self.mass} {self.radius}",))
 
 
 def weighed(claims, prefix=Weighed.prefix, **more):
