@@ -1377,7 +1377,7 @@ CONSENSUS = mutants(
     ('[f"Of the least squares over these {K} pairs:"] * bool(fit.theorems)', "[]"),
     ("if w != last]", "]"),
     ("if w != last], last)", "if w != last],)"),
-    ('worth=fit.worth, tell', 'tell'),
+    ("worth=fit.worth, tell", "tell"),
     ('n <= ROWS_MAX, "more', 'n < ROWS_MAX, "more', 'True, "more'),
     ("k[6 * n : 7 * n], *others)], e", "*others, k[6 * n : 7 * n])], e"),
     ("others = [k[7 * n + i :: width - 7]", "others = [k[7 * n + i :: 1]", "others = [k[7 * n ::]"),
