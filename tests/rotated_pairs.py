@@ -22,13 +22,15 @@ class RotatedPairs:
     true: np.ndarray
 
 
-def rotated_pairs(rng: np.random.Generator, n: int, wrong: float) -> RotatedPairs:
+def rotated_pairs(
+    rng: np.random.Generator, n: int, wrong: float, sigma: float = SIGMA
+) -> RotatedPairs:
     """One instance; wrong: the share of pairs whose target is a direction at random."""
     source, others = directions(rng, n), directions(rng, n)
     q = rng.standard_normal(4)
     R = np.array(rotation_matrix((q / np.linalg.norm(q)).tolist()))
     true = rng.permutation(n) >= round(wrong * n)
-    turned = source @ R.T + SIGMA * rng.standard_normal((n, 3))
+    turned = source @ R.T + sigma * rng.standard_normal((n, 3))
     target = np.where(true[:, np.newaxis], turned, others)
     return RotatedPairs(source=source, target=target, bounds=np.full(n, BOUND), true=true)
 
