@@ -74,8 +74,9 @@ def certify(  # noqa: PLR0913 - each is one question, and has its usual answer
         that angle; None to leave it out.
     max_residual
         Where pairs may be wrong: how far apart the two points of a right one are at most, one
-        number or (N,), in the unit of length. Then the most pairs that one motion brings within
-        are sought, and what is proved of each; relaxation and simulation are left out.
+        number or (N,), in the unit of length, whatever their springs. Then the most pairs that one
+        motion brings within are sought, and what is proved of each; the pose is that of the least
+        squares over these. Relaxation and simulation are left out.
     objective
         With `max_residual`: "consensus", the number of pairs within, or "truncated", the sum of
         min((residual / max_residual)^2, 1), of rotations alone; None is "consensus".

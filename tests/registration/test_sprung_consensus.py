@@ -218,6 +218,15 @@ def test_springs_that_are_all_0_are_refused_in_one_line():
         certified(given, factors=factors)
 
 
+def test_labels_of_another_method_are_judged_by_the_points():
+    given = pairs(0)
+    asked: dict[str, Any] = {"labels": given.true, "max_residual": given.bounds}
+    points: Any = certreg.assess(given.source, given.target, **asked)
+    along: Any = certreg.assess(given.source, given.target, **asked, **springs(0))
+    assert along.headline == points.headline
+    assert along.headline.startswith("CONSISTENT: one rigid motion brings all 18 labelled inliers")
+
+
 @pytest.mark.slow
 def test_what_is_odd_of_the_springs_is_told():
     found = certified(pairs(0), normals=3.0 * axes(0))
