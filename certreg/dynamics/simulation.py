@@ -60,6 +60,7 @@ Run = TypeVar("Run")
 LOG_CAPACITY = 2048  # samples of a trajectory that are kept
 SHORT_STEP = 0.1  # of the integrator's own: below, a run that did not end is told so
 FAR_DAMPING = 4.0  # times the best one, or a fourth of it: as above
+NO_SPRING = 1e-12  # of the stiffest: what rounding makes of none, a thousand times over
 LARGE_TURN = 0.5  # radians of all perturbations, from which on a run is told of them
 MODEST = 1e60  # numbers of a state: no product of three of them and numbers of a body overflows
 NO_TURN, NO_TURN_QUATERNION = np.eye(3).ravel().tolist(), (1.0, 0.0, 0.0, 0.0)
@@ -235,7 +236,9 @@ def _delay(basin: Basin, batch: Batch, settings: SimulationSettings) -> str:
 
 
 def _best_damping(bodies: Records, basins: Records) -> float:
-    return _of_springs(float(spring_ratios(bodies, basins).min()))
+    """Of a body; 0 where rounding leaves it open whether the weakest spring is one."""
+    least, *_, largest = spring_ratios(bodies, basins)[0].tolist()
+    return _of_springs(least) if least > NO_SPRING * largest else 0.0
 
 
 def _of_springs(least: float) -> float:

@@ -32,7 +32,9 @@ DAMPING = 1.3
 def clouds(seed: int, noise: float = 0.3, scale: float = 1.0) -> tuple[Any, Any, Any]:
     rng = np.random.default_rng(seed)
     x = rng.normal(size=(9, 3))
-    y = scale * (Rotation.random(rng=rng).apply(x) + noise * rng.normal(size=(9, 3))) + [1, 2, 3]
+    y = scale * (
+        Rotation.from_quat(rng.normal(size=4)).apply(x) + noise * rng.normal(size=(9, 3))
+    ) + [1, 2, 3]
     return x, y, rng.uniform(0.5, 2.0, size=9)
 
 

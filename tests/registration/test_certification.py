@@ -120,8 +120,8 @@ def test_a_trajectory_below_the_certified_minimum_is_a_contradiction(
     """Below by more than its rounding; by less, as in every run to the end, is none."""
     run = CERTIFICATION.run
 
-    def sunk(*arguments: object, settings: SimulationSettings) -> Trajectory:
-        trajectory = run(*arguments, settings=settings)
+    def sunk(*arguments: object, **more: object) -> Trajectory:
+        trajectory = run(*arguments, **more)
         samples = trajectory.course.samples.copy()
         samples["energies"]["potential"] -= trajectory.potential[0]
         return replace(trajectory, course=replace(trajectory.course, samples=samples))

@@ -42,7 +42,7 @@ class Experiment:
     def __init__(self, model: dict[str, Any], *, n: int = 15) -> None:
         rng = np.random.default_rng(21)
         self.model = model
-        self.R = Rotation.random(rng=np.random.default_rng(3)).as_matrix()
+        self.R = Rotation.from_quat(np.random.default_rng(3).normal(size=4)).as_matrix()
         self.s = SCALE if "scale" in model else 1.0
         self.t = np.zeros(3) if "rotation_only" in model else np.array([1.0, 2.0, -4.0])
         self.source = rng.normal(size=(n, 3)) * [3.0, 1.0, 0.5] + np.array([2.0, -1.0, 3.0])
