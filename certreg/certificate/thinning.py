@@ -93,28 +93,21 @@ class Thinning:
 
     def _strike_by_groups(self) -> bool:
         """Tries all rows once, those with few neighbours first; whether one fell."""
-        left, alive, struck = self._left, self.alive, False
-        for e in self.open_rows():
-            if alive.bit_count() < self.least:
-                return False
-            if alive >> e & 1 and (groups := self._groups(e)) is not None:
-                self.strikes.append(Strike(row=e, groups=groups))
-                left.strike(e)
-                alive, struck = self.alive, True
-        return struck
+        before = len(self.strikes)
+        for tried in self._left.open_rows():
+            groups = self._groups(tried.row, tried.spare)
+            if groups is not None:
+                self.strikes.append(Strike(row=tried.row, groups=groups))
+                self._left.strike(tried.row)
+        return len(self.strikes) > before
 
-    def _groups(self, e: int) -> tuple[Group, ...] | None:
-        """Groups of the clique, each refuted with e, so many that e falls; None if not found.
+    def _groups(self, e: int, most: int) -> tuple[Group, ...] | None:
+        """Groups of the clique, each refuted with e, that more than `most` of its rows miss.
 
-        A motion that meets e and enough others leaves out so many rows of the clique at most, and
-        one of each group.
+        Every motion that meets e leaves out one of each group. None if they are not found.
         """
-        beside = self._left.beside(e)
-        rows = beside & self.clique
-        others = self._left.colours(beside & ~rows, self.least)
-        most = rows.bit_count() + others - (self.least - 1)
-        failed = self._failed.get(e)
-        if not 0 <= most < rows.bit_count() or (failed == (rows, most)):
+        rows = self._left.beside(e) & self.clique
+        if self._failed.get(e) == (rows, most):
             return None
         family = self._apart(e, rows, most)
         if len(family) <= most:

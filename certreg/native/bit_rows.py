@@ -116,6 +116,18 @@ def agreeing(points: NDArray[np.float64], bounds: NDArray[np.float64]) -> Agreei
     return Agreeing(BitRows(words), [(i, j) for i, j in pairs])
 
 
+@dataclass(frozen=True, slots=True)
+class OpenRow:
+    """A row that falls if more than `spare` rows of the clique beside it must be left out.
+
+    Itself, the others beside it and one row of each colour of its other neighbours, as these get
+    them, are fewer than `least` then.
+    """
+
+    row: int
+    spare: int
+
+
 class Thinned(Protocol):
     """Rows left of a graph of which each has `least` - 1 neighbours."""
 
@@ -148,6 +160,13 @@ class Thinned(Protocol):
         """
         ...
 
+    def open_rows(self) -> Iterator[OpenRow]:
+        """Rows that fall if enough of the clique beside each must be left out.
+
+        Those with few neighbours first, while enough are left; some may be struck on the way.
+        """
+        ...
+
     def colours(self, rows: int, most: int) -> int:
         """How many colours rows take, as bits, as neighbours have different ones; or most + 1."""
         ...
@@ -164,6 +183,7 @@ def thinned(near: Neighbours, alive: int, least: int, clique: int) -> Thinned:
 class _State(ctypes.Structure):
     _fields_ = (
         *((name, ctypes.c_int64) for name in ("rows", "words", "least", "count")),
+        *((name, ctypes.c_int64) for name in ("tried", "next", "spare")),
         *((name, ctypes.c_void_p) for name in ("near", "clique", "alive", "masks")),
         *((name, ctypes.c_void_p) for name in ("degrees", "failed", "order", "queue")),
     )
@@ -181,7 +201,7 @@ class CompiledThinned:
         self._numbers = np.empty((5, n), dtype=np.int64)
         start, places = self._masks.ctypes.data, self._numbers.ctypes.data
         self._state = _State(
-            *(n, words, least, 0, self._words.ctypes.data),
+            *(n, words, least, *[0] * 4, self._words.ctypes.data),
             *(start + k * size for k in range(3)),
             *(places + 8 * k * n for k in range(4)),
         )
@@ -224,6 +244,12 @@ class CompiledThinned:
         count: int = self._handle.certreg_strike_by_colours(self._pointer, place)
         return struck[:count].tolist()
 
+    def open_rows(self) -> Iterator[OpenRow]:
+        """Rows that fall if enough of the clique beside each must be left out."""
+        self._handle.certreg_begin(self._pointer)
+        while (row := self._handle.certreg_next(self._pointer)) >= 0:
+            yield OpenRow(row, self._state.spare)
+
     def colours(self, rows: int, most: int) -> int:
         """How many colours rows take; or most + 1."""
         words = self._state.words
@@ -265,14 +291,30 @@ class PlainThinned:
         struck, before = list[int](), -1
         while before < len(struck):
             before = len(struck)
-            tried = rows_of(self.alive & ~self._clique)
-            for row in sorted(tried, key=lambda e: self.beside(e).bit_count()):
-                if self.alive.bit_count() < self._least:
-                    return struck
-                if self.alive >> row & 1 and self._few_colours(row):
+            for row in self._alive_rows():
+                if self._few_colours(row):
                     struck.append(row)
                     self.strike(row)
         return struck
+
+    def open_rows(self) -> Iterator[OpenRow]:
+        """Rows that fall if enough of the clique beside each must be left out."""
+        for row in self._alive_rows():
+            beside, others = self.beside(row), self._least - 1
+            inside = (beside & self._clique).bit_count()
+            if inside:
+                others = colours(beside & ~self._clique, self._near, self._least - 2)
+            spare = inside + others - (self._least - 1)
+            if 0 <= spare < inside:
+                yield OpenRow(row, spare)
+
+    def _alive_rows(self) -> Iterator[int]:
+        tried = rows_of(self.alive & ~self._clique)
+        for row in sorted(tried, key=lambda e: self.beside(e).bit_count()):
+            if self.alive.bit_count() < self._least:
+                return
+            if self.alive >> row & 1:
+                yield row
 
     def colours(self, rows: int, most: int) -> int:
         """How many colours rows take; or most + 1."""

@@ -92,8 +92,7 @@ static int ascending(const void *one, const void *other)
     return (a > b) - (a < b);
 }
 
-/* The rows that are alive and not of the clique, those with few neighbours first; how many. */
-static int64_t ordered(struct certreg_thinning *t)
+void certreg_begin(struct certreg_thinning *t)
 {
     int64_t count = 0;
     for (int64_t row = 0; row < t->rows; row++)
@@ -102,7 +101,18 @@ static int64_t ordered(struct certreg_thinning *t)
     qsort(t->order, (size_t)count, sizeof *t->order, ascending);
     for (int64_t k = 0; k < count; k++)
         t->order[k] %= t->rows;
-    return count;
+    t->tried = count, t->next = 0;
+}
+
+/* The next row of a pass that is alive; -1 at the end, or where too few are left. */
+static int64_t next_alive(struct certreg_thinning *t)
+{
+    while (t->count >= t->least && t->next < t->tried) {
+        const int64_t row = t->order[t->next++];
+        if (t->alive[row / BITS] >> row % BITS & 1)
+            return row;
+    }
+    return -1;
 }
 
 /* Whether the neighbours of a row take fewer than `least` - 1 colours. */
@@ -130,16 +140,33 @@ int64_t certreg_strike_by_colours(struct certreg_thinning *t, int64_t *struck)
     int64_t fallen = 0, before;
     do {
         before = fallen;
-        const int64_t tried = ordered(t);
-        for (int64_t k = 0; k < tried && t->count >= t->least; k++) {
-            const int64_t row = t->order[k];
-            if (t->alive[row / BITS] >> row % BITS & 1 && few_colours(t, row)) {
+        certreg_begin(t);
+        for (int64_t row = next_alive(t); row >= 0; row = next_alive(t))
+            if (few_colours(t, row)) {
                 struck[fallen++] = row;
                 certreg_strike(t, row);
             }
-        }
-    } while (fallen > before && t->count >= t->least);
+    } while (fallen > before);
     return fallen;
+}
+
+int64_t certreg_next(struct certreg_thinning *t)
+{
+    for (int64_t row = next_alive(t); row >= 0; row = next_alive(t)) {
+        int64_t inside = 0, left = 0, count = 0;
+        for (int64_t k = 0; k < t->words; k++) {
+            const uint64_t beside = t->near[row * t->words + k] & t->alive[k];
+            inside += __builtin_popcountll(beside & t->clique[k]);
+            t->masks[k] = beside & ~t->clique[k];
+            left += __builtin_popcountll(t->masks[k]);
+        }
+        for (; left && inside && count < t->least - 1; count++)
+            left -= one_colour(t->words, t->near, t->masks, t->masks + t->words);
+        t->spare = inside + count - (t->least - 1);
+        if (!left && 0 <= t->spare && t->spare < inside)
+            return row;
+    }
+    return -1;
 }
 
 int64_t certreg_colours(struct certreg_thinning *t, int64_t most)

@@ -10,6 +10,7 @@
  * for as many numbers as there are rows; masks: for two rows of bits. */
 struct certreg_thinning {
     int64_t rows, words, least, count; /* count: of those alive */
+    int64_t tried, next, spare;        /* of a pass: rows in `order`, how many are behind; of its last row */
     uint64_t *near;
     const uint64_t *clique;
     uint64_t *alive, *masks;
@@ -28,6 +29,13 @@ void certreg_cut(struct certreg_thinning *thinning, int64_t row, int64_t other);
 /* Strikes rows whose neighbours take fewer than `least` - 1 colours, those with few neighbours first, until
  * none falls or too few are left. Their numbers, and how many. */
 int64_t certreg_strike_by_colours(struct certreg_thinning *thinning, int64_t *struck);
+
+/* A pass over the rows that are alive and not of the clique, those with few neighbours first: whenever asked, the
+ * next that may fall if enough rows of the clique beside it must be left out; -1 at the end, or where too few are
+ * left. spare: with one more than so many left out it falls: it, the others of the clique beside it, and one row
+ * of each colour of its other neighbours are fewer than `least` then. */
+void certreg_begin(struct certreg_thinning *thinning);
+int64_t certreg_next(struct certreg_thinning *thinning);
 
 /* How many colours the rows take that stand in `masks`, each the first that none of its neighbours has; or
  * `most` + 1. */

@@ -55,6 +55,7 @@ def test_c_strikes_what_python_strikes(n: int, seed: int):
     compiled, plain = thinnings(n, seed)
 
     assert compiled.alive == plain.alive
+    assert [*compiled.open_rows()] == [*plain.open_rows()]
     assert compiled.strike_by_colours() == plain.strike_by_colours()
     assert compiled.alive == plain.alive
     for row in list(rows_of(plain.alive))[:3]:
