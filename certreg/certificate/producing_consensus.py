@@ -47,6 +47,7 @@ if TYPE_CHECKING:
     from certreg.certificate.isotropic import IsotropicBody
     from certreg.certificate.springs_cones import SpringsConesBody
     from certreg.certificate.springs_sos import SpringsSosBody
+    from certreg.native import BitRows
     from certreg.problem import ConsensusProblem
 
     FitBody = IsotropicBody | SpringsSosBody | SpringsConesBody
@@ -86,9 +87,9 @@ class ConsensusProver:
         self.graph = Graph(self._near, PointRows.of(problem), effort, rigid=True)
 
     @property
-    def consistent(self) -> NDArray[np.bool_]:
-        """(N, N), which two pairs one motion may meet."""
-        return self._near.table
+    def consistent(self) -> BitRows:
+        """Which two pairs one motion may meet."""
+        return self._near
 
     def prove(
         self, rotation: NDArray[np.float64], translation: NDArray[np.float64], *, whole: bool = True

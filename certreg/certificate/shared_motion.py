@@ -40,7 +40,7 @@ class CommonMotion(Brief):
 
 def common_motion(prover: ConsensusProver, rows: Sequence[int]) -> CommonMotion:
     """What is proved of the rows; doubles propose, integers decide."""
-    apart = np.argwhere(~prover.consistent[np.ix_(rows, rows)])
+    apart = np.argwhere(~prover.consistent.table[np.ix_(rows, rows)])
     for i, j in apart.tolist():
         if i < j:
             return CommonMotion(refuted=(rows[i], rows[j]))

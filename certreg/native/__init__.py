@@ -17,6 +17,10 @@ if TYPE_CHECKING:
     from certreg.native.bit_rows import mask_of as mask_of
     from certreg.native.bit_rows import rows_of as rows_of
     from certreg.native.bit_rows import thinned as thinned
+    from certreg.native.cliques import Enumeration as Enumeration
+    from certreg.native.cliques import enumeration as enumeration
+    from certreg.native.cliques import greedy_clique as greedy_clique
+    from certreg.native.cliques import triangles as triangles
     from certreg.native.codegen.emit import C_FILE as C_FILE
     from certreg.native.codegen.emit import HEADER_FILE as HEADER_FILE
     from certreg.native.codegen.emit import generated_files as generated_files
@@ -89,6 +93,12 @@ __getattr__ = lazy_face(
             "mask_of",
             "rows_of",
             "thinned",
+        ),
+        "cliques": (
+            "Enumeration",
+            "enumeration",
+            "greedy_clique",
+            "triangles",
         ),
         "codegen.emit": (
             "C_FILE",

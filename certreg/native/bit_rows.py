@@ -52,6 +52,12 @@ class BitRows:
         packed[:, : bits.shape[1]] = bits
         return cls(packed.view("<u8"))
 
+    def of_rows(self, rows: NDArray[np.int64]) -> BitRows:
+        """The part of some rows, ascending."""
+        if len(rows) == len(self):
+            return self
+        return BitRows.of_table(self.table[np.ix_(rows, rows)])
+
     def with_edges(self, pairs: Sequence[tuple[int, int]]) -> BitRows:
         """The same with more edges."""
         words = self.words.copy()

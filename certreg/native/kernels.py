@@ -37,6 +37,7 @@ UNITS = (
     HERE / "exact_springs.c",
     HERE / "limbs.c",
     HERE / "certifying.c",
+    HERE / "cliques.c",
     HERE / "cones.c",
     HERE / "eigenbasis.c",
     HERE / "fixed.c",
@@ -67,6 +68,7 @@ HEADERS = (
             *("cones.h", "exact_springs.h", "exponents.h", "eigen.h", "eigenbasis.h"),
             *(
                 "agreement.h",
+                "cliques.h",
                 "jacobi.h",
                 "lawson.h",
                 "midpoint.h",
@@ -95,6 +97,7 @@ WRITTEN = (  # by hand, not generated
     "certreg_midpoint_single",
     "certreg_agreeing",
     "certreg_begin",
+    "certreg_cliques",
     "certreg_colours",
     "certreg_cones",
     "certreg_cut",
@@ -106,6 +109,7 @@ WRITTEN = (  # by hand, not generated
     "certreg_fixed_fits",
     "certreg_fixed_vectors",
     "certreg_limb_springs",
+    "certreg_greedy_clique",
     "certreg_lawson_fits",
     "certreg_many_quartic_paths",
     "certreg_many_springs",
@@ -125,6 +129,7 @@ WRITTEN = (  # by hand, not generated
     "certreg_strike_by_colours",
     "certreg_sums",
     "certreg_thin",
+    "certreg_triangles",
 )
 VARIANT = "CERTREG_VARIANT"  # names a narrower one, or PYTHON
 PYTHON = "python"  # none: the generated Python

@@ -12,12 +12,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from itertools import islice
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.relaxation.cliques import CliqueSearch, consistency, core, greedy_clique, triangles
+from certreg.native import greedy_clique, rows_of, triangles
+from certreg.relaxation.cliques import CliqueSearch, consistency, core
 from certreg.relaxation.edge_rows import best_that_fits, exchanged, grown, held, widened
 from certreg.relaxation.paired_rows import fitted, paired_rows, poses_of_triples, squared_ratios
 from certreg.relaxation.truncated_squares import Candidate, candidate_of, truncated_fit
@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from certreg.native import BitRows
     from certreg.relaxation.edge_rows import Held
     from certreg.relaxation.paired_rows import PairedRows, Reals, Rows
 
@@ -49,13 +50,13 @@ def candidates(
     *,
     seed: int = 0,
     effort: float = 1.0,
-    consistent: NDArray[np.bool_] | None = None,
+    consistent: BitRows | None = None,
 ) -> Iterator[Candidate]:
     """Poses of strictly growing numbers of inliers, each computed when it is asked for.
 
     source, target: (N, 3). bounds: (N,), positive. seed: of what is drawn; the same one gives the
-    same poses. effort: in proportion to the work after which the search ends. consistent: (N, N),
-    which two rows a pose may have within their bounds both; None: told by their lengths.
+    same poses. effort: in proportion to the work after which the search ends. consistent: which two
+    rows a pose may have within their bounds both; None: told by their lengths.
     """
     pairs = paired_rows(source, target, bounds)
     search = _Search(pairs, effort, np.random.default_rng(seed))
@@ -76,17 +77,18 @@ class _Search:
     best: int = -1
     tried: set[bytes] = field(default_factory=set[bytes])
 
-    def proposals(self, consistent: Graph | None) -> Iterator[Held]:
+    def proposals(self, consistent: BitRows | None) -> Iterator[Held]:
         """Sets of rows, not yet sifted: those of each source of poses in turn."""
         yield from self.followed(held(self.pairs, truncated_fit(self.pairs)))
-        rows = self.pairs.rows
-        graph = consistency(self.pairs) if consistent is None else consistent[np.ix_(rows, rows)]
-        np.fill_diagonal(graph, val=False)
-        yield from self.of_greedy_cliques(graph)
+        if consistent is None:
+            near = consistency(self.pairs)
+        else:
+            near = consistent.of_rows(self.pairs.rows)
+        yield from self.of_greedy_cliques(near)
         enumeration = CliqueSearch(math.ceil(STEPS * self.effort))
-        yield from self.of_all_cliques(graph, enumeration)
+        yield from self.of_all_cliques(near, enumeration)
         if enumeration.steps < 0:
-            yield from self.of_triples(graph)
+            yield from self.of_triples(near)
 
     def followed(self, start: Held) -> Iterator[Held]:
         """What a pose leads to."""
@@ -106,59 +108,59 @@ class _Search:
         self.best = max(self.best, found.count)
         return found
 
-    def of_greedy_cliques(self, graph: Graph) -> Iterator[Held]:
+    def of_greedy_cliques(self, near: BitRows) -> Iterator[Held]:
         """From large cliques, begun at rows of most triangles that are in no clique so far."""
-        rows = core(graph, self.best)
-        part = graph[np.ix_(rows, rows)]
-        order = np.argsort(-triangles(part, self.rng), kind="stable")
-        covered = np.zeros(len(rows), dtype=bool)
+        alive = core(near, self.best)
+        rows = np.array(list(rows_of(alive)), dtype=np.int64)
+        order = rows[np.argsort(-triangles(near, alive)[rows], kind="stable")]
+        covered = np.zeros(len(near), dtype=bool)
         left = math.ceil(CLIQUES * self.effort)
-        for seed in order:
+        for seed in order.tolist():
             if left <= 0 or len(rows) <= self.best:
                 return
             if covered[seed]:
                 continue
             left -= 1
-            clique = greedy_clique(part, int(seed))
+            clique = greedy_clique(near, alive, seed)
             covered[clique] = True
-            yield from self.followed(self.fit_of(rows[clique]))
+            yield from self.followed(self.fit_of(clique))
 
-    def of_all_cliques(self, graph: Graph, enumeration: CliqueSearch) -> Iterator[Held]:
+    def of_all_cliques(self, near: BitRows, enumeration: CliqueSearch) -> Iterator[Held]:
         """From every clique of one row more than the best set, until none fits."""
         gained = True
         while gained:
             gained = False
             size = max(self.best, 0) + 1
-            rows = core(graph, size - 1)
-            found = enumeration.of_size(graph[np.ix_(rows, rows)], size)
-            while not gained and (batch := list(islice(found, max(1, ENTRIES // size)))):
-                sets = np.zeros((len(batch), len(self.pairs)), dtype=bool)
-                np.put_along_axis(sets, rows[np.array(batch)], values=True, axis=1)
+            alive = core(near, size - 1)
+            for found in enumeration.of_size(near, alive, size, max(1, ENTRIES // size)):
+                sets = np.zeros((len(found), len(self.pairs)), dtype=bool)
+                np.put_along_axis(sets, found, values=True, axis=1)
                 better = best_that_fits(self.pairs, sets, self.best)
                 if better is not None:
                     gained = True
                     yield from self.followed(better)
+                    break
 
     def fit_of(self, rows: Rows) -> Held:
         weights = np.zeros(len(self.pairs))
         weights[rows] = self.pairs.precisions[rows]
         return held(self.pairs, fitted(self.pairs, weights))
 
-    def of_triples(self, graph: Graph) -> Iterator[Held]:
+    def of_triples(self, near: BitRows) -> Iterator[Held]:
         """From triples of rows that agree, drawn at random, those with most rows near them."""
         left = TRIPLES * self.effort
         while left > 0:
-            rows = core(graph, self.best)
+            rows = np.array(list(rows_of(core(near, self.best))), dtype=np.int64)
             if len(rows) <= max(self.best, 2):
                 return
             left -= BATCH * len(rows)
             some = self.pairs.of(rows)
-            triples = drawn_triples(graph[np.ix_(rows, rows)], BATCH, self.rng)
+            triples = drawn_triples(near.table[np.ix_(rows, rows)], BATCH, self.rng)
             if not len(triples):
                 return
             poses = poses_of_triples(some, triples)
-            near = (squared_ratios(some, poses) <= LOOSE).sum(axis=1)
-            for index in np.argsort(-near, kind="stable")[:KEPT]:
+            counts = (squared_ratios(some, poses) <= LOOSE).sum(axis=1)
+            for index in np.argsort(-counts, kind="stable")[:KEPT]:
                 yield from self.followed(held(self.pairs, poses[int(index)]))
 
 

@@ -152,10 +152,9 @@ def test_what_is_asked_for_first_is_less_and_agrees_with_all(shared):
 
     assert brief is not None
     assert brief.labels == found.labels
-    assert np.array_equal(prover.consistent, prover.consistent.T)
-    assert [mask_of(np.flatnonzero(row).tolist()) for row in prover.consistent] == (
-        [*prover.graph.near]
-    )
+    table = prover.consistent.table
+    assert np.array_equal(table, table.T)
+    assert [mask_of(np.flatnonzero(row).tolist()) for row in table] == ([*prover.graph.near])
 
 
 @pytest.mark.slow

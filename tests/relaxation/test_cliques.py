@@ -8,9 +8,23 @@ import numpy as np
 import pytest
 from wrong_pairs import wrong_pairs
 
+from certreg.native import BitRows, greedy_clique, library_if_any, mask_of, rows_of, triangles
+from certreg.native import cliques as native_cliques
 from certreg.relaxation import cliques
-from certreg.relaxation.cliques import CliqueSearch, consistency, core, greedy_clique, triangles
+from certreg.relaxation.cliques import CliqueSearch, consistency, core
 from certreg.relaxation.paired_rows import paired_rows
+
+ALL = (1 << 40) - 1
+
+
+@pytest.fixture(params=["compiled", "plain"])
+def engine(request, monkeypatch):
+    """Cliques by C, and by Python."""
+    if request.param == "plain":
+        monkeypatch.setattr(native_cliques, "library_if_any", lambda: None)
+    elif library_if_any() is None:
+        pytest.skip("no compiled code")
+    return request.param
 
 
 @pytest.fixture(scope="module")
@@ -19,8 +33,13 @@ def pairs():
 
 
 @pytest.fixture(scope="module")
-def graph(pairs):
+def near(pairs):
     return consistency(paired_rows(pairs.source, pairs.target, pairs.bounds))
+
+
+@pytest.fixture(scope="module")
+def graph(near):
+    return near.table
 
 
 def test_rows_agree_whose_lengths_differ_by_no_more_than_both_bounds(pairs, graph):
@@ -35,19 +54,19 @@ def test_the_graph_is_the_same_in_blocks(pairs, graph, monkeypatch):
     monkeypatch.setattr(cliques, "BLOCK", 100)
 
     blocks = consistency(paired_rows(pairs.source, pairs.target, pairs.bounds))
-    np.testing.assert_array_equal(blocks, graph)
+    np.testing.assert_array_equal(blocks.table, graph)
 
 
 def test_an_edge_on_the_boundary_is_kept():
     source = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]])
     target = np.array([[0.0, 0.0, 0.0], [0.0, 1.3, 0.0]])
 
-    assert consistency(paired_rows(source, target, np.array([0.1, 0.2])))[0, 1]
+    assert consistency(paired_rows(source, target, np.array([0.1, 0.2]))).table[0, 1]
 
 
 @pytest.mark.parametrize("degree", [0, 3, 8, 12, 40])
-def test_a_core_is_the_largest_part_of_that_degree(graph, degree):
-    rows = core(graph, degree)
+def test_a_core_is_the_largest_part_of_that_degree(near, graph, degree):
+    rows = np.array(list(rows_of(core(near, degree))), dtype=int)
     inside = graph[np.ix_(rows, rows)].sum(axis=1)
     left = set(range(40))
     while poor := [i for i in left if graph[i, sorted(left)].sum() < degree]:
@@ -57,52 +76,91 @@ def test_a_core_is_the_largest_part_of_that_degree(graph, degree):
     assert set(rows.tolist()) == left
 
 
-def test_a_greedy_clique_is_one_that_no_row_can_join(graph):
-    for row in range(40):
-        clique = greedy_clique(graph, row)
+@pytest.mark.usefixtures("engine")
+@pytest.mark.parametrize("alive", [ALL, ALL // 3, 0b1110111 << 20])
+def test_a_greedy_clique_is_one_that_no_row_can_join(near, graph, alive):
+    rows = list(rows_of(alive))
+    for row in rows:
+        clique = greedy_clique(near, alive, row)
         assert row in clique
+        assert set(clique.tolist()) <= set(rows)
         assert all(graph[i, j] for i, j in combinations(clique, 2))
-        assert not graph[clique].all(axis=0).any()
+        assert not graph[clique][:, rows].all(axis=0).any()
 
 
-def test_a_greedy_clique_that_begins_at_a_true_row_holds_most_true_rows(pairs, graph):
-    cliques_of_true = [greedy_clique(graph, row) for row in np.flatnonzero(pairs.true).tolist()]
+def test_greedy_cliques_are_the_same_in_c_and_in_python(near, monkeypatch):
+    """Rows with as many neighbours, too: the first is taken."""
+    apart = np.subtract.outer(np.arange(10), np.arange(10)) % 5 != 0
+    for graph in (near, BitRows.of_table(apart)):
+        n = len(graph)
+        compiled = [greedy_clique(graph, (1 << n) - 1, row).tolist() for row in range(n)]
+        with monkeypatch.context() as patch:
+            patch.setattr(native_cliques, "library_if_any", lambda: None)
+            plain = [greedy_clique(graph, (1 << n) - 1, row).tolist() for row in range(n)]
+        assert compiled == plain
 
-    assert np.median([pairs.true[rows].sum() for rows in cliques_of_true]) == pairs.true.sum()
+
+@pytest.mark.usefixtures("engine")
+def test_a_greedy_clique_that_begins_at_a_true_row_holds_most_true_rows(pairs, near):
+    found = [greedy_clique(near, ALL, row) for row in np.flatnonzero(pairs.true).tolist()]
+
+    assert np.median([pairs.true[rows].sum() for rows in found]) == pairs.true.sum()
 
 
+@pytest.mark.usefixtures("engine")
+@pytest.mark.parametrize("batch", [1, 7, 1000])
 @pytest.mark.parametrize("size", [1, 2, 3, 5, 9, 12, 40])
-def test_every_clique_of_a_size_is_enumerated_once(graph, size):
-    small = graph[:14, :14]
-    found = [tuple(sorted(one)) for one in CliqueSearch(10**6).of_size(small, size)]
-    cliques_there = [
-        rows
-        for rows in combinations(range(14), size)
-        if all(small[i, j] for i, j in combinations(rows, 2))
+def test_every_clique_of_a_size_is_enumerated_once(near, graph, size, batch):
+    rows = range(3, 17)
+    search = CliqueSearch(10**6).of_size(near, mask_of(rows), size, batch)
+    batches = [one.tolist() for one in search]
+    there = [
+        chosen
+        for chosen in combinations(rows, size)
+        if all(graph[i, j] for i, j in combinations(chosen, 2))
     ]
 
-    assert sorted(found) == cliques_there
+    assert sorted(tuple(sorted(one)) for some in batches for one in some) == there
+    assert all(len(some) == batch for some in batches[:-1])
 
 
-def test_an_enumeration_ends_with_its_steps_and_says_so(graph):
+def test_cliques_come_in_the_same_order_and_at_the_same_price_in_c_and_in_python(near, monkeypatch):
+    def told():
+        search = CliqueSearch(3000)
+        return [one.tolist() for one in search.of_size(near, ALL, 4, 50)], search.steps
+
+    compiled = told()
+    monkeypatch.setattr(native_cliques, "library_if_any", lambda: None)
+
+    assert told() == compiled
+    assert compiled[1] < 0
+
+
+@pytest.mark.usefixtures("engine")
+def test_an_enumeration_ends_with_its_steps_and_says_so(near):
     short, long = CliqueSearch(100), CliqueSearch(10**6)
+    few, many = (sum(map(len, one.of_size(near, ALL, 3, 10))) for one in (short, long))
 
-    assert len(list(short.of_size(graph, 3))) < len(list(long.of_size(graph, 3)))
+    assert few < many
     assert short.steps < 0 <= long.steps
 
 
+@pytest.mark.usefixtures("engine")
 def test_a_clique_of_many_rows_is_enumerated():
     """No function calls itself once a row."""
-    (found,) = CliqueSearch(10**6).of_size(~np.eye(1500, dtype=bool), 1500)
+    near = BitRows.of_table(~np.eye(1500, dtype=bool))
+    ((found,),) = CliqueSearch(10**6).of_size(near, (1 << 1500) - 1, 1500, 5)
 
-    assert sorted(found) == list(range(1500))
+    assert sorted(found.tolist()) == list(range(1500))
 
 
-def test_triangles_are_counted_and_estimated(graph, monkeypatch):
-    counted = triangles(graph, np.random.default_rng(0))
-    each = [sum(graph[i, j] for i, j in combinations(np.flatnonzero(row), 2)) for row in graph]
-    monkeypatch.setattr(cliques, "SAMPLED", 20)
-    estimated = triangles(graph, np.random.default_rng(0))
+@pytest.mark.usefixtures("engine")
+@pytest.mark.parametrize("alive", [ALL, ALL // 3])
+def test_triangles_are_counted(near, graph, alive):
+    rows = list(rows_of(alive))
+    each = [0] * 40
+    for i, j, k in combinations(rows, 3):
+        if graph[i, j] and graph[j, k] and graph[i, k]:
+            each = [count + (row in (i, j, k)) for row, count in enumerate(each)]
 
-    np.testing.assert_array_equal(counted, 2.0 * np.array(each))
-    assert np.corrcoef(counted, estimated)[0, 1] > 0.9
+    assert triangles(near, alive)[rows].tolist() == [2 * each[row] for row in rows]

@@ -1,0 +1,165 @@
+"""Cliques of graphs whose rows are bits, by native/cliques.c.
+
+Where there is no compiled code the same ones are found in Python.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import sys
+from typing import TYPE_CHECKING, Any, Protocol
+
+import numpy as np
+
+from certreg.native.bit_rows import rows_of
+from certreg.native.library import library_if_any
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from certreg.native.bit_rows import BitRows
+    from certreg.native.library import Library
+
+    Rows = NDArray[np.int64]
+
+
+def triangles(near: BitRows, alive: int) -> Rows:
+    """Twice how many triangles each row is of, (n,), among those that are alive, as bits."""
+    library = _library()
+    if library is None:
+        among = np.zeros(len(near), dtype=np.float32)
+        among[list(rows_of(alive))] = 1.0
+        links = near.table * among * among[:, np.newaxis]
+        return np.einsum("ij,ij->i", links @ links, links).astype(np.int64)
+    counts = np.zeros(len(near), dtype=np.int64)
+    mask = _words(near, alive)
+    library.handle.certreg_triangles(*_given(near, mask), ctypes.c_void_p(counts.ctypes.data))
+    return counts
+
+
+def greedy_clique(near: BitRows, alive: int, row: int) -> Rows:
+    """A clique that holds a row: the neighbour of most that are left is taken, again and again."""
+    library = _library()
+    if library is None:
+        return np.array(sorted(_greedily(near.integers, alive, row)))
+    masks, numbers = _words(near, alive, 0), np.empty((2, len(near) + 1), dtype=np.int64)
+    numbers[0, 0] = row
+    taken: int = library.handle.certreg_greedy_clique(
+        *_given(near, masks),
+        ctypes.c_int64(row),
+        ctypes.c_void_p(numbers.ctypes.data + numbers.itemsize),
+        ctypes.c_void_p(numbers[1].ctypes.data),
+        ctypes.c_void_p(masks[1].ctypes.data),
+    )
+    return np.sort(numbers[0, : taken + 1])
+
+
+def _greedily(near: list[int], alive: int, row: int) -> list[int]:
+    clique, left = [row], near[row] & alive
+    while left:
+        counts = [((near[e] & left).bit_count(), -e) for e in rows_of(left)]
+        best = -max(counts)[1]
+        clique.append(best)
+        left &= near[best]
+    return clique
+
+
+class Enumeration(Protocol):
+    """All cliques of a size, some at a time."""
+
+    @property
+    def steps(self) -> int:
+        """Those left; below 0 the enumeration has ended before all were found."""
+        ...
+
+    def some(self, most: int) -> Rows:
+        """The next cliques, (up to so many, size); none: there are no more, or steps."""
+        ...
+
+
+def enumeration(near: BitRows, size: int, steps: int, dear: int) -> Enumeration:
+    """Of all rows of the graph. dear: the steps of a clique, beside those of the search."""
+    library = _library()
+    if library is None:
+        return PlainEnumeration(near, size, steps, dear)
+    return CompiledEnumeration(library.handle, near, size, steps, dear)
+
+
+class _Search(ctypes.Structure):
+    _fields_ = (
+        *((name, ctypes.c_int64) for name in ("words", "size", "depth", "steps", "dear")),
+        *((name, ctypes.c_void_p) for name in ("near", "left", "path")),
+    )
+
+
+class CompiledEnumeration:
+    """By native/cliques.c."""
+
+    def __init__(self, handle: Any, near: BitRows, size: int, steps: int, dear: int) -> None:
+        self._handle, self._near, self._size = handle, near, size
+        self._left = np.empty((size, near.words.shape[1]), dtype=np.uint64)
+        self._left[0] = _words(near, (1 << len(near)) - 1)
+        self._path = np.empty(size, dtype=np.int64)
+        places = [array.ctypes.data for array in (near.words, self._left, self._path)]
+        self._state = _Search(near.words.shape[1], size, 0, steps, dear, *places)
+
+    @property
+    def steps(self) -> int:
+        """Those left."""
+        return self._state.steps
+
+    def some(self, most: int) -> Rows:
+        """The next cliques."""
+        found = np.empty((most, self._size), dtype=np.int64)
+        count: int = self._handle.certreg_cliques(
+            ctypes.byref(self._state), ctypes.c_int64(most), ctypes.c_void_p(found.ctypes.data)
+        )
+        return found[:count]
+
+
+class PlainEnumeration:
+    """The same in Python's integers, without recursion: a clique may have a thousand rows."""
+
+    def __init__(self, near: BitRows, size: int, steps: int, dear: int) -> None:
+        self._near, self._size, self.steps, self._dear = near.integers, size, steps, dear
+        self._path: list[int] = []
+        self._left = [(1 << len(near)) - 1]  # after each row of the path: which rows may follow
+
+    def some(self, most: int) -> Rows:
+        """The next cliques."""
+        found: list[list[int]] = []
+        while self._left and len(found) < most:
+            self.steps -= 1
+            if self.steps < 0:
+                break
+            missing = self._size - len(self._path)
+            if self._left[-1].bit_count() < missing:
+                self._left.pop()
+                if self._path:
+                    self._path.pop()
+                continue
+            row = (self._left[-1] & -self._left[-1]).bit_length() - 1
+            self._left[-1] ^= 1 << row
+            if missing == 1:
+                self.steps -= self._dear
+                found.append([*self._path, row])
+                continue
+            self._path.append(row)
+            self._left.append(self._left[-1] & self._near[row])
+        return np.array(found, dtype=np.int64).reshape(-1, self._size)
+
+
+def _library() -> Library | None:
+    return library_if_any() if sys.byteorder == "little" else None
+
+
+def _words(near: BitRows, *masks: int) -> NDArray[np.uint64]:
+    size = 8 * near.words.shape[1]
+    content = b"".join([mask.to_bytes(size, "little") for mask in masks])
+    return np.frombuffer(bytearray(content), dtype=np.uint64).reshape(len(masks), -1)
+
+
+def _given(near: BitRows, masks: NDArray[np.uint64]) -> list[Any]:
+    """What the functions in C begin with."""
+    words, place = near.words, ctypes.c_void_p
+    return [ctypes.c_int64(words.shape[1]), place(words.ctypes.data), place(masks.ctypes.data)]
