@@ -187,7 +187,11 @@ def columns_of(array: NDArray[Any] | None) -> tuple[int | None, int, int, bool]:
     if array is None:
         return None, 0, 0, False
     strides = array.strides
-    address = array.__array_interface__["data"][0]  # four times as fast as array.ctypes.data
+    if array.flags.carray and array.size:  # contiguous, and may be written: the fastest way
+        memory: Any = array
+        address = ctypes.addressof(ctypes.c_char.from_buffer(memory))
+    else:
+        address = array.__array_interface__["data"][0]  # faster than array.ctypes.data
     return address, strides[0], strides[-1], array.itemsize == 4
 
 

@@ -75,17 +75,20 @@ def floating_pose(
     few points.
     """
     posed = _posed()
-    arrays = (source, target, weights)
-    known = all(array is None or array.dtype in TAKEN for array in arrays)
+    known = source.dtype in TAKEN and target.dtype in TAKEN
+    known = known and (weights is None or weights.dtype in TAKEN)
     if posed is None or not known or len(source) > CHUNK_POINTS:
         return None
     content: Any = _Numbers()  # of NumPy's buffers
-    points = CloudPoints(len(source), *chain.from_iterable(map(columns_of, arrays)))
+    columns = (*columns_of(source), *columns_of(target), *columns_of(weights))
+    points = CloudPoints(len(source), *columns)
     posed(ctypes.byref(points), ctypes.c_int(about_origin), ctypes.byref(content))
     numbers: NDArray[np.float64] = np.frombuffer(content)
     found: list[float] = numbers[DECIDING].tolist()
     mass, here, scatter, there, spread, gap, norm, residual = found
-    if not all(LEAST_SUM <= size <= MOST_SUM for size in (mass, scatter, spread)):
+    if not (LEAST_SUM <= mass <= MOST_SUM and LEAST_SUM <= scatter <= MOST_SUM):
+        return None
+    if not LEAST_SUM <= spread <= MOST_SUM:
         return None
     lever, times = 1.0 + LARGEST_LEVER, LARGEST_LEVER * mass
     if not (lever * here <= times * scatter and lever * there <= times * spread):
