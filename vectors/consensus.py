@@ -5,7 +5,6 @@ from __future__ import annotations
 import copy
 import struct
 from dataclasses import dataclass, replace
-from fractions import Fraction
 from itertools import chain
 from typing import Any
 
@@ -17,7 +16,6 @@ from certreg.verify import CONSENSUS, ConsensusStatement, bounded_rows, definite
 PREFIX = CONSENSUS
 TURN = [1, 1, 1, 1]  # takes (x, y, z) to (z, x, y)
 SHIFT = [5, -3, 2, 0]
-ONE = 1 << 60  # of the number that proves a reach
 CLASS = "consensus"
 
 # Six are met; of the other six two have too few neighbours, two of too few colours, two fall by a
@@ -129,11 +127,12 @@ def reach(rows: list[list[int]], q: list[int]) -> dict[str, list[int]]:
     found = {"sin2_half_angle": [1, 0], "tau": [1, 0]}
     for k in range(1, 20):
         for j in range(-4, 20):
-            s, tau = Fraction(1, 2**k), Fraction(2) ** -j
-            level = (squares - bound - tau * squares * (1 - s)) * norm
+            # s = 2^-k, tau = 2^-j: all times 2^(k + j + 4), which makes integers of both.
+            scale, s_less, tau = 1 << k + j + 4, (1 << k) - 1, 16 << k
+            level = ((squares - bound) * scale - 16 * s_less * squares) * norm
             A = [
                 [
-                    int(ONE * (tau * squares * a * b - 2 * norm * K[i][h] + level * (i == h)))
+                    tau * squares * a * b - 2 * norm * scale * K[i][h] + level * (i == h)
                     for h, b in enumerate(q)
                 ]
                 for i, a in enumerate(q)

@@ -69,10 +69,13 @@ def top_vector(K: list[list[int]]) -> list[int]:
     shift = max(sum(map(abs, row)) for row in K)
     q = [1 << BITS, 3 << BITS - 3, 5 << BITS - 4, 7 << BITS - 5]
     for _ in range(4000):
+        old = q
         image = [sum(a * b for a, b in zip(row, q, strict=True)) for row in K]
         q = [a + shift * b for a, b in zip(image, q, strict=True)]
         cut = max(map(abs, q)).bit_length() - BITS
         q = [c >> cut if cut > 0 else c << -cut for c in q]
+        if q == old:  # and so for ever
+            break
     return [0 if abs(c) < 16 else c for c in q]  # what truncation left of a zero
 
 

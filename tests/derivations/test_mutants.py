@@ -23,7 +23,7 @@ def loaded():
 
 
 @pytest.mark.slow
-@pytest.mark.one_in(18)
+@pytest.mark.one_in(36)
 @pytest.mark.parametrize("mutant", MUTANTS, ids=lambda mutant: mutant.says)
 def test_every_mutant_of_a_shipped_formula_is_noticed(mutant):
     assert noticed_apart(mutant) is not None

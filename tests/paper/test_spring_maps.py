@@ -15,7 +15,7 @@ from test_reproduce import SCHEMA
 
 from certreg.objective.springs import Springs
 from certreg.paper import spring_maps as mapping
-from certreg.paper.spring_figures import spring_drawings
+from certreg.paper.spring_figures import counts_drawing, spring_drawings
 from certreg.paper.spring_maps import (
     SIZES,
     SPRING_CELLS,
@@ -158,7 +158,7 @@ def test_a_cell_of_which_nothing_is_listed_has_no_numbers(counts):
 
 
 def test_the_figures_tell_the_range_that_was_seen(counts):
-    counted, _ = spring_drawings(counts)
+    counted = counts_drawing(counts)
     known = np.concatenate([each.counted for each in counts])
     words = [text.get_text() for axes in counted.figure.axes for text in axes.texts]
 
