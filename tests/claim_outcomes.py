@@ -1,7 +1,6 @@
 """The claims of the book, proved once in a session: by the derivations that the package finds.
 
-`make test` proves a sixth of them; all are proved by the pages, in `make test-long` and, by the
-commands of the wheel, in `.ci/run`.
+`make test` proves a sixth of them; all are proved by the pages and in `make test-long`.
 """
 
 from __future__ import annotations
