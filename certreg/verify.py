@@ -20,7 +20,7 @@ import struct
 import sys
 from array import array
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import Field, dataclass, fields
+from dataclasses import Field, dataclass, field, fields
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 from fractions import Fraction
 from functools import cache, partial
@@ -69,7 +69,8 @@ class Outcome:
     verified: bool
     reason: str = ""
     worth: Worth | None = None  # of the pose, if the certificate is about one and is verified
-    tell: Callable[[], Iterable[str]] = tuple  # the theorems, written when they are read
+    # The theorems, written when they are read:
+    tell: Callable[[], Iterable[str]] = field(default=tuple, compare=False, repr=False)
 
     @property
     def theorems(self) -> tuple[str, ...]:
