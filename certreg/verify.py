@@ -19,6 +19,7 @@ import json
 import struct
 import sys
 from array import array
+from bisect import bisect_left
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import Field, dataclass, field, fields
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
@@ -2172,6 +2173,12 @@ def weighed(rows: Matrix, weights: Sequence[int]) -> tuple[int, int, Matrix]:
 
     B = M sum w b^2, M = sum w: for the best shift, M sum w r^2 is S - 2 p^T K p.
     """
+    x, y, bound, K = weighed_parts(rows, weights)
+    return x + y, bound, K
+
+
+def weighed_parts(rows: Matrix, weights: Sequence[int]) -> tuple[int, int, int, Matrix]:
+    """S in two parts, of x and of y, before B and K."""
     first, m, bound = rows[0], [[0] * 7 for _ in range(7)], 0
     for row, w in zip(rows, weights):
         a = [1, *[k - o for k, o in zip(row[:6], first)]]
@@ -2179,7 +2186,8 @@ def weighed(rows: Matrix, weights: Sequence[int]) -> tuple[int, int, Matrix]:
         for i, left in enumerate(a):
             for j in range(i, 7 if i < 4 else i + 1):
                 m[i][j] += w * left * a[j]
-    return sum(spreads(m)), m[0][0] * bound, davenport(cross(m))
+    x, y = spreads(m)
+    return x, y, m[0][0] * bound, davenport(cross(m))
 
 
 def consistent(rows: Matrix) -> list[int]:
@@ -2203,6 +2211,74 @@ def consistent(rows: Matrix) -> list[int]:
 
 
 # --- end of part: thinning ----------------------------------------------------------------------
+# --- part: scales -------------------------------------------------------------------------------
+# Pairs that motions with a scale s may meet together: |y_i - s R x_i - t| <= b_i.
+
+
+@dataclass(frozen=True)
+class ScaledThinning(Thinning):
+    """The same of motions with a scale from low to high, None: without an end."""
+
+    low: int = 0
+    high: int | None = None
+
+    def refuted(self, rows: Matrix, weights: Sequence[int]) -> bool:
+        """Whether no such motion meets them all: then sum w r^2 <= sum w b^2."""
+        x, y, bound, K = weighed_parts(rows, weights)
+        return scaled_refuted(x, y - bound, K, self.low, self.high)
+
+
+def between(low: Fraction, high: Fraction | None) -> str:
+    """Two numbers in words, rounded outwards."""
+    above = "on" if high is None else f"to {rounded(high, 9):g}"
+    return f"from {rounded(low, 9, ROUND_FLOOR):g} {above}"
+
+
+def scaled(rows: Matrix, s: int, one: int) -> Matrix:
+    """The rows with x times s, y and b times `one`: a scale k/one is then k."""
+    return [[*[s * k for k in r[:3]], *[one * k for k in r[3:6]], r[6], one * r[7]] for r in rows]
+
+
+def longer(A: int, B: int, d: int) -> bool:
+    """Whether sqrt(A) > sqrt(B) + d, d >= 0: iff G = A - B - d^2 > 0 and G^2 > 4 d^2 B."""
+    G = A - B - d * d
+    return G > 0 and 4 * d * d * B < G * G
+
+
+def scaled_refuted(x: int, c: int, K: Matrix, low: int, high: int | None) -> bool:
+    """Whether s^2 x + c > 2 s l for all s from low to high, l >= 0 the largest eigenvalue of K.
+
+    By 2 l, (s x + c/s) falls with s up to sqrt(c/x), where it is 2 sqrt(c x), and grows from there.
+    """
+    if c > low * low * x and x and (high is None or c < high * high * x):
+        level, times = isqrt(c * x), 1
+    else:
+        end = high if c > low * low * x and x and high is not None else low
+        level, times = end * end * x + c, 2 * end
+    return definite(raised([[-times * k for k in row] for row in K], level))
+
+
+def graphs(rows: Matrix, ends: list[int]) -> Iterator[list[int]]:
+    """Of each piece, of each row those that one motion with a scale of the piece may meet with it.
+
+    With a = |xj - xi|, b = |yj - yi|, d = bi + bj it makes b of s a, but for d: s a <= b + d and
+    b <= s a + d. So low a <= b + d and b <= high a + d: false up to a piece, and from one on.
+    """
+    last, squares = len(ends), [end * end for end in ends]
+    flips = [[0] * len(rows) for _ in range(last + 2)]
+    for i, row in enumerate(rows):
+        for j, other in enumerate(rows[:i]):
+            p, q, d = parted(row, other)
+            A, B = squared(p), squared(q)
+            first = bisect_left(squares, 0, key=lambda s, A=A, B=B, d=d: -longer(B, s * A, d))
+            after = bisect_left(squares, 1, key=lambda s, A=A, B=B, d=d: longer(s * A, B, d))
+            for piece in (first, after + 1):
+                flips[piece][i] ^= 1 << j
+                flips[piece][j] ^= 1 << i
+    return accumulate(flips[:-1], lambda one, two: [*map(int.__xor__, one, two)])
+
+
+# --- end of part: scales ------------------------------------------------------------------------
 # --- part: labels -------------------------------------------------------------------------------
 # For kinds that claim of pairs with bounds which of them the motions meet that meet most.
 
@@ -2227,6 +2303,8 @@ class LabelledStatement(Statement):
     labels: str
     upper: int
     fit: Document | None
+    sin2_half_angle: Fraction | None
+    tau: Fraction | None
 
     def met(self, m: Matrix, e: int) -> list[int]:
         """The rows that the witness meets, exactly: so many as are needed, or more."""
@@ -2267,6 +2345,30 @@ class LabelledStatement(Statement):
         fit = check(json.dumps(self.fit).encode(), Clouds(x, y, w, model))
         require(fit.verified, "fit is refused: {}", fit.reason)
         return fit
+
+    def reach(self, level: int, size: int, K: Matrix, count: int) -> Iterator[str]:
+        """Where all motions that meet so many pairs have level <= 2 p^T K p, see `weighed`.
+
+        If level I - 2 K + t (u u^T - (1 - s) I) > 0, t = tau size > 0, u = q/|q| of the fit, then
+        0 < t ((u.p)^2 - (1 - s)), that is sin^2(a/2) < s.
+        """
+        s, tau, fit = self.sin2_half_angle, self.tau, self.fit or {}
+        q = fit.get("proof", fit).get("pose")
+        if s is None and tau is None:
+            return
+        if not (s and tau and q):
+            raise RefusalError("reach is not of a fit, sin2_half_angle and tau")
+        d, (a, b) = s.denominator, tau.as_integer_ratio()
+        norm = sum(c * c for c in q)
+        least = (level * b * d - a * size * (d - s.numerator)) * norm
+        parts = zip(q, K)
+        A = [[a * d * size * i * j - 2 * b * d * norm * k for j, k in zip(q, r)] for i, r in parts]
+        require(a > 0 < s.numerator < d and definite(raised(A, least)), "reach is not proved")
+        angle = Fraction(2) * root_up(s.numerator, d - s.numerator)  # a/2 < tan(a/2)
+        yield (
+            f"Every motion that brings these {count} within has its rotation within "
+            f"{rounded(angle * DEGREES, 3):.2e} degrees of that of the least squares."
+        )
 
     def outcome(self, words: Sequence[str], K: int, fit: Outcome) -> Outcome:
         """The theorems, those of the fit after the others."""
@@ -2351,8 +2453,6 @@ class ConsensusStatement(LabelledStatement):
     model: ClassVar[str] = "--max-residual"
 
     stages: Steps
-    sin2_half_angle: Fraction | None
-    tau: Fraction | None
     springs: bool | None
 
     @property
@@ -2379,34 +2479,9 @@ class ConsensusStatement(LabelledStatement):
         )
         self.require_claims(within if first == within else sure, first, upper)
         fit = self.fitted(m, e, met, "springs-sos springs-cones" if self.springs else "isotropic")
-        return self.outcome([*self._words(K), *self._reach([m[i] for i in met])], K, fit)
-
-    def _reach(self, rows: Matrix) -> Iterator[str]:
-        """A motion that meets all of these rows has c = S - B <= 2 p^T K p, see `weighed`.
-
-        If c I - 2 K + t (u u^T - (1 - s) I) > 0, t = tau S > 0, u = q/|q| of the fit, then
-        0 < t ((u.p)^2 - (1 - s)), that is sin^2(a/2) < s.
-        """
-        s, tau, fit = self.sin2_half_angle, self.tau, self.fit or {}
-        q = fit.get("proof", fit).get("pose")
-        if s is None and tau is None:
-            return
-        if not (s and tau and q):
-            raise RefusalError("reach is not of a fit, sin2_half_angle and tau")
-        squares, bound, K = weighed(rows, [row[6] for row in rows])
-        d, (a, b) = s.denominator, tau.as_integer_ratio()
-        norm = sum(c * c for c in q)
-        level = ((squares - bound) * b * d - a * squares * (d - s.numerator)) * norm
-        parts = zip(q, K)
-        A = [
-            [a * d * squares * i * j - 2 * b * d * norm * k for j, k in zip(q, r)] for i, r in parts
-        ]
-        require(a > 0 < s.numerator < d and definite(raised(A, level)), "reach is not proved")
-        angle = Fraction(2) * root_up(s.numerator, d - s.numerator)  # a/2 < tan(a/2)
-        yield (
-            f"Every motion that brings these {len(rows)} within has its rotation within "
-            f"{rounded(angle * DEGREES, 3):.2e} degrees of that of the least squares."
-        )
+        squares, bound, form = weighed([m[i] for i in met], [m[i][6] for i in met])
+        reach = self.reach(squares - bound, squares, form, K)
+        return self.outcome([*self._words(K), *reach], K, fit)
 
     def _words(self, K: int) -> Iterator[str]:
         n, out, sure = self.n, self.labels.count("o"), self.labels.count("i")
@@ -2430,10 +2505,155 @@ SUMS[SPRUNG] = (
     "bounds or springs are others, or not given: as for certify give --max-residual and springs",
 )
 # --- end of kind: consensus ---------------------------------------------------------------------
+# --- kind: consensus-similarity -----------------------------------------------------------------
+# As of the kind consensus, of motions with a scale: (s, R, t), s > 0, meets pair i if
+# |y_i - s R x_i - t| <= b_i. The scales are cut into pieces, and each is treated by itself.
+
+GRAPHS_MAX = 1 << 30  # bits of the graphs of all pieces
+SCALE_BITS = 8192  # of the ends of pieces over their unit: of doubles a quotient needs 4,200
+NONE, SAME, OPEN = "-=?"  # of a piece: no motion meets K; those that do meet just I; not proved
+
+
+@dataclass(frozen=True)
+class ConsensusSimilarityStatement(LabelledStatement):
+    """witness, with its scale `factor`, and pieces make the proof.
+
+    A piece: its end, as a dyadic, and stages; it begins at the end of the one before, the first at
+    0, and the last has no end, null. states: what is claimed of each piece, a letter.
+    scale: of the least squares over the pairs that the witness meets, as in the kind similarity.
+    """
+
+    kind: ClassVar = "consensus-similarity"
+    keys: ClassVar = {
+        "": "about claims fit format kind pieces problem reach? scale witness",
+        "claims": "labels scale_lower scale_upper states upper",
+        "problem": "data digest n",
+        "reach?": "sin2_half_angle tau",
+        "witness": "factor quaternion shift",
+    }
+    prefixes: ClassVar = {
+        "asymmetric": b"certreg-consensus-similarity/1\0",
+        "symmetric": b"certreg-consensus-similarity-symmetric/1\0",
+    }
+
+    factor: Fraction
+    pieces: Steps
+    states: str
+    scale: str
+    scale_lower: Fraction  # and upper: of all motions that meet the pairs that the witness meets
+    scale_upper: Fraction
+
+    @property
+    def prefix(self) -> bytes:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """Of the two problems, each its own; an unknown one is refused in `prove`."""
+        return self.prefixes.get(self.scale, self.prefixes["symmetric"])
+
+    @property
+    def model(self) -> str:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """Both options."""
+        return f"--scale {shown(self.scale)} --max-residual"
+
+    def prove(self, m: Matrix, e: int, *, equal: bool) -> Outcome:
+        """All claims, of rows (x, y, w, b) over 2^e.
+
+        I: the K pairs that the witness meets. In each piece every motion that meets K pairs or more
+        meets none outside of the first stage's set: none does where that has fewer than K, and each
+        meets just I where that is I. What holds in every piece holds of all motions with a scale.
+        """
+        del equal  # weights are of the fit alone
+        require(self.scale in self.prefixes, "scale is neither asymmetric nor symmetric")
+        require(self.factor > 0, "the witness has no scale > 0")
+        s, t = self.factor.as_integer_ratio()
+        met = self.met(scaled(m, s, t), e - t.bit_length() + 1)
+        ends, K, within = self._ends(), len(met), sum(1 << i for i in met)
+        one = max([end.denominator for end in ends], default=1)
+        highs = [int(end * one) for end in ends]
+        fine = one.bit_length() <= SCALE_BITS >= max(highs, default=0).bit_length()
+        require(fine, "an end of a piece has more than {} bits", SCALE_BITS)
+        rows, parts, looks = scaled(m, 1, one), zip([0, *highs], [*highs, None]), [LOOKS_MAX]
+        union, most, sure, states = 0, K, (1 << len(m)) - 1, ""
+        for near, (low, high), piece in zip(graphs(rows, highs), parts, self.pieces):
+            first, upper, own = staged(
+                listed(piece[1]),
+                near,
+                K,
+                lambda near, alive, k, a=low, b=high: ScaledThinning(
+                    rows, near, alive, k, looks, low=a, high=b
+                ),
+            )
+            most = max(most, upper)
+            states += NONE if first.bit_count() < K else SAME if first == within else OPEN
+            if states[-1] != NONE:
+                union, sure = union | first, sure & (within if first == within else own)
+        allowed = {NONE: NONE + SAME + OPEN, SAME: SAME + OPEN, OPEN: OPEN}
+        good = len(self.states) == len(states) and all(
+            claim in allowed[true] for claim, true in zip(self.states, states)
+        )
+        require(good, "claims.states is wrong, proved is {}", states)
+        self.require_claims(sure, union, most)
+        fit = self.fitted(m, e, met, "similarity", f"--scale {self.scale}")
+        reach = self._scales([m[i] for i in met])
+        return self.outcome([*self._words(K, ends), *reach], K, fit)
+
+    def _ends(self) -> list[Fraction]:
+        """Of all pieces but the last."""
+        pieces = [listed(piece, 2) for piece in self.pieces]
+        good = len(pieces) * self.n**2 <= GRAPHS_MAX and bool(pieces) and pieces[-1][0] is None
+        require(good, "the last piece has an end, or there are too many")
+        pairs = [listed(end, 2) for end, _ in pieces[:-1]]
+        require({int} >= {*map(type, chain(*pairs))}, "an end of a piece is no dyadic")
+        ends = [_dyadic(*pair) for pair in pairs]
+        good = all(low < high for low, high in zip([Fraction(0), *ends], ends))
+        require(good, "the ends of the pieces do not increase from 0 on")
+        return ends
+
+    def _scales(self, rows: Matrix) -> Iterator[str]:
+        """A motion with the scale s that meets these has s^2 x + c <= 2 s p^T K p, c = y - B.
+
+        So p^T K p >= sqrt(c x), if c >= 0.
+        """
+        low, high = self.scale_lower, self.scale_upper
+        one = max(low.denominator, high.denominator)
+        x, y, bound, K = weighed_parts(scaled(rows, 1, one), [row[6] for row in rows])
+        a, b, c = int(low * one), int(high * one), y - bound
+        good = 0 <= a < b and (a == 0 or scaled_refuted(x, c, K, 0, a))
+        require(good, "claims.scale_lower is not proved")
+        require(scaled_refuted(x, c, K, b, None), "claims.scale_upper is not proved")
+        yield f"Every motion that brings these {len(rows)} within has a scale {between(low, high)}."
+        require(c >= 0 or self.tau is None, "reach is not proved")
+        yield from self.reach(2 * isqrt(max(c, 0) * x), isqrt(x * y), K, len(rows))
+
+    def _words(self, K: int, ends: list[Fraction]) -> Iterator[str]:
+        n, out, sure = self.n, self.labels.count("o"), self.labels.count("i")
+        motion = "motion with a scale"
+        yield f"Data: n = {n} pairs, each with a bound. SHA-256 of their doubles is {self.digest}."
+        size = f"{rounded(self.factor, 9):g}, rounded up here"
+        yield f"One {motion}, {size}, brings {K} of the {n} pairs within their bounds."
+        yield f"No {motion} brings more than {self.upper} within, whatever the scale."
+        if out + sure == n:
+            yield f"Every {motion} that brings {K} within brings these {K} within, and only these."
+        parts = [*zip([Fraction(0), *ends], [*ends, None])]
+        yield f"In EVERY {motion} that brings {K} within: outliers: {out}, inliers: {sure}."
+        around = zip(f"={self.states}", self.states, f"{self.states[1:]}=", parts)
+        runs = [(a, b, c, low, high) for a, b, c, (low, high) in around if b == OPEN]
+        lows = [low for before, _, _, low, _ in runs if before != OPEN]
+        highs = [high for _, _, after, _, high in runs if after != OPEN]
+        for low, high in zip(lows, highs):
+            place = between(low, high)
+            yield f"Not proved: which {K} pairs or more are met with a scale {place}."
+        if lows:
+            yield f"With any other scale: these {K} and only these, where {K} or more are met."
+        if out + sure < n:
+            yield f"Not proved: which of the other {n - sure - out} pairs are."
+
+
+SUMS.update(dict.fromkeys(ConsensusSimilarityStatement.prefixes.values(), BOUNDED))
+# --- end of kind: consensus-similarity ----------------------------------------------------------
 
 FORMS = IsotropicStatement, SimilarityStatement, CountStatement, SpringsSosStatement
 LAST = SpringsConesStatement, SpringsListStatement, TruncatedRotationStatement, ConsensusStatement
-KINDS: dict[str, type[Statement]] = {form.kind: form for form in (*FORMS, *LAST)}
+LATEST = (ConsensusSimilarityStatement,)
+KINDS: dict[str, type[Statement]] = {form.kind: form for form in (*FORMS, *LAST, *LATEST)}
 
 if __name__ == "__main__":
     sys.exit(main(sys.argv[1:]))

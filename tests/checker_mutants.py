@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING
 from checker_boundaries import Case, quick_cases
 from consensus_boundaries import consensus_cases
 from list_boundaries import early_list_cases, list_cases
+from scaled_boundaries import scaled_cases
 from similarity_boundaries import similarity_cases
 from springs_boundaries import springs_cases
 from sprung_boundaries import sprung_cases
@@ -1168,9 +1169,9 @@ CONSENSUS = mutants(
     ),
     ("m[i][j] += w * left * a[j]", "m[i][j] += left * a[j]", "m[i][j] += w * w * left * a[j]"),
     (
-        "sum(spreads(m)), m[0][0] * bound,",
-        "sum(spreads(m)), bound,",
-        "spreads(m)[0], m[0][0] * bound,",
+        "x, y, m[0][0] * bound,",
+        "x, y, bound,",
+        "x, x, m[0][0] * bound,",
     ),
     ("davenport(cross(m))\n\n\ndef consistent", "davenport([*zip(*cross(m))])\n\n\ndef consistent"),
     ("A = (a - k) ** 2 + (b - l) ** 2", "A = (a - k) ** 2 + (b - m) ** 2"),
@@ -1341,19 +1342,19 @@ CONSENSUS = mutants(
     ("if s is None and tau is None:", "if s is None or tau is None:"),
     ("if not (s and tau and q):", "if not (tau and q):", "if not (s and q):"),
     ("[row[6] for row in rows])\n", "[1 for row in rows])\n", "[row[7] for row in rows])\n"),
-    ("level = ((squares - bound) * b * d", "level = (squares * b * d"),
+    ("least = (level * b * d", "least = (level * d"),
     (
-        "a * squares * (d - s.numerator)) * norm",
-        "a * squares * d) * norm",
-        "a * squares * s.numerator) * norm",
-        "a * squares * (d - s.numerator))",
+        "a * size * (d - s.numerator)) * norm",
+        "a * size * d) * norm",
+        "a * size * s.numerator) * norm",
+        "a * size * (d - s.numerator))",
         "a * (d - s.numerator)) * norm",
     ),
     (
-        "[a * d * squares * i * j - 2",
-        "[a * squares * i * j - 2",
+        "[a * d * size * i * j - 2",
+        "[a * size * i * j - 2",
         "[a * d * i * j - 2",
-        "[2 * a * d * squares * i * j - 2",
+        "[2 * a * d * size * i * j - 2",
     ),
     (
         "- 2 * b * d * norm * k for",
@@ -1362,9 +1363,9 @@ CONSENSUS = mutants(
         "- 2 * d * norm * k for",
     ),
     (
-        "a > 0 < s.numerator < d and definite(raised(A, level))",
-        "0 < s.numerator < d and definite(raised(A, level))",
-        "a > 0 < s.numerator and definite(raised(A, level))",
+        "a > 0 < s.numerator < d and definite(raised(A, least))",
+        "0 < s.numerator < d and definite(raised(A, least))",
+        "a > 0 < s.numerator and definite(raised(A, least))",
         "a > 0 < s.numerator < d",
     ),
     (
@@ -1386,8 +1387,56 @@ CONSENSUS = mutants(
     ('model: ClassVar[str] = "--max-residual"', 'model: ClassVar[str] = ""'),
     ("MemoryError, RecursionError) as", "MemoryError) as"),
 )
+SCALED = mutants(
+    ("return G > 0 and 4 * d * d * B < G * G", "return 4 * d * d * B < G * G", "return G > 0"),
+    ("4 * d * d * B < G * G", "4 * d * d * B <= G * G", "2 * d * d * B < G * G"),
+    ("G = A - B - d * d", "G = A - B + d * d", "G = A - B"),
+    ("key=lambda s, A=A, B=B, d=d: -longer(B, s * A, d)", "key=lambda s: -longer(B, A, d)"),
+    ("key=lambda s, A=A, B=B, d=d: longer(s * A, B, d)", "key=lambda s: longer(A, B, d)"),
+    ("for piece in (first, after + 1):", "for piece in (first, after):"),
+    ("for piece in (first, after + 1):", "for piece in (first + 1, after + 1):"),
+    ("squares = len(ends), [end * end for", "squares = len(ends), [end for"),
+    ("level, times = isqrt(c * x), 1", "level, times = 1 + isqrt(c * x), 1"),
+    ("level, times = isqrt(c * x), 1", "level, times = 2 * isqrt(c * x), 1"),
+    ("(high is None or c < high * high * x):", "(high is None or c < high * x):", "True:"),
+    ("level, times = end * end * x + c, 2 * end", "level, times = end * end * x + c, end"),
+    ("level, times = end * end * x + c, 2 * end", "level, times = end * end * x, 2 * end"),
+    ("[[-times * k for k in row]", "[[times * k for k in row]"),
+    ("end = high if c > low * low * x and x and", "end = high if"),
+    ("*[one * k for k in r[3:6]], r[6], one * r[7]]", "*r[3:6], r[6], one * r[7]]"),
+    ("r[6], one * r[7]] for r in rows]", "r[6], r[7]] for r in rows]"),
+    ("scaled_refuted(x, y - bound, K, self.low", "scaled_refuted(x, y, K, self.low"),
+    ("K, self.low, self.high)", "K, self.low, self.low)", "K, self.high, self.high)"),
+    ("met = self.met(scaled(m, s, t), e", "met = self.met(scaled(m, t, s), e"),
+    ("e - t.bit_length() + 1)", "e)"),
+    ("require(self.factor > 0,", "require(self.factor >= 0,", "require(True,"),
+    ("len(pieces) * self.n**2 <= GRAPHS_MAX", "len(pieces) * self.n <= GRAPHS_MAX", "True"),
+    ("and bool(pieces) and pieces[-1][0] is None", "and bool(pieces)"),
+    ("all(low < high for low, high in zip([Fraction(0), *ends], ends))", "True"),
+    ("zip([Fraction(0), *ends], ends))", "zip(ends, ends[1:]))"),
+    ("require({int} >= {*map(type, chain(*pairs))}, ", "require(True, "),
+    ("rows, parts, looks = scaled(m, 1, one), zip([0,", "rows, parts, looks = m, zip([0,"),
+    ("most = max(most, upper)", "most = min(most, upper)"),
+    ("NONE if first.bit_count() < K else SAME", "NONE if first.bit_count() <= K else SAME"),
+    ("SAME if first == within else OPEN", "SAME", "SAME if first & within else OPEN"),
+    ("union, sure = union | first, sure & (within", "union, sure = first, sure & (within"),
+    ("sure & (within if first == within else own)", "sure & own", "sure & within"),
+    ("SAME: SAME + OPEN, OPEN: OPEN}", "SAME: SAME + OPEN + NONE, OPEN: OPEN}"),
+    ("SAME: SAME + OPEN, OPEN: OPEN}", "SAME: SAME + OPEN, OPEN: OPEN + SAME}"),
+    ("good = len(self.states) == len(states) and", "good = True and"),
+    ("self.require_claims(sure, union, most)", "self.require_claims(sure, union, K)"),
+    ("self.require_claims(sure, union, most)", "self.require_claims(sure, within, most)"),
+    ('self.fitted(m, e, met, "similarity", f"', 'self.fitted(m, e, met, "isotropic", f"'),
+    ("good = 0 <= a < b and (a == 0 or", "good = (a == 0 or"),
+    ("(a == 0 or scaled_refuted(x, c, K, 0, a))", "True"),
+    ("require(scaled_refuted(x, c, K, b, None),", "require(True,"),
+    ("c = int(low * one), int(high * one), y - bound", "c = int(low * one), int(high * one), y"),
+    ("self.reach(2 * isqrt(max(c, 0) * x)", "self.reach(3 * isqrt(max(c, 0) * x)"),
+    ("if before != OPEN]", "]"),
+    ("if after != OPEN]", "if before != OPEN]"),
+)
 MUTANTS = tuple(mutant for group, _ in GROUPS for mutant in group)
-MUTANTS += SPRINGS + SIMILARITY + TRUNCATED + LISTS + CONSENSUS
+MUTANTS += SPRINGS + SIMILARITY + TRUNCATED + LISTS + CONSENSUS + SCALED
 
 
 def noticed(text: str, mutant: Mutant, cases: list[Case], early: Sequence[Case] = ()) -> str | None:
@@ -1437,6 +1486,8 @@ def answers(every: int = 1) -> dict[str, str | None]:
     found |= {mutant.says: noticed(text, mutant, cases) for mutant in TRUNCATED[::every]}
     cases = [*consensus_cases(), *sprung_cases()]
     found |= {mutant.says: noticed(text, mutant, cases) for mutant in CONSENSUS[::every]}
+    cases = scaled_cases()
+    found |= {mutant.says: noticed(text, mutant, cases) for mutant in SCALED[::every]}
     early = early_list_cases()
     cases = list_cases()[len(early) :]  # each takes 50 ms
     lists = LISTS[every - 1 :: every**2]  # the first one takes two seconds

@@ -25,7 +25,7 @@ import numpy as np
 
 from certreg.certificate import ConsensusProver
 from certreg.problem import ConsensusProblem, OutlierInstance, RegistrationProblem, outlier_instance
-from certreg.registration.consensus import certified_consensus, proved_consensus
+from certreg.registration.consensus import RIGID, certified_consensus, proved_consensus
 from certreg.relaxation import graduated_nonconvexity
 
 checker = import_module("certreg.verify")
@@ -157,7 +157,7 @@ def rate_of(cell: Cell, count: int, checked: int = CHECKED) -> Rate:
 
 def checking(problem: ConsensusProblem) -> tuple[float, int]:
     """Seconds that the checker takes, and the bytes of the certificate."""
-    made = certified_consensus(problem, done=lambda _: None)
+    made = certified_consensus(problem, RIGID, done=lambda _: None)
     text = made.certificate.to_json()
     start = time.process_time()
     outcome = checker.check(text)

@@ -18,6 +18,7 @@ import consensus
 import count
 import isotropic
 import lists
+import scaled
 import similarity
 import sprung
 import squares
@@ -28,6 +29,7 @@ from envelope import dumped
 def vectors() -> dict[str, tuple[bytes, str]]:
     """Content and class by file name; the class of an accepted one is empty."""
     kinds = (isotropic, count, squares, cones, lists, similarity, truncated, consensus, sprung)
+    kinds = (*kinds, scaled)
     made = {
         name: (dumped(certificate), reason)
         for kind in kinds

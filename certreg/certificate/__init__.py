@@ -43,6 +43,12 @@ if TYPE_CHECKING:
     )
     from certreg.certificate.producing_consensus import consensus_of as consensus_of
     from certreg.certificate.producing_consensus import pose_of as pose_of
+    from certreg.certificate.producing_scaled import ScaledConsensus as ScaledConsensus
+    from certreg.certificate.producing_scaled import ScaledProver as ScaledProver
+    from certreg.certificate.producing_scaled import (
+        scaled_consensus_certificate as scaled_consensus_certificate,
+    )
+    from certreg.certificate.producing_scaled import scaled_consensus_of as scaled_consensus_of
     from certreg.certificate.producing_springs import springs_certificate as springs_certificate
     from certreg.certificate.producing_springs import (
         springs_list_certificate as springs_list_certificate,
@@ -52,6 +58,10 @@ if TYPE_CHECKING:
     )
     from certreg.certificate.radius import MOST_DEGREES as MOST_DEGREES
     from certreg.certificate.radius import Radius as Radius
+    from certreg.certificate.scaled_consensus import (
+        ConsensusSimilarityBody as ConsensusSimilarityBody,
+    )
+    from certreg.certificate.scaled_consensus import ScaleRange as ScaleRange
     from certreg.certificate.shared_motion import CommonMotion as CommonMotion
     from certreg.certificate.shared_motion import common_motion as common_motion
     from certreg.certificate.similarity import SimilarityBody as SimilarityBody
@@ -132,6 +142,13 @@ __getattr__ = lazy_face(
             "MOST_DEGREES",
             "Radius",
         ),
+        "producing_scaled": (
+            "ScaledConsensus",
+            "ScaledProver",
+            "scaled_consensus_certificate",
+            "scaled_consensus_of",
+        ),
+        "scaled_consensus": ("ConsensusSimilarityBody", "ScaleRange"),
         "shared_motion": ("CommonMotion", "common_motion"),
         "similarity": ("SimilarityBody", "SimilarityClaims"),
         "springs_cones": (

@@ -99,6 +99,16 @@ class Reach(Brief):
         """The object `reach` of the file."""
         return {"sin2_half_angle": self.sin2_half_angle.pair, "tau": self.tau.pair}
 
+    @classmethod
+    def from_fields(cls, fields: dict[str, Any] | None) -> Reach | None:
+        """The inverse of `to_fields`; None of none."""
+        if fields is None:
+            return None
+        return cls(
+            sin2_half_angle=Dyadic.of_pair(fields["sin2_half_angle"]),
+            tau=Dyadic.of_pair(fields["tau"]),
+        )
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ConsensusBody(Brief):
@@ -143,18 +153,13 @@ class ConsensusBody(Brief):
 
         Raises ValueError or TypeError where stages are not lists of integers.
         """
-        witness, reach, labels = fields["witness"], fields.get("reach"), fields["claims"]["labels"]
+        witness, labels = fields["witness"], fields["claims"]["labels"]
         return cls(
             witness=Witness(quaternion=tuple(witness["quaternion"]), shift=tuple(witness["shift"])),
             labels=labels,
             upper=fields["claims"]["upper"],
             stages=tuple(Stage.from_fields(stage, len(labels)) for stage in fields["stages"]),
             fit=fields["fit"],
-            reach=None
-            if reach is None
-            else Reach(
-                sin2_half_angle=Dyadic.of_pair(reach["sin2_half_angle"]),
-                tau=Dyadic.of_pair(reach["tau"]),
-            ),
+            reach=Reach.from_fields(fields.get("reach")),
             springs=bool(fields.get("springs")),
         )

@@ -52,7 +52,7 @@ def _agreeing(
     allowed = np.empty((n, n), dtype=bool)
     for start in range(0, n, BLOCK_ROWS):
         rows, later = slice(start, start + BLOCK_ROWS), slice(start, None)
-        a, b = _lengths(x[rows], x[later]), _lengths(y[rows], y[later])
+        a, b = lengths(x[rows], x[later]), lengths(y[rows], y[later])
         error = LENGTH_ERROR * float(a.max() + b.max() + 2.0 * bounds.max()) + 1e-300
         room = np.add.outer(bounds[rows], bounds[later])
         a -= b
@@ -73,7 +73,7 @@ def _exponent(problem: ConsensusProblem) -> int:
     return int(np.frexp(size)[1])
 
 
-def _lengths(points: NDArray[np.float64], others: NDArray[np.float64]) -> NDArray[np.float64]:
+def lengths(points: NDArray[np.float64], others: NDArray[np.float64]) -> NDArray[np.float64]:
     """(m, n): distances of each point from each other."""
     square = np.subtract.outer(points[:, 0], others[:, 0])
     square *= square

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Generic, Protocol, TypeVar, get
 from certreg.certificate.consensus import ConsensusBody
 from certreg.certificate.count import CountBody
 from certreg.certificate.isotropic import IsotropicBody
+from certreg.certificate.scaled_consensus import ConsensusSimilarityBody
 from certreg.certificate.similarity import SimilarityBody
 from certreg.certificate.springs_cones import SpringsConesBody
 from certreg.certificate.springs_list import SpringsListBody
@@ -56,6 +57,7 @@ AnyBody = (
     | SpringsListBody
     | ConsensusBody
     | TruncatedRotationBody
+    | ConsensusSimilarityBody
 )
 KINDS: dict[str, type[AnyBody]] = {body.KIND: body for body in get_args(AnyBody)}
 AnyBody_co = TypeVar("AnyBody_co", bound=CertificateBody, covariant=True)

@@ -45,6 +45,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.certificate.isotropic import IsotropicBody
+    from certreg.certificate.similarity import SimilarityBody
     from certreg.certificate.springs_cones import SpringsConesBody
     from certreg.certificate.springs_sos import SpringsSosBody
     from certreg.native import BitRows
@@ -156,7 +157,7 @@ def consensus_certificate(
         labels=found.labels,
         upper=found.upper,
         stages=found.stages,
-        fit=None if fit is None else {**json.loads(fit.line()), "problem": _unheld(fit)},
+        fit=None if fit is None else unheld(fit),
         reach=None if fit is None else _reach(problem, found.met, fit.body.quaternion),
         springs=problem.factors is not None,
     )
@@ -164,9 +165,10 @@ def consensus_certificate(
     return Certificate(n=problem.n, digest=digest, inline=data, body=body, about=about or {})
 
 
-def _unheld(fit: Certificate[FitBody]) -> dict[str, Any]:
-    """Its `problem`, without the points: they are those of the outer one."""
-    return {"data": None, "digest": fit.digest, "n": fit.n}
+def unheld(fit: Certificate[FitBody] | Certificate[SimilarityBody]) -> dict[str, Any]:
+    """The certificate as a file holds it, without its points: they are those of the outer one."""
+    fields: dict[str, Any] = json.loads(fit.line())
+    return {**fields, "problem": {"data": None, "digest": fit.digest, "n": fit.n}}
 
 
 def _reach(
@@ -174,10 +176,8 @@ def _reach(
 ) -> Reach | None:
     """How far motions that meet all these rows may turn from that of the fit; None if not bounded.
 
-    They have 2 p^T K p >= c, c = S - B. In the frame of the eigenvectors of K, l1 >= l2, u the
-    first, c I - 2 K + t (u u^T - (1 - s) I) > 0 asks for t s > 2 l1 - c and t (1 - s) < c - 2 l2:
-    there is such a t iff s > (2 l1 - c) / (2 l1 - 2 l2). The pose of general springs is no
-    eigenvector: `turn_about` allows for that. Doubles: the checker decides.
+    They have 2 p^T K p >= c, c = S - B. The pose of general springs is no eigenvector of K:
+    `turn_about` allows for that.
     """
     rows = list(met)
     points, weights = PointRows.of(problem), problem.problem.weights[rows]
@@ -187,20 +187,33 @@ def _reach(
     spread = float((w * (x * x + y * y)).sum())
     c = spread - float((w[:, 0] * points.bounds[rows] ** 2).sum())
     K = davenport_stack(((w * y).T @ x)[None])[0]
+    if problem.factors is None:
+        return reach_of(K, c, spread, quaternion)
+    u = np.array(quaternion, dtype=float)
+    return turn_about(c / spread, 2.0 * K / spread, u / np.linalg.norm(u))
+
+
+def reach_of(
+    K: NDArray[np.float64], c: float, size: float, quaternion: tuple[int, ...]
+) -> Reach | None:
+    """How far motions with 2 p^T K p >= c may turn from the quaternion; None if not bounded.
+
+    In the frame of the eigenvectors of K, l1 >= l2, u the first, c I - 2 K + t (u u^T - (1 - s) I)
+    > 0 asks for t s > 2 l1 - c and t (1 - s) < c - 2 l2: there is such a t iff
+    s > (2 l1 - c) / (2 l1 - 2 l2). t is tau size. Doubles: the checker decides.
+    """
     u = np.array(quaternion, dtype=float)
     u /= np.linalg.norm(u)
     across = np.linalg.svd(u[None])[2][1:]
     first = float(2.0 * u @ K @ u)
     second = float(2.0 * np.linalg.eigvalsh(across @ K @ across.T)[-1])
-    if problem.factors is not None:
-        return turn_about(c / spread, 2.0 * K / spread, u)
     if not (first > c > second):
         return None
     s = (first - c) / (first - second) * (1.0 + 1e-6) + 1e-12
     if s >= 1.0:
         return None
     low, high = (first - c) / s, (c - second) / (1.0 - s)
-    tau = (low + high) / 2.0 / spread
+    tau = (low + high) / 2.0 / size
     return Reach(
         sin2_half_angle=dyadic_above(Fraction(s), ANGLE_BITS),
         tau=dyadic_above(Fraction(tau), 53),

@@ -29,12 +29,17 @@ class Stager:
     graph: Graph
     met: Sequence[int]
 
-    def first(self, stages: list[Stage], alive: int) -> tuple[int, Stager]:
+    def first(
+        self, stages: list[Stage], alive: int, clique: int | None = None
+    ) -> tuple[int, Stager]:
         """The rows left by the first stage, of as many as are met; who makes the later ones.
 
-        In these, too, no two rows are neighbours that it strikes together.
+        In these, too, no two rows are neighbours that it strikes together. clique: that of the
+        thinning; None: the rows that are met.
         """
-        thinning = self._thinned(alive, len(self.met), mask_of(self.met))
+        thinning = self._thinned(
+            alive, len(self.met), mask_of(self.met) if clique is None else clique
+        )
         stages.append(Stage(least=thinning.least, without=None, strikes=tuple(thinning.strikes)))
         return thinning.alive, replace(self, graph=replace(self.graph, near=thinning.near))
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from certreg.errors import InvalidProblemError
 from certreg.problem.bounds import NAME, checked_bounds
+from certreg.problem.model import Scale
 from certreg.problem.problem import RegistrationProblem
 from certreg.results import Brief
 
@@ -18,7 +19,11 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-PREFIX = b"certreg-consensus/1\0"
+PREFIXES = {  # by scale: no digest stands for two problems
+    Scale.NONE: b"certreg-consensus/1\0",
+    Scale.ASYMMETRIC: b"certreg-consensus-similarity/1\0",
+    Scale.SYMMETRIC: b"certreg-consensus-similarity-symmetric/1\0",
+}
 SPRUNG_PREFIX = b"certreg-consensus-springs/1\0"
 LEAST_PAIRS = 3  # two pairs of equal lengths always fit: a set of two says nothing
 MOST_PAIRS = 4096  # whose eight million pairs of pairs the checker tests in half a minute
@@ -26,16 +31,17 @@ MOST_PAIRS = 4096  # whose eight million pairs of pairs the checker tests in hal
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ConsensusProblem(Brief):
-    """Pairs of which one rigid motion shall bring as many as possible within their bounds.
+    """Pairs of which one motion shall bring as many as possible within their bounds.
 
-    A motion (R, t) meets pair i where |y_i - R x_i - t| <= bounds[i].
+    A motion (R, t) meets pair i where |y_i - R x_i - t| <= bounds[i]; where the scale is free, a
+    motion (s, R, t), s > 0, where |y_i - s R x_i - t| <= bounds[i].
 
     Attributes
     ----------
     problem
-        Points, and the weights of the least squares over the pairs that are met.
+        Points, and the weights and the scale of the least squares over the pairs that are met.
     bounds
-        (N,), > 0, in the unit of the clouds.
+        (N,), > 0, in the unit of the clouds; where the scale is free, in that of the target.
     factors
         (N, 6), of the general springs of that least squares, as a problem has them; None where it
         has weights. They change no bound: which pairs a motion meets is a matter of their points.
@@ -53,11 +59,10 @@ class ConsensusProblem(Brief):
         """The problem with one bound for all pairs, or (N,) of them.
 
         Raises InvalidProblemError for bounds that are not finite and > 0, or so wide that they say
-        nothing; for fewer than 3 or more than 4,096 pairs; for a free scale, and without a
-        translation.
+        nothing; for fewer than 3 or more than 4,096 pairs; and without a translation.
         """
-        if problem.model_options:
-            message = f"{NAME} is of a rigid motion, not yet with {problem.model_options}"
+        if problem.rotation_only:
+            message = f"{NAME} is of a motion with a translation, not yet with --rotation-only"
             raise InvalidProblemError(f"{message}: leave one out", array=NAME)
         if not LEAST_PAIRS <= problem.n <= MOST_PAIRS:
             message = (
@@ -88,7 +93,7 @@ class ConsensusProblem(Brief):
         """
         block = self.problem.block(slice(None))
         if self.factors is None:
-            prefix, own = PREFIX, (block.weights, self.bounds)
+            prefix, own = PREFIXES[self.problem.scale], (block.weights, self.bounds)
         else:
             prefix, own = SPRUNG_PREFIX, (self.bounds, self.factors)
         head, arrays = prefix + self.n.to_bytes(8, "little"), (block.source, block.target, *own)
@@ -110,16 +115,21 @@ class ConsensusProblem(Brief):
             )
         return RegistrationProblem(
             block.source[chosen], block.target[chosen], weights=block.weights[chosen]
-        )
+        ).modelled(self.problem.scale, rotation_only=False)
 
 
 def _require_narrow(problem: RegistrationProblem, bounds: NDArray[np.float64]) -> None:
-    """Refuses a bound of at least half the diameter of the smaller cloud: everything fits then."""
+    """Refuses a bound of at least half the diameter of the smaller cloud: everything fits then.
+
+    Of the target where the scale is free: the source may be made as small.
+    """
     block = problem.block(slice(None))
-    half = min(_diameter(block.source), _diameter(block.target)) / 2.0
+    half, cloud = _diameter(block.target) / 2.0, "target"
+    if not problem.scaled:
+        half, cloud = min(half, _diameter(block.source) / 2.0), "smaller cloud"
     if float(bounds.min()) >= half:
         message = (
-            f"{NAME} is {float(bounds.min()):g}, not below half the diameter of the smaller cloud, "
+            f"{NAME} is {float(bounds.min()):g}, not below half the diameter of the {cloud}, "
             f"{half:g}: every pair may be brought within; give a smaller bound"
         )
         raise InvalidProblemError(message, array=NAME, value=float(bounds.min()), limit=half)

@@ -106,6 +106,13 @@ if TYPE_CHECKING:
     from certreg.registration.robustness import Robustness as Robustness
     from certreg.registration.rounding import rounding_remedy as rounding_remedy
     from certreg.registration.row_names import RowNames as RowNames
+    from certreg.registration.scaled_consensus import (
+        ScaledConsensusRegistration as ScaledConsensusRegistration,
+    )
+    from certreg.registration.scaled_consensus import ranges_words as ranges_words
+    from certreg.registration.scaled_consensus import (
+        restated_scaled_consensus as restated_scaled_consensus,
+    )
     from certreg.registration.scaled_poses import unit_of as unit_of
     from certreg.registration.slips import Slip as Slip
     from certreg.registration.slips import SlipCode as SlipCode
@@ -192,6 +199,11 @@ __getattr__ = lazy_face(
             "register",
         ),
         "consensus": ("ConsensusRegistration", "restated_consensus"),
+        "scaled_consensus": (
+            "ScaledConsensusRegistration",
+            "ranges_words",
+            "restated_scaled_consensus",
+        ),
         "covariance": (
             "NO_RESIDUALS",
             "PoseCovariance",

@@ -9,9 +9,10 @@ from certreg.dynamics import SimulationSettings
 from certreg.native import Integrator
 from certreg.problem import ConsensusProblem, TruncatedProblem
 from certreg.registration.certification import CROSS_CHECK, PARTS, certified
-from certreg.registration.consensus import CONSENSUS_PARTS, certified_consensus
+from certreg.registration.consensus import CONSENSUS_PARTS, RIGID, certified_consensus
 from certreg.registration.parts import counted
 from certreg.registration.robustness import ROBUSTNESS_ANGLE, checked_angle
+from certreg.registration.scaled_consensus import SCALED
 from certreg.registration.spring_certification import SPRING_PARTS, certified_springs
 from certreg.registration.stating import stated_problem_of
 from certreg.registration.truncated import (
@@ -156,7 +157,8 @@ def _with_wrong_pairs(
         problem = TruncatedProblem(stated, max_residual)
         return certified_truncated(problem, done=counted(progress, TRUNCATED_PARTS), **settings)
     pairs = ConsensusProblem.of(stated, max_residual)
-    return certified_consensus(pairs, done=counted(progress, CONSENSUS_PARTS), **settings)
+    ways = SCALED if stated.scaled else RIGID
+    return certified_consensus(pairs, ways, done=counted(progress, CONSENSUS_PARTS), **settings)
 
 
 def _integrator(

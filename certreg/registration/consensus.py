@@ -23,7 +23,6 @@ from certreg.certificate import (
     require_accepted,
 )
 from certreg.errors import InvalidProblemError, UndecidedError
-from certreg.geometry import Pose
 from certreg.problem import LEAST_PAIRS, checked_effort
 from certreg.registration.certification import certified
 from certreg.registration.consensus_words import PairLabels, headline
@@ -41,12 +40,13 @@ from certreg.results import Limits, Presented, presenter
 
 if TYPE_CHECKING:
     import os
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterator
     from pathlib import Path
 
     from numpy.typing import NDArray
 
-    from certreg.certificate import Certificate, ConsensusBody
+    from certreg.certificate import Certificate, ConsensusBody, ConsensusSimilarityBody
+    from certreg.geometry import Pose, Similarity
     from certreg.problem import ConsensusProblem
     from certreg.registration.result import Registration
     from certreg.registration.spring_result import SpringRegistration
@@ -71,7 +71,8 @@ class ConsensusRegistration(Presented):
         The least squares over these rows, a registration with its own proof; of general springs a
         `SpringRegistration`.
     certificate
-        Of kind "consensus", the proof of the fit inside; the checker has accepted it.
+        Of kind "consensus", of a free scale "consensus-similarity", the proof of the fit inside;
+        the checker has accepted it.
     verdict
         The checker's.
     second
@@ -84,7 +85,7 @@ class ConsensusRegistration(Presented):
     problem: ConsensusProblem
     found: Consensus
     fit: Registration | SpringRegistration
-    certificate: Certificate[ConsensusBody]
+    certificate: Certificate[ConsensusBody | ConsensusSimilarityBody]
     verdict: Verdict
     second: int | None
     timings: dict[str, float]
@@ -95,14 +96,12 @@ class ConsensusRegistration(Presented):
         return f"<ConsensusRegistration: {met} of {n} pairs within their bounds; {word}>"
 
     @property
-    def pose(self) -> Pose:
-        """The least-squares pose of the pairs that are met."""
-        pose = self.fit.pose
-        assert isinstance(pose, Pose)  # noqa: S101 - the fit has no scale
-        return pose
+    def pose(self) -> Pose | Similarity:
+        """The least-squares pose of the pairs that are met, as the problem has a scale or not."""
+        return self.fit.pose
 
     @property
-    def witness(self) -> Pose:
+    def witness(self) -> Pose | Similarity:
         """A motion that meets all of them, exactly before it is rounded to doubles."""
         return pose_of(self.found.witness)
 
@@ -138,9 +137,8 @@ class ConsensusRegistration(Presented):
     @property
     def residuals(self) -> NDArray[np.float64]:
         """(N,), how far each pair is off at `pose`, in the unit of length."""
-        block, pose = self.problem.problem.block(slice(None)), self.pose
-        moved = block.source @ pose.rotation.T + pose.translation
-        return np.linalg.norm(block.target - moved, axis=1)
+        block = self.problem.problem.block(slice(None))
+        return np.linalg.norm(block.target - self.pose.apply(block.source), axis=1)
 
     @property
     def broken(self) -> tuple[int, ...]:
@@ -205,8 +203,25 @@ class ConsensusRegistration(Presented):
         return presenter().report(self, path)
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Ways:
+    """How pairs are labelled by motions of one kind.
+
+    motion: in words. search: what is proved of a problem, with an effort; None: nothing.
+    certificate: of a problem, what was found, the certificate of the fit, about. others: numbers of
+    pairs that motions were seen to meet, of points and bounds, with an effort. result: its class.
+    """
+
+    motion: str
+    search: Callable[[ConsensusProblem, float], Consensus | None]
+    certificate: Callable[..., Certificate[Any]]
+    others: Callable[..., Iterator[int]]
+    result: type[ConsensusRegistration]
+
+
 def certified_consensus(
     problem: ConsensusProblem,
+    ways: Ways,
     *,
     effort: float = 1.0,
     limits: Limits | None = None,
@@ -220,19 +235,18 @@ def certified_consensus(
     """
     timings: dict[str, float] = {}
     start = time.perf_counter()
-    prover = ConsensusProver(problem, effort=checked_effort(effort))
-    found = proved_consensus(problem, prover, effort)
+    found = ways.search(problem, checked_effort(effort))
     timings["consensus"] = time.perf_counter() - start
     done("consensus")
     if found is None:
         message = (
-            f"no rigid motion was found that brings {LEAST_PAIRS} pairs within their bounds: give "
+            f"no {ways.motion} was found that brings {LEAST_PAIRS} pairs within their bounds: give "
             "wider bounds, other pairs, or more --effort"
         )
         raise UndecidedError(message)
     start = time.perf_counter()
     fit = _fit(problem, found, limits, RowNames.of(about or {}, problem.n))
-    certificate = consensus_certificate(problem, found, fit.certificate, about)
+    certificate = ways.certificate(problem, found, fit.certificate, about)
     timings["fit"] = time.perf_counter() - start
     done("fit")
     start = time.perf_counter()
@@ -240,13 +254,13 @@ def certified_consensus(
     require_accepted(verdict)
     timings["check"] = time.perf_counter() - start
     done("checker")
-    return ConsensusRegistration(
+    return ways.result(
         problem=problem,
         found=found,
         fit=fit,
         certificate=certificate,
         verdict=verdict,
-        second=_second(problem, found, effort),
+        second=_second(problem, found, ways, effort),
         timings=timings,
     )
 
@@ -259,15 +273,43 @@ def restated_consensus(
     The least squares, and what another motion fits, are computed anew.
     """
     found = consensus_of(problem, certificate.body)
-    return ConsensusRegistration(
+    return restated(problem, RIGID, found, certificate, verdict)
+
+
+def restated(
+    problem: ConsensusProblem,
+    ways: Ways,
+    found: Consensus,
+    certificate: Certificate[Any],
+    verdict: Verdict,
+) -> ConsensusRegistration:
+    """The same of what was found, by motions of any kind."""
+    return ways.result(
         problem=problem,
         found=found,
         fit=_fit(problem, found, None, RowNames.of(certificate.about, problem.n)),
         certificate=certificate,
         verdict=verdict,
-        second=_second(problem, found, 1.0),
+        second=_second(problem, found, ways, 1.0),
         timings={},
     )
+
+
+def _search(problem: ConsensusProblem, effort: float) -> Consensus | None:
+    return proved_consensus(problem, ConsensusProver(problem, effort=effort), effort)
+
+
+def _others(*points: Any, effort: float) -> Iterator[int]:
+    return (len(candidate.inliers) for candidate in candidates(*points, effort=effort))
+
+
+RIGID = Ways(
+    motion="rigid motion",
+    search=_search,
+    certificate=consensus_certificate,
+    others=_others,
+    result=ConsensusRegistration,
+)
 
 
 def proved_consensus(
@@ -314,17 +356,12 @@ def _label(names: RowNames, row: int) -> str:
     return f"row {row} of all" if label is None else f"{label}, row {row} of all"
 
 
-def _second(problem: ConsensusProblem, found: Consensus, effort: float) -> int | None:
+def _second(problem: ConsensusProblem, found: Consensus, ways: Ways, effort: float) -> int | None:
     """The most of the other pairs that a motion was seen to meet."""
     others = sorted(set(range(problem.n)) - set(found.met))
     if len(others) < LEAST_PAIRS:
         return None
     block = problem.problem.block(slice(None))
-    rest = candidates(
-        block.source[others],
-        block.target[others],
-        problem.bounds[others],
-        effort=SECOND_EFFORT * effort,
-    )
-    most = max((len(candidate.inliers) for candidate in rest), default=0)
+    rest = block.source[others], block.target[others], problem.bounds[others]
+    most = max(ways.others(*rest, effort=SECOND_EFFORT * effort), default=0)
     return most if most >= LEAST_PAIRS else None

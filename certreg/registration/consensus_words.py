@@ -40,14 +40,15 @@ class PairLabels:
 def headline(problem: ConsensusProblem, found: Consensus, names: RowNames) -> str:
     """The first line: CERTIFIED only where every label is proved."""
     n, met, labels = problem.n, len(found.met), PairLabels(found.labels)
-    within = within_words(problem)
+    within, motion = within_words(problem), motion_words(problem)
     if found.decided and met == n:
-        return f"CERTIFIED: one rigid motion brings all {n} pairs {within}: no outliers."
+        one = "motion with a scale" if problem.problem.scaled else "rigid motion"
+        return f"CERTIFIED: one {one} brings all {n} pairs {within}: no outliers."
     out = labels.count("outlier")
     if found.decided:
         others = "The other pair is an outlier" if out == 1 else f"The other {out} are outliers"
         return (
-            f"CERTIFIED: no rigid motion brings more than {met} of the {n} pairs {within}, and "
+            f"CERTIFIED: no {motion} brings more than {met} of the {n} pairs {within}, and "
             f"only these {met}. {others} in EVERY such motion."
         )
     open_rows = labels.undecided
@@ -56,7 +57,7 @@ def headline(problem: ConsensusProblem, found: Consensus, names: RowNames) -> st
     kept = f", {_pairs(sure)} inliers" if sure > 1 else ", one pair an inlier" if sure else ""
     if found.upper == met:
         return (
-            f"MAXIMUM PROVED, LABELS NOT: no rigid motion brings more than {met} of the {n} pairs "
+            f"MAXIMUM PROVED, LABELS NOT: no {motion} brings more than {met} of the {n} pairs "
             f"{within}; which {met} is not proved. {_outliers(out)}{kept} in every motion that "
             f"brings {met}; {rest}."
         )
@@ -70,6 +71,11 @@ def headline(problem: ConsensusProblem, found: Consensus, names: RowNames) -> st
         f"bound is {_share(problem):.2g} % of the cloud's size: so many pairs agree by chance "
         f"that none is proved an outlier."
     )
+
+
+def motion_words(problem: ConsensusProblem) -> str:
+    """What brings no more pairs within."""
+    return "motion of any scale" if problem.problem.scaled else "rigid motion"
 
 
 def within_words(problem: ConsensusProblem | TruncatedProblem) -> str:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from certreg.certificate import CommonMotion, ConsensusProver, common_motion, pose_of
+from certreg.errors import InvalidProblemError
 from certreg.problem import checked_effort, checked_inliers
 from certreg.registration.consensus import proved_consensus
 from certreg.registration.consensus_words import within_words
@@ -143,6 +144,9 @@ def judged_labels(
     labels: (N,), 0 and 1, booleans, or "outlier" and "inlier". about: with labels of the rows.
     Raises InvalidProblemError for other labels.
     """
+    if problem.problem.scaled:
+        message = "labels are judged for a rigid motion, not yet with --scale: leave one out"
+        raise InvalidProblemError(message, array="scale", value=problem.problem.scale.value)
     rows = checked_inliers(labels, problem.n)
     prover = ConsensusProver(problem, effort=checked_effort(effort))
     motion, most = common_motion(prover, rows), proved_consensus(problem, prover, effort)

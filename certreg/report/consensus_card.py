@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from certreg.report.cards import Card
+from certreg.report.scaled_consensus import scale_facts
 from certreg.report.summary import number
 
 if TYPE_CHECKING:
@@ -23,6 +24,7 @@ def consensus_card(result: ConsensusRegistration) -> str:
         facts=(
             ("within bounds", f"{result.lower} found, at most {result.upper} (proved)"),
             ("labels", ", ".join(counts)),
+            *scale_facts(result),
             ("rotation (wxyz)", " ".join(map(repr, pose.quaternion_wxyz.tolist()))),
             ("translation", " ".join(map(repr, pose.translation.tolist()))),
             ("RMSE", "beyond doubles" if rmse is None else number(rmse)),

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from certreg.report.document import result_document
+from certreg.report.scaled_consensus import scale_fields
 from certreg.results import Absent
 
 if TYPE_CHECKING:
@@ -55,6 +56,7 @@ def consensus_document(
             "labels": list(result.labels),
             "second": None if result.second is None else {"size": result.second},
             "headline": result.headline,
+            **scale_fields(result),
         },
         "residuals": [{"row": row, "distance": float(residuals[row])} for row in worst],
         "digest": result.problem.digest(),

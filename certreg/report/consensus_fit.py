@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from certreg.registration import SpringRegistration
 from certreg.report.overview import Overview
 from certreg.report.remedies import remedies
+from certreg.report.similarity_overview import similarity_overview
 from certreg.report.spring_overview import spring_overview
 from certreg.report.spring_summary import (
     RMSE_WORDS,
@@ -39,7 +40,9 @@ def fit_remedies(fit: AnyFit) -> list[str]:
 
 def fit_overview(fit: AnyFit) -> Overview:
     """The first screen of its page."""
-    return spring_overview(fit) if isinstance(fit, SpringRegistration) else Overview.of(fit)
+    if isinstance(fit, SpringRegistration):
+        return spring_overview(fit)
+    return similarity_overview(fit) if fit.problem.scaled else Overview.of(fit)
 
 
 def rmse_words(result: ConsensusRegistration) -> str:

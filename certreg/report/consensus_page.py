@@ -19,6 +19,7 @@ from certreg.report.consensus_fit import (
 from certreg.report.consensus_picture import pairs_picture, residual_chart
 from certreg.report.consensus_summary import HARDER, TOLD_SECOND, reach_degrees
 from certreg.report.overview import Fact, Overview
+from certreg.report.scaled_consensus import scale_sentences
 from certreg.report.summary import number
 from certreg.report.words import Sentence, begun, sentence
 from certreg.results import Guarantee
@@ -32,6 +33,7 @@ if TYPE_CHECKING:
 MOST_ROWS = 40  # undecided pairs in the table
 MOST_MOVED = 200  # pairs of which the motion on springs that break is shown
 WEAK_FIT = "This certificate proves far less of the least-squares pose than can be proved."
+SCALED_RULES = ("scaled_lengths", "few_neighbours", "few_colours", "scaled_refutation")
 RULES = ("pair_lengths", "few_neighbours", "few_colours", "weighted_refutation")
 NOT_CLAIMED = (
     "that an inlier is a right pair: only that every motion that meets as many meets it, too",
@@ -169,10 +171,10 @@ def _other_words(result: ConsensusRegistration) -> str | None:
 
 
 def _course(result: ConsensusRegistration) -> Any:
-    """The motion while the springs break; None of many pairs, and where none is defined."""
+    """The motion while the springs break, of a rigid body; None of many pairs."""
     block = result.problem.problem.block(slice(None))
-    springs = result.problem.factors is not None
-    if result.problem.n > MOST_MOVED or springs or not block.weights.all():
+    other = result.problem.problem.scaled or result.problem.factors is not None
+    if result.problem.n > MOST_MOVED or other or not block.weights.all():
         return None
     try:
         run = simulate_breaking(
@@ -189,22 +191,26 @@ def _course(result: ConsensusRegistration) -> Any:
 def _known(result: ConsensusRegistration) -> Iterator[Sentence]:
     labels, found = result.labels, result.lower
     exact, out, sure = Guarantee.EXACT, labels.count("outlier"), labels.count("inlier")
+    scaled = result.problem.problem.scaled
+    one, rules = ("motion with a scale", SCALED_RULES) if scaled else ("rigid motion", RULES)
     yield Sentence(
-        words=f"One rigid motion brings {found} of the {result.problem.n} pairs within their "
+        words=f"One {one} brings {found} of the {result.problem.n} pairs within their "
         "bounds: the witness, tested in integers.",
         guarantee=exact,
     )
     yield Sentence(
-        words=f"No rigid motion brings more than {result.upper} within.",
+        words=f"No {one} brings more than {result.upper} within.",
         guarantee=exact,
-        theorems=RULES,
+        theorems=rules,
     )
     yield Sentence(
         words=f"{out} of the pairs are outliers and {sure} are inliers in every motion that brings "
         f"{found} within.",
         guarantee=exact,
-        theorems=RULES,
+        theorems=rules,
     )
+    for words in scale_sentences(result):
+        yield Sentence(words=words, guarantee=exact, theorems=rules)
     if (reach := reach_degrees(result)) is not None:
         yield Sentence(
             words=f"Every motion that brings these {found} within has its rotation within "

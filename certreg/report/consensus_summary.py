@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from certreg.exact import double_above
 from certreg.report.consensus_fit import fit_remedies, fit_verdict, kinds_words, rmse_words
 from certreg.report.remedies import ADVICE
+from certreg.report.scaled_consensus import scale_lines, witness_scale_lines
 from certreg.report.summary import number
 
 if TYPE_CHECKING:
@@ -38,6 +39,7 @@ def consensus_summary(result: ConsensusRegistration) -> str:
         *([] if kinds is None else [f"  springs           {kinds}"]),
         f"  least squares     of these {found}: {verdict}",
         *(f"                    {words}" for words in further),
+        *scale_lines(result),
         f"  rotation (wxyz)   {' '.join(map(repr, pose.quaternion_wxyz.tolist()))}",
         f"  translation       {' '.join(map(repr, pose.translation.tolist()))}",
         f"  RMSE              {rmse}  ({rmse_words(result)})",
@@ -67,6 +69,7 @@ def _broken(result: ConsensusRegistration) -> list[str]:
         f"                    motion brings all {result.lower} within, the witness:",
         f"    its rotation    {' '.join(map(repr, witness.quaternion_wxyz.tolist()))}",
         f"    its translation {' '.join(map(repr, witness.translation.tolist()))}",
+        *witness_scale_lines(result),
     ]
 
 

@@ -23,6 +23,7 @@ from certreg.registration import (
     ListedSpringEquilibria,
     ProblemTrajectory,
     Registration,
+    ScaledConsensusRegistration,
     ScaledEquilibria,
     SimulatedBreathing,
     SimulatedRegistration,
@@ -145,6 +146,9 @@ SHAPES: dict[type, Shape] = {
     ),
     SpringRegistration: Shape(words=spring_summary, document=result_document, card=spring_card),
     ConsensusRegistration: Shape(
+        words=consensus_summary, document=consensus_document, card=consensus_card
+    ),
+    ScaledConsensusRegistration: Shape(
         words=consensus_summary, document=consensus_document, card=consensus_card
     ),
     TruncatedRegistration: Shape(

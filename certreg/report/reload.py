@@ -17,6 +17,7 @@ import numpy as np
 from certreg.certificate import (
     Certificate,
     ConsensusBody,
+    ConsensusSimilarityBody,
     CountBody,
     ExactPose,
     IsotropicBody,
@@ -48,6 +49,7 @@ from certreg.registration import (
     certified,
     certified_springs,
     restated_consensus,
+    restated_scaled_consensus,
 )
 from certreg.report.consensus_page import ConsensusReport
 from certreg.report.pages import page_of
@@ -129,7 +131,7 @@ def report_of(
     if loaded is None or body is None or not verdict.proved:
         message = f"{shown(file)}: REFUSED: {verdict.words}: there is nothing to report"
         raise RefusedCertificateError(message, verdict=verdict)
-    if isinstance(body, ConsensusBody):
+    if isinstance(body, (ConsensusBody, ConsensusSimilarityBody)):
         return _consensus_report(replace(loaded, body=body), content, verdict, file)
     stated = points if isinstance(points, RegistrationProblem) else _problem(loaded, points)
     if stated.factors is not None:
@@ -257,14 +259,17 @@ def _spring_report(
 
 
 def _consensus_report(
-    certificate: Certificate[ConsensusBody], content: bytes, verdict: Verdict, file: Path
+    certificate: Certificate[Any], content: bytes, verdict: Verdict, file: Path
 ) -> ConsensusReport:
     """The report of a certificate of wrong pairs: of its fit no more than it proves itself."""
     n, data, fields = certificate.n, certificate.data or b"", certificate.body.fit
     if fields is None or not data:
         message = f"{shown(file)}: holds no least squares, or no points: there is no pose to report"
         raise InvalidFileError(message, path=file)
-    result = restated_consensus(_bounded_problem(certificate.body, n, data), certificate, verdict)
+    stated = _bounded_problem(certificate.body, n, data)
+    scaled = isinstance(certificate.body, ConsensusSimilarityBody)
+    restate = restated_scaled_consensus if scaled else restated_consensus
+    result = restate(stated, certificate, verdict)
     given = _fit_bounds(fields, result.fit)
     return ConsensusReport(
         registration=replace(result, fit=replace(result.fit, bounds=given)),
@@ -276,13 +281,18 @@ def _consensus_report(
     )
 
 
-def _bounded_problem(body: ConsensusBody, n: int, data: bytes) -> ConsensusProblem:
+def _bounded_problem(
+    body: ConsensusBody | ConsensusSimilarityBody, n: int, data: bytes
+) -> ConsensusProblem:
     """The pairs of a certificate, each with its bound, and a weight or a spring."""
-    size = BOUNDED_SPRING if body.springs else BOUNDED_PAIR
+    sprung = isinstance(body, ConsensusBody) and body.springs
+    size = BOUNDED_SPRING if sprung else BOUNDED_PAIR
     doubles = np.frombuffer(data, dtype="<f8", offset=len(data) - size * n)
     source, target, own, others = np.split(doubles, [3 * n, 6 * n, 7 * n])
-    bounds = own if body.springs else others
-    held: dict[str, Any] = {"factors": others.reshape(n, 6)} if body.springs else {"weights": own}
+    bounds = own if sprung else others
+    held: dict[str, Any] = {"factors": others.reshape(n, 6)} if sprung else {"weights": own}
+    if isinstance(body, ConsensusSimilarityBody):
+        held["scale"] = body.scale
     stated = RegistrationProblem(source.reshape(n, 3), target.reshape(n, 3), **held)
     return ConsensusProblem.of(stated, bounds)
 
@@ -290,7 +300,8 @@ def _bounded_problem(body: ConsensusBody, n: int, data: bytes) -> ConsensusProbl
 def _fit_bounds(fields: dict[str, Any], fit: Registration | SpringRegistration) -> PoseBounds:
     """What the least squares in a certificate are proved to be, of the pose computed anew."""
     if not isinstance(fit, SpringRegistration):
-        return _bounds(IsotropicBody.from_fields(fields), fit)
+        plain = SimilarityBody if fit.problem.scaled else IsotropicBody
+        return _bounds(plain.from_fields(fields), fit)
     squares = fields["kind"] == SpringsSosBody.KIND
     body: Any = (SpringsSosBody if squares else SpringsConesBody).from_fields(fields)
     place = ExactPose.of_doubles(fit.pose.quaternion_wxyz, fit.pose.translation)

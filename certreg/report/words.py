@@ -28,6 +28,8 @@ THEOREMS = {  # claims of `certreg derive`, by the titles of their pages
     "few_neighbours": "Many pairs within their bounds are many neighbours",
     "few_colours": "Neighbours with few colours",
     "weighted_refutation": "Weights that refute pairs together",
+    "scaled_lengths": "Lengths, where the scale is free",
+    "scaled_refutation": "Weights that refute pairs at every scale",
     "angle_of_consensus": "The rotation of every motion within the bounds",
     "translation_gap": "What a translation costs",
     "classification": "The eight kinds of equilibrium set",

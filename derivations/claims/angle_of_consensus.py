@@ -8,7 +8,7 @@ from types import SimpleNamespace
 from typing import Any
 
 from certreg.geometry.so3 import body_frame, dot
-from certreg.verify import ConsensusStatement, RefusalError
+from certreg.verify import LabelledStatement, RefusalError, weighed
 
 from ..algebra import Square, facts, identity, nonnegative, positive
 from ..hypotheses import definite
@@ -69,9 +69,10 @@ def octahedron(bound: int) -> list[list[int]]:
 
 def reached(rows: list[list[int]], tau: Fraction, sine: Fraction) -> bool:
     """Whether the checker proves that reach of the rows about the identity."""
-    statement = SimpleNamespace(sin2_half_angle=sine, tau=tau, fit={"pose": [1, 0, 0, 0]})
+    statement: Any = SimpleNamespace(sin2_half_angle=sine, tau=tau, fit={"pose": [1, 0, 0, 0]})
     try:
-        return len([*vars(ConsensusStatement)["_reach"](statement, rows)]) == 1
+        squares, bound, K = weighed(rows, [row[6] for row in rows])
+        return len([*LabelledStatement.reach(statement, squares - bound, squares, K, 6)]) == 1
     except RefusalError:
         return False
 
@@ -160,7 +161,7 @@ CLAIM = Claim(
     not_claimed="That $s$ is as small as can be. Nor anything of motions that bring other pairs "
     "within their bounds.",
     needs=("davenport", "weighted_refutation", "optimality_certificate", "elimination"),
-    runs=("certreg.verify.ConsensusStatement._reach", "certreg.verify.weighed"),
+    runs=("certreg.verify.LabelledStatement.reach", "certreg.verify.weighed"),
     used_by=("certreg.certificate.producing_consensus.ConsensusProver",),
     not_in_coq="All of it: the checker in Coq reads no bounds of pairs.",
 )

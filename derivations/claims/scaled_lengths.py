@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+from certreg.verify import graphs
+
 from ..algebra import Square, facts, identity, nonnegative, positive
 from ..hypothesis import Standing, nonnegative_by, positive_by
 from ..kernel import Claim, Mutation, Proof
@@ -50,15 +52,14 @@ APART = positive_by(
 )
 
 
-def refuted(A: int, B: int, epsilon: int, low: int, high: int | None) -> bool:
-    """Whether no scale from low to high, None if it has no end, goes with squared lengths A, B."""
-    over = low**2 * A - B - epsilon**2
-    if over > 0 and over**2 > 4 * epsilon**2 * B:
-        return True
-    if high is None:
-        return False
-    under = B - high**2 * A - epsilon**2
-    return under > 0 and under**2 > 4 * epsilon**2 * high**2 * A
+def refuted(a: int, b: int, epsilon: int, low: int, high: int | None) -> bool:
+    """Whether no scale from low to high, None if it has no end, goes with the lengths a and b.
+
+    By the graphs of the checker: whether two pairs are no neighbours.
+    """
+    rows = [[0, 0, 0, 0, 0, 0, 1, 0], [a, 0, 0, b, 0, 0, 1, epsilon]]
+    ends = [end for end in (low, high) if end]
+    return [*graphs(rows, ends)][low > 0] == [0, 0]
 
 
 def proof(test: Test = refuted, *, loose: int = 4, far: Any = HIGH) -> Proof:
@@ -148,21 +149,21 @@ def _lengths() -> Proof:
 def _numbers(test: Test) -> Any:
     lengths = (8, 9, 21, 22)
     return facts(
-        r"The test in integers: $|a| = 10$, $\epsilon = 1$ and a scale from $1$ to $2$ go with "
-        "$|b|$ from $9$ to $21$, and not with $8$ or $22$; with no end of the scale, $22$ is not "
-        "refuted. A scale from $0$ on refutes nothing.",
+        r"The graphs of the checker: $|a| = 10$, $\epsilon = 1$ and a scale from $1$ to $2$ go "
+        "with $|b|$ from $9$ to $21$, and not with $8$ or $22$; with no end of the scale, $22$ is "
+        "not refuted. A scale from $0$ on refutes nothing.",
         [
-            *(test(100, length**2, 1, 1, 2) for length in lengths),
-            *(test(100, length**2, 1, 1, None) for length in lengths),
-            *(test(100, length**2, 1, 0, None) for length in (0, 1000)),
+            *(test(10, length, 1, 1, 2) for length in lengths),
+            *(test(10, length, 1, 1, None) for length in lengths),
+            *(test(10, length, 1, 0, None) for length in (0, 1000)),
         ],
         [True, False, False, True, True, False, False, False, False, False],
     )
 
 
-def _one_end(A: int, B: int, epsilon: int, low: int, _high: int | None) -> bool:
+def _one_end(a: int, b: int, epsilon: int, low: int, _high: int | None) -> bool:
     """The test with the lower scale at both ends."""
-    return refuted(A, B, epsilon, low, low)
+    return refuted(a, b, epsilon, low, low)
 
 
 CLAIM = Claim(
@@ -197,5 +198,7 @@ CLAIM = Claim(
     },
     not_claimed="That three pairs or more which pass two by two have a scale in common.",
     needs=("pair_lengths",),
+    runs=("certreg.verify.graphs", "certreg.verify.longer"),
+    used_by=("certreg.certificate.scaled_pairs.ScaledPairs.near",),
     not_in_coq="All of it: the checker in Coq reads no bounds of pairs.",
 )

@@ -7,6 +7,8 @@ from fractions import Fraction
 from itertools import product
 from typing import Any
 
+from certreg.verify import scaled_refuted
+
 from ..algebra import Square, combination, contraction, facts, nonnegative, positive
 from ..hypotheses import ROTATION
 from ..hypothesis import Standing, nonnegative_by, positive_by
@@ -15,6 +17,7 @@ from ..moments import MomentCloud
 from ..notation import inner, matrix, scalar, square, vector
 
 Test = Callable[[Fraction, Fraction, Fraction, Fraction, Fraction], bool]
+ONE = 2**20  # the root of c X, which the checker rounds down, is right to as much
 SCALE, END, LEVEL = scalar("s"), scalar("s'"), scalar("lambda")
 SPREAD, REST = scalar("X"), scalar("c")  # sum w |x|^2; sum w |y|^2 less sum w beta^2
 
@@ -65,12 +68,9 @@ AT_END = positive_by(
 
 
 def refutes(X: Fraction, c: Fraction, level: Fraction, low: Fraction, high: Fraction) -> bool:
-    """The three tests, of an eigenvalue >= 0 that is known."""
-    if c > low**2 * X:
-        if c < high**2 * X:
-            return level**2 < c * X
-        low = high
-    return low**2 * X + c > 2 * low * level
+    """The three tests by the checker, in integers: the target times ONE, all of it its square."""
+    K = [[int(k * level * ONE) * (i == j) for j in range(4)] for i, k in enumerate((1, 1, 1, -3))]
+    return scaled_refuted(int(X), int(c * ONE**2), K, int(low * ONE), int(high * ONE))
 
 
 def proof(test: Test = refutes, *, cross: int = 2) -> Proof:
@@ -123,7 +123,9 @@ def proof(test: Test = refutes, *, cross: int = 2) -> Proof:
     yield nonnegative(
         "Of two numbers one test is always enough: as a function of $s > 0$, $(s X + c/s)/2$, "
         r"with which $\lambda$ is compared, falls up to $\sqrt{c/X}$ and grows from there on. "
-        r"There it is $\sqrt{c X}$: $(s X + c/s)^2 - 4 c X$, here times $s^2$, is a square.",
+        r"There it is $\sqrt{c X}$: $(s X + c/s)^2 - 4 c X$, here times $s^2$, is a square. So a "
+        r"motion with a scale that brings the pairs within has $p^{\mathsf T} K p \ge \sqrt{c "
+        r"X}$, if $c \ge 0$, which bounds its rotation as claim `angle_of_consensus` does.",
         (SCALE**2 * SPREAD + REST) ** 2 - 4 * SCALE**2 * REST * SPREAD,
         [[Square(SCALE**2 * SPREAD - REST)]],
     )
@@ -139,9 +141,9 @@ def _numbers(test: Test) -> Any:
         refuted += found
         wrong += found and any(s**2 * X + c - 2 * s * level <= 0 for s in places)
     return facts(
-        r"The three tests, with $X = 1, 2$, $c = -1, 0, 1, 3$, $\lambda = 0, 1, 2, 3$ and scales "
-        r"between multiples of $\tfrac12$ up to $2$: of $480$ cases $175$ are refuted, in each of "
-        "which the sum is above that of the bounds at $25$ scales.",
+        r"The three tests of the checker, with $X = 1, 2$, $c = -1, 0, 1, 3$, $\lambda = 0, 1, 2, "
+        r"3$ and scales between multiples of $\tfrac12$ up to $2$: of $480$ cases $175$ are "
+        "refuted, in each of which the sum is above that of the bounds at $25$ scales.",
         [wrong, refuted],
         [0, 175],
     )
@@ -170,6 +172,11 @@ CLAIM = Claim(
         "a test at both ends alone": Mutation(at=6, proof=lambda: proof(_ends_only)),
     },
     not_claimed="That pairs which no weights refute are within at some scale.",
-    needs=("davenport", "weighted_refutation", "scale_elimination"),
+    needs=("davenport", "weighted_refutation", "scale_elimination", "angle_of_consensus"),
+    runs=("certreg.verify.scaled_refuted", "certreg.verify.definite"),
+    used_by=(
+        "certreg.certificate.producing_scaled.ScaledProver",
+        "certreg.certificate.scaled_refuting.ScaledRows",
+    ),
     not_in_coq="All of it: the checker in Coq reads no bounds of pairs.",
 )

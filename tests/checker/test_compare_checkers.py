@@ -14,6 +14,7 @@ ONE_PER_CENT = compare_checkers.COUNT // 100
 NOT_ISOTROPIC = (
     "consensus",
     "springs",
+    "scaled",
     "similarity",
     "rotation-only",
     "truncated",

@@ -29,7 +29,8 @@ REASONS = {  # what the checker's words are about, by class
     "basin": r"claims\.basin",
     "sdp": r"sdp",
     "scale": r"\bscale\b|claims\.scale_",
-    "consensus": r"\b(bound|fit|group|labels|reach|row|stages?|steps?|upper|witness)\b",
+    "consensus": r"\b(bound|fit|group|labels|pieces?|reach|row|stages?|states|steps?|upper)\b"
+    r"|\bwitness\b|claims\.scale_",
 }
 each_vector = pytest.mark.parametrize("vector", MANIFEST, ids=lambda vector: vector["file"])
 

@@ -9,6 +9,7 @@ import pytest
 from checker_mutants import FILE, LISTS, MUTANTS, answers, failing
 from consensus_boundaries import consensus_cases
 from list_boundaries import early_list_cases, list_cases
+from scaled_boundaries import scaled_cases
 from similarity_boundaries import similarity_cases
 from springs_boundaries import springs_cases
 from sprung_boundaries import sprung_cases
@@ -70,6 +71,14 @@ def test_the_checker_answers_rightly_of_truncated_squares():
     cases = truncated_cases()
 
     assert len(cases) >= 120
+    assert [case.name for case in cases if not case.passes(checker)] == []
+
+
+@pytest.mark.slow
+def test_the_checker_answers_rightly_of_wrong_pairs_with_a_free_scale():
+    cases = scaled_cases()
+
+    assert len(cases) >= 90
     assert [case.name for case in cases if not case.passes(checker)] == []
 
 

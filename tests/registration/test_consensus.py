@@ -244,8 +244,10 @@ def test_nothing_that_fits_is_undecided():
         ({"n": 2}, "max_residual needs 3 to 4096 pairs, there are 2"),
         ({"bound": 5.0}, "not below half the diameter of the smaller cloud"),
         ({"bound": 0.0}, "max_residual is 0"),
-        ({"scale": "symmetric"}, "max_residual is of a rigid motion, not yet with --scale"),
-        ({"rotation_only": True}, "max_residual is of a rigid motion, not yet with --rotation"),
+        (
+            {"rotation_only": True},
+            "max_residual is of a motion with a translation, not yet with --rot",
+        ),
         ({"effort": 0}, "effort is 0: give a number above 0"),
         ({"effort": "much"}, "effort is 'much': give a number above 0"),
     ],

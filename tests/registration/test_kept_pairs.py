@@ -113,7 +113,11 @@ def test_what_is_not_decided_is_said():
         ([1, 1] + [0] * 18, {}, "labels name 2 inliers: give at least 3, as two of equal lengths"),
         (RIGHT, {"max_residual": None}, "labels and max_residual go together, without a pose: gi"),
         (RIGHT, {"translation": [0, 0, 0]}, "without a pose: leave the pose out"),
-        (RIGHT, {"rotation_only": True}, "max_residual is of a rigid motion, not yet with --rot"),
+        (
+            RIGHT,
+            {"rotation_only": True},
+            "max_residual is of a motion with a translation, not yet with",
+        ),
     ],
 )
 def test_what_is_refused_is_refused_in_one_line(labels, options, words):

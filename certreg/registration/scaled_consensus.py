@@ -1,0 +1,164 @@
+"""Registration with wrong pairs and a free scale: as with a rigid motion, by pieces of scale."""
+
+from __future__ import annotations
+
+import logging
+import math
+from dataclasses import dataclass
+from decimal import ROUND_FLOOR
+from fractions import Fraction
+from typing import TYPE_CHECKING, Any
+
+from certreg.certificate import (
+    ScaledConsensus,
+    ScaledProver,
+    pose_of,
+    scaled_consensus_certificate,
+    scaled_consensus_of,
+)
+from certreg.errors import InvalidProblemError
+from certreg.exact import double_above, double_below
+from certreg.geometry import Similarity
+from certreg.problem import Scale
+from certreg.registration.consensus import ConsensusRegistration, Ways, restated
+from certreg.relaxation import scaled_candidates
+from certreg.verify import rounded
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from certreg.certificate import Certificate, ConsensusSimilarityBody
+    from certreg.problem import ConsensusProblem
+    from certreg.results import Verdict
+
+DIGITS = 7  # of a scale, in words
+NAMED_RANGES = 3  # of scales, in a sentence
+LOG = logging.getLogger("certreg.registration.consensus")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ScaledConsensusRegistration(ConsensusRegistration):
+    """The same of motions y = s R x + t whose scale s is free.
+
+    All attributes are those of `ConsensusRegistration`; the fit has a scale, asymmetric or
+    symmetric as the problem says.
+    """
+
+    found: ScaledConsensus
+
+    @property
+    def pose(self) -> Similarity:
+        """The least-squares pose, with its scale, of the pairs that are met."""
+        pose = self.fit.pose
+        assert isinstance(pose, Similarity)  # noqa: S101 - of a problem with a scale
+        return pose
+
+    @property
+    def witness(self) -> Similarity:
+        """A motion that meets all of them, exactly before it is rounded to doubles."""
+        rigid = pose_of(self.found.witness)
+        return Similarity(
+            rotation=rigid.rotation,
+            translation=rigid.translation,
+            quaternion_wxyz=rigid.quaternion_wxyz,
+            scale=float(self.found.witness.factor.value),
+        )
+
+    @property
+    def headline(self) -> str:
+        """What is proved, in words; where it is not proved of all scales, of which it is."""
+        told = super(ScaledConsensusRegistration, self).headline
+        some = self.undecided_scales
+        if not some:
+            return told
+        met, where = self.lower, ranges_words(some)
+        return (
+            f"{told} With scales {where} it is not proved which {met} are met; with all others "
+            f"these {met} and no others."
+        )
+
+    @property
+    def scale_interval(self) -> tuple[float, float]:
+        """Between which scales all motions are that meet these pairs, proved; rounded outwards."""
+        body: Any = self.certificate.body
+        return double_below(body.scale_lower.value), double_above(body.scale_upper.value)
+
+    @property
+    def undecided_scales(self) -> tuple[tuple[float, float], ...]:
+        """With which scales motions may meet as many pairs, or more, but others than these.
+
+        Rounded outwards; an end may be 0 or infinite.
+        """
+        return tuple(
+            (double_below(one.low), math.inf if one.high is None else double_above(one.high))
+            for one in self.found.open_scales
+        )
+
+
+def ranges_words(some: Sequence[tuple[float, float]]) -> str:
+    """For example: from 0.5 to 0.75 and from 2 on; rounded outwards."""
+    told: list[str] = []
+    for low, high in some:
+        begin = f"from {rounded(Fraction(low), DIGITS, ROUND_FLOOR):g}"
+        end = "on" if math.isinf(high) else f"to {rounded(Fraction(high), DIGITS):g}"
+        told.append(f"{begin} {end}")
+    if len(told) > NAMED_RANGES:
+        told = [*told[: NAMED_RANGES - 1], f"in {len(told) - NAMED_RANGES + 1} other ranges"]
+    return " and ".join([", ".join(told[:-1]), told[-1]] if len(told) > 1 else told)
+
+
+def _search(problem: ConsensusProblem, effort: float) -> ScaledConsensus | None:
+    """Of all candidates the one of which most is proved; no more are sought once none has more."""
+    block, best = problem.problem.block(slice(None)), None
+    prover = ScaledProver(problem, effort=effort)
+    for one in scaled_candidates(block.source, block.target, problem.bounds, effort=effort):
+        found = prover.prove(one.scale, one.rotation, one.translation, whole=False)
+        if found is not None and (best is None or found.worth > best.worth):
+            best = found
+            LOG.info(
+                "%d of %d pairs within their bounds, at most %d (proved); searching on ...",
+                len(best.met),
+                problem.n,
+                best.upper,
+            )
+        if best is not None and best.upper == len(best.met):
+            break
+    if best is not None:
+        _require_spread(problem, best)
+    return best if best is None or best.decided else prover.witnessed(best.witness)
+
+
+def _require_spread(problem: ConsensusProblem, found: ScaledConsensus) -> None:
+    """Refuses pairs that most motions meet and that have no best scale."""
+    block, rows = problem.problem.block(slice(None)), list(found.met)
+    symmetric = problem.problem.scale is Scale.SYMMETRIC
+    clouds = {"source": block.source, **({"target": block.target} if symmetric else {})}
+    weighty = [row for row in rows if block.weights[row] > 0.0] or rows
+    for name, points in clouds.items():
+        if (points[weighty] == points[weighty[0]]).all():
+            message = (
+                f"most pairs, {len(rows)}, are met where all {name} points are one: they have no "
+                "scale; leave pairs that repeat a point out"
+            )
+            raise InvalidProblemError(message, array=name, row=weighty[0])
+
+
+def _others(*points: Any, effort: float) -> Iterator[int]:
+    return (len(candidate.inliers) for candidate in scaled_candidates(*points, effort=effort))
+
+
+def restated_scaled_consensus(
+    problem: ConsensusProblem, certificate: Certificate[ConsensusSimilarityBody], verdict: Verdict
+) -> ConsensusRegistration:
+    """As `restated_consensus`, of a free scale."""
+    found = scaled_consensus_of(problem, certificate.body)
+    return restated(problem, SCALED, found, certificate, verdict)
+
+
+SCALED = Ways(
+    motion="motion with a scale",
+    search=_search,
+    certificate=scaled_consensus_certificate,
+    others=_others,
+    result=ScaledConsensusRegistration,
+)

@@ -1,0 +1,188 @@
+"""Wrong pairs where the scale is unknown: what is found and proved, and how it is said."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import jsonschema
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+import certreg
+from certreg.errors import InvalidProblemError
+from certreg.registration import ConsensusRegistration, ScaledConsensusRegistration
+from certreg.report.pages import html_page
+from certreg.report.reload import report_of
+
+DATA = Path(__file__).parent / "data"
+BOUND = 0.05
+SCHEMA = Path(certreg.__file__).parent / "report" / "schemas" / "certreg-result-1.json"
+
+
+def wrong_pairs(seed, n=20, wrong=6, *, scale=2.5, noise=0.005):
+    """Clouds of which the last pairs are wrong, and how many are right."""
+    rng = np.random.default_rng(seed)
+    source = rng.uniform(size=(n, 3)) / scale
+    turn = Rotation.from_quat(rng.normal(size=4)).as_matrix()
+    target = scale * source @ turn.T + rng.uniform(-1, 1, 3) + rng.uniform(-noise, noise, (n, 3))
+    target[n - wrong :] = target.mean(axis=0) + rng.uniform(-0.8, 0.8, (wrong, 3))
+    return source, target
+
+
+def certified(
+    source, target, bound: Any = BOUND, scale="asymmetric", **options
+) -> ScaledConsensusRegistration:
+    result = certreg.certify(source, target, max_residual=bound, scale=scale, **options)
+    assert isinstance(result, ScaledConsensusRegistration)
+    assert result.verdict is not None
+    assert result.verdict.proved
+    return result
+
+
+@pytest.mark.parametrize("scale", ["asymmetric", "symmetric"])
+@pytest.mark.parametrize(("n", "met", "true"), [(10, 7, 2.18528322243109), (100, 10, 3.86667896)])
+def test_published_pairs_are_proved_without_their_scale(n, met, true, scale):
+    source, target = (certreg.load(DATA / f"outliers_{n}_{k}.csv") for k in ("source", "target"))
+    result = certified(source, target, 5e-5, scale)
+    low, high = result.scale_interval
+
+    assert (result.lower, result.upper, result.labels_unique, result.exit_code) == (
+        met,
+        met,
+        True,
+        0,
+    )
+    assert result.headline.startswith(
+        f"CERTIFIED: no motion of any scale brings more than {met} of the {n} pairs within 5e-05, "
+        f"and only these {met}. "
+    )
+    assert abs(result.pose.scale - true) < 1e-8
+    assert low < true < high < low * 1.001
+    assert (result.residuals[result.inliers] <= 5e-5).all()
+    assert result.undecided_scales == ()
+
+
+@pytest.mark.parametrize("factor", [1e-6, 1.0, 1e6])
+def test_labels_and_scale_follow_the_units_of_both_clouds(factor):
+    source, target = wrong_pairs(3)
+    plain = certified(source, target)
+    other = certified(source * factor + 1e3 * factor, target / factor, BOUND / factor)
+
+    assert plain.labels == other.labels == ("inlier",) * 14 + ("outlier",) * 6
+    assert other.pose.scale * factor**2 == pytest.approx(plain.pose.scale, rel=1e-9)
+
+
+def test_the_text_the_document_and_the_page_say_the_scale(tmp_path):
+    source, target = wrong_pairs(1)
+    result = certified(source, target, about={"labels": [f"P{k}" for k in range(20)]})
+    text, document = str(result), result.to_dict()
+    folder = tmp_path / "found"
+    result.save(folder)
+    page = (folder / "report.html").read_text("utf-8")
+    low, high = result.scale_interval
+
+    assert f"  scale             {result.pose.scale!r}  (asymmetric; target over source)" in text
+    assert "Every motion that brings these 14 within has a scale from 2." in text
+    assert low < 2.5 < high
+    assert document["pose"]["scale"] == result.pose.scale
+    assert document["consensus"]["scale_interval"] == [low, high]
+    assert document["consensus"]["undecided_scales"] == []
+    jsonschema.validate(document, json.loads(SCHEMA.read_bytes()))
+    assert "Every motion that brings these 14 within has a scale from 2." in page
+    assert "No motion with a scale brings more than 14 within." in page
+    assert f"{result.pose.scale:.9g}" in page
+    assert json.loads((folder / "pose.json").read_text("utf-8"))["scale"] == result.pose.scale
+    assert "scale" in result._repr_html_()
+
+
+def test_two_motions_of_other_scales_leave_both_ranges_open():
+    """Six pairs at the scale 1, six at 2: each is a maximum."""
+    rng = np.random.default_rng(5)
+    source = rng.uniform(-1, 1, (12, 3))
+    target = source + np.array([1.0, 2.0, 3.0])
+    target[6:] = 2.0 * source[6:] @ Rotation.from_rotvec([0.3, -1.2, 0.4]).as_matrix().T
+    result = certified(source, target, 0.01)
+    text, document = str(result), result.to_dict()
+
+    assert (result.lower, result.upper, result.exit_code) == (6, 6, 3)
+    assert set(result.labels) == {"undecided"}
+    assert result.second == 6
+    other = 1.0 if abs(result.pose.scale - 2.0) < 0.01 else 2.0
+    assert any(low <= other <= high for low, high in result.undecided_scales)
+    assert not any(low <= result.pose.scale <= high for low, high in result.undecided_scales)
+    assert " With scales from " in result.headline
+    assert "; with all others these 6 and no others." in result.headline
+    assert "it is not proved which 6 are met." in text
+    assert document["consensus"]["undecided_scales"] == [list(k) for k in result.undecided_scales]
+    for theorem in ("Not proved: which 6 pairs or more", "With any other scale: these 6 and only"):
+        assert any(theorem in words for words in result.verdict.theorems)
+
+
+def test_targets_near_each_other_are_met_by_a_source_that_shrinks():
+    """All of the heap at any small scale: more than the three pairs that keep their lengths."""
+    rng = np.random.default_rng(2)
+    source = rng.uniform(-1, 1, (9, 3))
+    target = 3.0 * source + 5.0
+    target[4:] = np.array([20.0, 0.0, 0.0]) + rng.uniform(-0.02, 0.02, (5, 3))
+    result = certified(source, target, 0.1)
+    low, high = result.scale_interval
+
+    assert result.labels == ("outlier",) * 4 + ("inlier",) * 5
+    assert (low, high > 0.0, high < 1.0) == (0.0, True, True)
+
+
+def test_pairs_that_repeat_one_source_point_have_no_scale():
+    rng = np.random.default_rng(4)
+    source, target = np.zeros((6, 3)), np.zeros((6, 3))
+    target[4:] = rng.uniform(5, 9, (2, 3))
+
+    with pytest.raises(InvalidProblemError, match="are met where all source points are one: they"):
+        certified(source, target, 0.1)
+
+
+def test_a_certificate_alone_makes_the_report_and_says_no_more(tmp_path):
+    source, target = wrong_pairs(7)
+    result = certified(source, target, scale="symmetric")
+    path = tmp_path / "certificate.json"
+    result.certificate.save(path)
+    page = html_page(report_of(path)).decode()
+
+    assert "Every motion that brings these 14 within has a scale from 2." in page
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"rotation_only": True}, "max_residual is of a motion with a translation, not yet with"),
+        ({"max_residual": 2.0}, "not below half the diameter of the target, "),
+        ({"objective": "truncated"}, "truncated"),
+    ],
+)
+def test_what_is_refused_is_refused_in_one_line(change, words):
+    source, target = wrong_pairs(1)
+    options = {"max_residual": BOUND, "scale": "asymmetric"} | change
+
+    with pytest.raises(InvalidProblemError, match=words) as refused:
+        certreg.certify(source, target, **options)
+    assert "\n" not in str(refused.value)
+
+
+def test_labels_are_not_judged_with_a_scale():
+    source, target = wrong_pairs(1)
+
+    with pytest.raises(InvalidProblemError, match="judged for a rigid motion, not yet with --sc"):
+        certreg.assess(
+            source, target, labels=[1] * 14 + [0] * 6, max_residual=BOUND, scale="asymmetric"
+        )
+
+
+def test_a_scale_that_is_known_is_proved_as_a_rigid_motion_is():
+    source, target = wrong_pairs(9)
+    free = certified(source, target)
+    rigid = certreg.certify(2.5 * source, target, max_residual=BOUND)
+
+    assert isinstance(rigid, ConsensusRegistration)
+    assert free.labels == rigid.labels
