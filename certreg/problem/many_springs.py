@@ -87,7 +87,9 @@ class ManySpringMoments(Brief):
     @cached_property
     def hessian_form(self) -> NDArray[np.float64]:
         """H, (count, 13, 13), as there."""
-        return np.moveaxis(hessian_form_of(self.sums.T), -1, 0)
+        # One after another: products of stacks round as their strides have it, which are then
+        # the same however many there are.
+        return np.ascontiguousarray(np.moveaxis(hessian_form_of(self.sums.T), -1, 0))
 
     @cached_property
     def _resisted(self) -> NDArray[np.float64]:
