@@ -108,7 +108,7 @@ class ConsensusProver:
             return None
         n, within = self.problem.n, mask_of(met)
         stages = list[Stage]()
-        first, stager = Stager(self.graph, met).first(stages, (1 << n) - 1)
+        first, stager = Stager(self.graph, met, whole).first(stages, (1 << n) - 1)
         upper, sure = first.bit_count(), within if first == within else 0
         if not sure:
             upper = stager.upper(stages, first, whole=whole)

@@ -24,10 +24,15 @@ MOST_LEFT_OUT = 64  # pairs tried as inliers one by one, at effort 1: each is a 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Stager:
-    """Makes the stages of one graph, for a witness that meets these rows."""
+    """Makes the stages of one graph, for a witness that meets these rows.
+
+    whole: False: no two rows are struck together where more are open than are met. That takes
+    seconds of hundreds of rows, and decides little of a witness that another one will replace.
+    """
 
     graph: Graph
     met: Sequence[int]
+    whole: bool = True
 
     def first(
         self, stages: list[Stage], alive: int, clique: int | None = None
@@ -61,7 +66,8 @@ class Stager:
     def _thinned(self, alive: int, least: int, clique: int) -> Thinning:
         thinning = Thinning(self.graph, alive, least, clique)
         thinning.run()
-        Parting(thinning).run()
+        if self.whole or (thinning.alive & ~thinning.clique).bit_count() <= len(self.met):
+            Parting(thinning).run()
         return thinning
 
     def upper(self, stages: list[Stage], alive: int, *, whole: bool) -> int:

@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 from consensus_rates import Cell
 
-from certreg.certificate import ConsensusProver, consensus_certificate
+from certreg.certificate import ConsensusProver, consensus_certificate, staging
 from certreg.certificate.consistency import ExactRows, consistent_pairs
+from certreg.certificate.staging import Stager
 from certreg.certificate.thinning import transversal
 from certreg.native import mask_of, rows_of
 from certreg.native.bit_rows import colours, linked
@@ -176,3 +177,15 @@ def test_labels_are_the_same_without_compiled_code(cell, monkeypatch):
             for one in (plain, found)
         ]
         assert strikes[0] == strikes[1]
+
+
+def test_no_pairs_are_struck_together_for_a_witness_that_is_far_from_the_best(monkeypatch):
+    """Three pairs are met, and all others open: seconds, of hundreds of pairs; asked for, it is."""
+    cell, parted = Cell(n=60, wrong=90), list[int]()
+    prover = ConsensusProver(cell.problem(cell.instance(0)))
+    monkeypatch.setattr(staging.Parting, "run", lambda self: parted.append(self._thinning.least))
+    met = [0, 1, 2]
+    for whole, stages in ((False, []), (True, [3])):
+        Stager(prover.graph, met, whole).first([], (1 << 60) - 1)
+
+        assert parted == stages
