@@ -1090,6 +1090,7 @@ CONSENSUS = mutants(
         "[[-2 * k for k in row] for row in K], squares",
         "[[-2 * k for k in row] for row in K], squares - bound + 1",
     ),
+    ("self.reach(squares - bound, squares", "self.reach(squares, squares"),
     ("sets, union = [*sets, mask], union | mask", "sets, union = [*sets, mask], mask"),
     ("sets, union = [*sets, mask], union | mask", "sets, union = [mask], union | mask"),
     ("most = room + len(sets)", "most = room - 1 + len(sets)"),

@@ -1210,10 +1210,10 @@ MUTANTS = (
         ("arcs",),
     ),
     Mutant(
-        "a reach without the bounds",
+        "a reach of twice the squared sine",
         CHECKER,
-        "level = ((squares - bound) * b * d",
-        "level = (squares * b * d",
+        "a * size * (d - s.numerator)",
+        "a * size * (d - 2 * s.numerator)",
         ("angle_of_consensus",),
     ),
     Mutant(
