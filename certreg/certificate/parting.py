@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
     from certreg.certificate.thinning import Thinning
 
+MOST_STRUCK = 5000  # pairs of rows: each is four of the 50,000 commas and brackets of a certificate
 MOST_TURNED = 400  # pairs of rows that are tried by turns and stay, at effort 1: 0.1 ms each
 
 
@@ -26,6 +27,7 @@ class Parting:
     def __init__(self, thinning: Thinning) -> None:
         self._thinning = thinning
         self._left = round(MOST_TURNED * thinning.graph.effort)
+        self._struck = 0
         self._stayed = dict[tuple[int, int], int]()
 
     def run(self) -> None:
@@ -37,7 +39,10 @@ class Parting:
         """Tries all pairs once; whether one fell."""
         thinning, struck = self._thinning, False
         for e, f in self._pairs():
+            if self._struck == MOST_STRUCK:
+                break
             if proof(e, f, thinning.beside(e) & thinning.beside(f)):
+                self._struck += 1
                 thinning.part(e, f)
                 struck = True
         return struck

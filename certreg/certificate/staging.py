@@ -17,9 +17,11 @@ from certreg.native import mask_of
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from certreg.certificate.consensus import Strike
     from certreg.certificate.thinning import Graph
 
 MOST_LEFT_OUT = 64  # pairs tried as inliers one by one, at effort 1: each is a stage of its own
+MOST = 40_000  # commas and brackets of all stages; a certificate may have 50,000
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -56,8 +58,14 @@ class Stager:
         clique: int,
         without: int | None = None,
     ) -> int:
-        """The rows left by a later stage, which is kept where they are too few."""
+        """The rows left by a later stage, which is kept where they are too few.
+
+        All of them where that would make the certificate too long.
+        """
         thinning = self._thinned(alive, least, clique)
+        held = [strike for stage in stages for strike in stage.strikes]
+        if sum(map(_length, [*held, *thinning.strikes])) > MOST:
+            return alive
         if thinning.alive.bit_count() < least:
             strikes = tuple(thinning.strikes)
             stages.append(Stage(least=least, without=without, strikes=strikes))
@@ -100,3 +108,8 @@ class Stager:
             left = self.stage(stages, first & others, len(met), within & others, row)
             sure |= (left.bit_count() < len(met)) << row
         return sure
+
+
+def _length(strike: Strike) -> int:
+    """Its commas and brackets in a file, or a few more."""
+    return 4 + sum(5 + len(group.rows) + len(group.weights) for group in strike.groups)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from consensus_rates import Cell
 
-from certreg.certificate import ConsensusProver, consensus_certificate
+from certreg.certificate import ConsensusProver, consensus_certificate, parting, staging
 from certreg.certificate.parting import Parting
 from certreg.certificate.refuting import PointRows
 from certreg.certificate.thinning import Thinning
@@ -166,3 +166,24 @@ def test_turns_are_not_tried_without_end(few):
     left = used.after([strike.to_fields() for strike in thinning.strikes])
     assert left == thinning.alive
     assert set(rows_of(left)) >= {k for k, label in enumerate(found.labels) if label != "o"}
+
+
+def test_no_more_pairs_are_struck_than_a_certificate_may_hold(few, monkeypatch):
+    problem, found, prover = few
+    monkeypatch.setattr(parting, "MOST_STRUCK", 10)
+    less = prover.witnessed(found.witness)
+
+    assert all(sum(s.other is not None for s in stage.strikes) <= 10 for stage in less.stages)
+    assert sum(strike.other is not None for strike in less.stages[0].strikes) == 10
+    assert less.labels.count("o") < found.labels.count("o")
+    assert checker.check(consensus_certificate(problem, less, None).to_json()).verified
+
+
+def test_stages_that_make_a_certificate_too_long_are_left_out(few, monkeypatch):
+    problem, found, prover = few
+    monkeypatch.setattr(staging, "MOST", 0)
+    less = prover.witnessed(found.witness)
+
+    assert len(less.stages) == 1 < len(found.stages)
+    assert less.upper > found.upper
+    assert checker.check(consensus_certificate(problem, less, None).to_json()).verified
