@@ -1931,6 +1931,55 @@ def positive(form: list[int], q: list[int], f: int, h: int, spare: int, slack: i
 SUMS[TRUNCATED] = (2, bounded_pairs, "bounds are other ones: give --max-residual")
 
 # --- end of kind: truncated-rotation ------------------------------------------------------------
+# --- part: cliques ------------------------------------------------------------------------------
+# Graphs: of each row its neighbours, as bits. Of a clique any two rows are neighbours.
+
+
+def ones(mask: int) -> Iterator[int]:
+    """The places of the ones."""
+    while mask:
+        low = mask & -mask
+        yield low.bit_length() - 1
+        mask ^= low
+
+
+def colours(mask: int, near: list[int], most: int) -> int:
+    """How many colours the rows need, each taking the first that no neighbour has; or most + 1."""
+    count = 0
+    while mask and count <= most:
+        free, count = mask, count + 1
+        while free:
+            low = free & -free
+            mask ^= low
+            free &= ~(near[low.bit_length() - 1] | low)
+    return count
+
+
+def has_clique(
+    near: list[int], rows: int, sets: list[int], count: int, look: Callable[[int], None]
+) -> bool:
+    """Whether so many of the rows make a clique that holds none of the sets as a whole.
+
+    The lowest row is left out; or it is in, and of the sets with it only the others are still to
+    be kept from. Cliques have as many rows as colours at most. look: is told how much is done.
+    """
+    trail = [(rows, sets, count)]
+    while trail:
+        rows, sets, count = trail.pop()
+        rows &= ~sum({T for T in sets if T & (T - 1) == 0})
+        sets = [T for T in sets if T & ~rows == 0]
+        look(1 + rows.bit_count() + len(sets))
+        if count <= 0:
+            return True
+        if colours(rows, near, count - 1) >= count:
+            low = rows & -rows
+            trail.append((rows ^ low, sets, count))
+            beside = rows & near[low.bit_length() - 1]
+            trail.append((beside, [T & ~low for T in sets], count - 1))
+    return False
+
+
+# --- end of part: cliques -----------------------------------------------------------------------
 # --- part: turns --------------------------------------------------------------------------------
 # A motion that meets two pairs, see `thinning`, is nearly a turn about the line through them.
 
@@ -2002,14 +2051,6 @@ def parted(one: Sequence[int], other: Sequence[int]) -> tuple[list[int], list[in
 def crossed(a: Sequence[int], b: Sequence[int]) -> list[int]:
     """The cross product."""
     return [a[k - 2] * b[k - 1] - a[k - 1] * b[k - 2] for k in range(3)]
-
-
-def ones(mask: int) -> Iterator[int]:
-    """The places of the ones."""
-    while mask:
-        low = mask & -mask
-        yield low.bit_length() - 1
-        mask ^= low
 
 
 def squared(v: Sequence[int]) -> int:
@@ -2087,7 +2128,9 @@ class Thinning:
         others = colours(beside & ~union, self.near, most)
         if others <= most and not self._hit(sets, union.bit_count() + others - room - 1):
             return True
-        return self.rigid and len(met) == 2 and self._no_turn(met[0], met[1], beside)
+        if len(met) == 2 and self.rigid and not groups:
+            return self._no_turn(met[0], met[1], beside)
+        return not has_clique(self.near, beside, sets, room + 1, self._look)
 
     def refuted(self, rows: Matrix, weights: Sequence[int]) -> bool:
         """Whether no motion meets them all: then sum w r^2 <= sum w b^2, see `weighed`."""
@@ -2154,18 +2197,6 @@ def whole(value: Any, most: int) -> int:
 def raised(A: Matrix, by: int) -> Matrix:
     """A + by I."""
     return [[k + by * (i == j) for j, k in enumerate(row)] for i, row in enumerate(A)]
-
-
-def colours(mask: int, near: list[int], most: int) -> int:
-    """How many colours the rows need, each taking the first that no neighbour has; or most + 1."""
-    count = 0
-    while mask and count <= most:
-        free, count = mask, count + 1
-        while free:
-            low = free & -free
-            mask ^= low
-            free &= ~(near[low.bit_length() - 1] | low)
-    return count
 
 
 def weighed(rows: Matrix, weights: Sequence[int]) -> tuple[int, int, Matrix]:

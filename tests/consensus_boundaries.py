@@ -240,12 +240,10 @@ def graph_cases() -> Iterator[Case]:
     yield Case("nothing struck", left(CYCLE, 2, alive=15), "15$")
     for K, answer in ((4, STRUCK), (5, "126$"), (6, "0$")):
         yield Case(f"octahedron {K}", left(OCTAHEDRON, K, [[0]]), answer)
-    for K, answer in ((5, STRUCK), (6, "0$")):  # four colours, with partners one after another
+    for K, answer in ((3, STRUCK), (4, r"\d+$"), (5, r"\d+$")):  # four colours, cliques of two
         thick = [near | 0b111 << 9 for near in CROWN]
         more = [(1 << 12) - 1 & ~(1 << i) for i in (9, 10, 11)]
-        yield Case(
-            f"crown {K + 3}", left([*thick, *more], K + 3, [[0]]), answer.replace("0$", ".*")
-        )
+        yield Case(f"crown {K + 3}", left([*thick, *more], K + 3, [[0]]), answer)
     for most in range(7):
         counted = min(4, most + 1)
         ask = value_of(lambda checker, m=most: checker.colours(0b111111110, CROWN, m))
@@ -329,6 +327,7 @@ def group_cases() -> Iterator[Case]:
     )
     yield from weight_cases(refuted)
     yield from hit_cases()
+    yield from clique_cases()
 
 
 def hit_cases() -> Iterator[Case]:
@@ -360,6 +359,70 @@ def hit_cases() -> Iterator[Case]:
         return "found"
 
     yield Case("a search without end", costly, "REFUSED$")
+
+
+def clique_cases() -> Iterator[Case]:
+    """Cliques that hold none of some sets: against all subsets, of random graphs of seven rows."""
+    rng = random.Random(6)
+    every = [*combinations(range(7), 2)]
+    asked = [
+        (
+            graph(7, rng.sample(every, rng.randrange(8, 22))),
+            rng.randrange(1, 128) | rng.randrange(1, 128),
+            [
+                sum(1 << i for i in rng.sample(range(7), k))
+                for k in rng.choices((1, 2, 2, 3, 4), k=m)
+            ],
+        )
+        for m in (0, 1, 2, 3, 4, 5, 6) * 12
+    ]
+
+    def largest(near: list[int], rows: int, sets: list[int]) -> int:
+        return max(
+            mask.bit_count()
+            for mask in range(128)
+            if mask & ~rows == 0
+            and all(mask & ~(near[i] | 1 << i) == 0 for i in range(7) if mask >> i & 1)
+            and not any(mask & T == T for T in sets)
+        )
+
+    def searched(checker: Any) -> list[int]:
+        return [
+            k
+            for k, (near, rows, sets) in enumerate(asked)
+            if [checker.has_clique(near, rows, sets, m, lambda _: None) for m in range(9)]
+            != [m <= largest(near, rows, sets) for m in range(9)]
+        ]
+
+    yield Case("cliques that hold none of some sets", value_of(searched), r"\[\]$")
+    looks = list[int]()
+
+    def costs(checker: Any) -> int:
+        looks.clear()
+        checker.has_clique(complete(4), 15, [3, 12], 2, looks.append)
+        return sum(looks)
+
+    # four rows and two sets; with row 0 the rows 2 and 3 and one set; with row 2, none
+    yield Case("what a search for cliques costs", value_of(costs), "12$")
+    step = [[0, [[1, 2], [1, 1, 1]], [[1, 3], [1, 1, 1]], [[2, 3], [1, 1, 1]]]]
+    spread = [row((0, 0, 0), (0, 0, 0)), *[row(p, p) for p in ((9, 0, 0), (0, 9, 0), (0, 0, 9))]]
+    unmet = left(complete(4), 3, step, spread)
+    yield Case("groups that are met", unmet, "REFUSED: a group of row 0 is not refuted")
+    yield from searched_cases()
+
+
+def searched_cases() -> Iterator[Case]:
+    """A lifted row with groups that need only one row each, but two colours apart."""
+    line = [row((0, 0, 0), (0, 30, 0), 10)]
+    line += [row((k, 0, 0), (k, 0, 0), 10) for k in (-900, 900, -800, 800)]
+    groups = [[list(T), [2, 1, 1]] for T in ((1, 2), (3, 4), (1, 4), (2, 3))]
+    ring = graph(5, [*((0, k) for k in range(1, 5)), (1, 2), (2, 3), (3, 4), (4, 1)])
+    for name, some, K, answer in (
+        ("all edges of a ring", groups, 3, r"\d+$"),
+        ("all but one", groups[:3], 3, STRUCK),
+        ("one row beside", groups, 2, STRUCK),
+    ):
+        yield Case(f"groups, {name}", left(ring, K, [[0, *some]], line), answer)
 
 
 def roll(point: tuple[int, int, int], by: int, off: int) -> list[int]:

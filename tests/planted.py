@@ -23,6 +23,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from certreg.certificate import ConsensusProver, consensus_certificate
+from certreg.certificate.assuming import Assuming
 from certreg.certificate.consistency import consistent_pairs
 from certreg.certificate.parting import Parting
 from certreg.certificate.refuting import PointRows
@@ -167,7 +168,9 @@ def faults(seed: int) -> Iterator[str]:
     graph = Graph(near, PointRows.of(problem), 0.3, rigid=True)
     thinning = Thinning(graph, all_rows, K, mask_of(few))
     thinning.run()
-    Parting(thinning).run()
+    assuming, parting = Assuming(thinning), Parting(thinning)
+    while (parting.run() if seed % 2 else assuming.run()) or parting.run(assuming.given_up):
+        thinning.run()
     if mine & ~thinning.alive:
         yield f"{seed}: a planted pair is struck of {K}"
     if any(mine & ~(thinning.near[i] | 1 << i) for i in case.rows):

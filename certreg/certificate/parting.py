@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from certreg.certificate.consensus import Strike
 from certreg.certificate.turning import sets_of, turned
 from certreg.native import rows_of
 
@@ -30,27 +31,26 @@ class Parting:
         self._struck = 0
         self._stayed = dict[tuple[int, int], int]()
 
-    def run(self) -> None:
-        """Until no pair falls, or no row is open."""
-        while self._strike(self._few_colours) or self._strike(self._few_at_each_turn):
-            self._thinning.run()
+    def run(self, rows: int = -1) -> bool:
+        """Tries the pairs with one of these rows, as bits; whether one fell."""
+        return self._strike(rows, self._few_colours) or self._strike(rows, self._few_at_each_turn)
 
-    def _strike(self, proof: Callable[[int, int, int], bool]) -> bool:
+    def _strike(self, rows: int, proof: Callable[[int, int, int], bool]) -> bool:
         """Tries all pairs once; whether one fell."""
         thinning, struck = self._thinning, False
-        for e, f in self._pairs():
+        for e, f in self._pairs(rows):
             if self._struck == MOST_STRUCK:
                 break
             if proof(e, f, thinning.beside(e) & thinning.beside(f)):
                 self._struck += 1
-                thinning.part(e, f)
+                thinning.strike(Strike(row=e, other=f))
                 struck = True
         return struck
 
-    def _pairs(self) -> Iterator[tuple[int, int]]:
+    def _pairs(self, rows: int) -> Iterator[tuple[int, int]]:
         """Neighbours, those of rows with few of them first, while a row is open."""
         thinning = self._thinning
-        for e in thinning.open_rows():
+        for e in [e for e in thinning.open_rows() if rows >> e & 1]:
             for f in rows_of(thinning.beside(e)):
                 if thinning.closed:
                     return

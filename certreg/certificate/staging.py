@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+from certreg.certificate.assuming import Assuming
 from certreg.certificate.consensus import Stage
 from certreg.certificate.parting import Parting
 from certreg.certificate.thinning import Thinning
@@ -74,8 +75,10 @@ class Stager:
     def _thinned(self, alive: int, least: int, clique: int) -> Thinning:
         thinning = Thinning(self.graph, alive, least, clique)
         thinning.run()
+        assuming, parting = Assuming(thinning), Parting(thinning)
         if self.whole or (thinning.alive & ~thinning.clique).bit_count() <= len(self.met):
-            Parting(thinning).run()
+            while assuming.run() or parting.run(assuming.given_up):
+                thinning.run()
         return thinning
 
     def upper(self, stages: list[Stage], alive: int, *, whole: bool) -> int:

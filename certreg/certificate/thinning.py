@@ -76,10 +76,13 @@ class Thinning:
         """How many colours rows take, as neighbours have different ones; or one more than most."""
         return self._left.colours(rows, most)
 
-    def part(self, row: int, other: int) -> None:
-        """Strikes two neighbours together."""
-        self.strikes.append(Strike(row=row, other=other))
-        self._left.cut(row, other)
+    def strike(self, strike: Strike) -> None:
+        """Strikes a row, or two neighbours together; and then what has too few neighbours."""
+        self.strikes.append(strike)
+        if strike.other is None:
+            self._left.strike(strike.row)
+        else:
+            self._left.cut(strike.row, strike.other)
 
     def run(self) -> None:
         """Strikes rows until none falls."""
@@ -97,8 +100,7 @@ class Thinning:
         for tried in self._left.open_rows():
             groups = self._groups(tried.row, tried.spare)
             if groups is not None:
-                self.strikes.append(Strike(row=tried.row, groups=groups))
-                self._left.strike(tried.row)
+                self.strike(Strike(row=tried.row, groups=groups))
         return len(self.strikes) > before
 
     def _groups(self, e: int, most: int) -> tuple[Group, ...] | None:

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from certreg.native.bit_rows import BitRows as BitRows
     from certreg.native.bit_rows import Neighbours as Neighbours
     from certreg.native.bit_rows import agreeing as agreeing
+    from certreg.native.bit_rows import colours as colours
     from certreg.native.bit_rows import mask_of as mask_of
     from certreg.native.bit_rows import rows_of as rows_of
     from certreg.native.bit_rows import thinned as thinned
@@ -90,6 +91,7 @@ __getattr__ = lazy_face(
             "BitRows",
             "Neighbours",
             "agreeing",
+            "colours",
             "mask_of",
             "rows_of",
             "thinned",
