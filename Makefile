@@ -30,7 +30,7 @@ NO_INDEX_SETTINGS := env -u UV_DEFAULT_INDEX -u UV_INDEX -u UV_INDEX_URL -u UV_E
 unexport PYTHONDONTWRITEBYTECODE
 
 .DELETE_ON_ERROR:
-.PHONY: help demo docs test test-all test-long test-lowest chromium coq test-browser open-pages test-huge test-oracles golden record proofs fuzz fit-rates acceptance consensus-peers radius spring-minima spring-stability breathing cone-rates list-rates list-certificates slips brackets scale-rates truncated-rates candidate-rates planted umeyama hard compare-checkers kills generate kernels report-asset check-report-asset lint bench peers lock clean
+.PHONY: help demo docs test test-all test-long test-lowest chromium coq test-browser open-pages test-huge test-oracles golden record proofs fuzz fit-rates acceptance consensus-peers radius spring-minima spring-stability breathing cone-rates list-rates list-certificates slips brackets scale-rates scaled-pairs-rates truncated-rates candidate-rates planted umeyama hard compare-checkers kills generate kernels report-asset check-report-asset lint bench peers lock clean
 
 help:  ## this list
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/make \1\t\2/p' Makefile | expand -t 20
@@ -153,6 +153,9 @@ brackets: kernels  ## every printed bound beside an exact oracle, on 5,000 rando
 
 scale-rates: kernels  ## certified scales beside Umeyama's formulas in 60 digits: 10,000 random problems (six minutes)
 	@$(RUN) tests/scale_rates.py
+
+scaled-pairs-rates: kernels  ## wrong pairs with a free scale: labels proved of nine cells with 20 random problems each, checked (two minutes)
+	@$(RUN) tests/scaled_pairs_rates.py
 
 truncated-rates: kernels  ## truncated squares over rotations: random problems proved, beside exhaustive searches, forgeries refused (a minute)
 	@$(RUN) tests/truncated_rates.py

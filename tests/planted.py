@@ -27,7 +27,7 @@ from certreg.certificate.assuming import Assuming
 from certreg.certificate.consistency import consistent_pairs
 from certreg.certificate.parting import Parting
 from certreg.certificate.refuting import PointRows
-from certreg.certificate.thinning import Graph, Thinning
+from certreg.certificate.thinning import Graph, GraphThinning
 from certreg.native import mask_of
 from certreg.problem import ConsensusProblem, RegistrationProblem
 
@@ -166,7 +166,7 @@ def faults(seed: int) -> Iterator[str]:
     K = max(3, len(case.rows) - int(rng.integers(3)))
     few = rng.permutation(list(case.rows))[: int(rng.integers(1, K + 1))].tolist()
     graph = Graph(near, PointRows.of(problem), 0.3, rigid=True)
-    thinning = Thinning(graph, all_rows, K, mask_of(few))
+    thinning = GraphThinning(graph, all_rows, K, mask_of(few))
     thinning.run()
     assuming, parting = Assuming(thinning), Parting(thinning)
     while (parting.run() if seed % 2 else assuming.run()) or parting.run(assuming.given_up):
@@ -179,7 +179,9 @@ def faults(seed: int) -> Iterator[str]:
         yield from checked(seed, case, near, thinning, K)
 
 
-def checked(seed: int, case: Planted, near: BitRows, thinning: Thinning, K: int) -> Iterator[str]:
+def checked(
+    seed: int, case: Planted, near: BitRows, thinning: GraphThinning, K: int
+) -> Iterator[str]:
     """What the checker says of it."""
     problem, n = case.problem, case.problem.n
     content = problem.data_bytes()[len(checker.CONSENSUS) + 8 :]

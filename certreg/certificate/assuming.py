@@ -16,7 +16,7 @@ from certreg.native import colours, mask_of, rows_of
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from certreg.certificate.thinning import Thinning
+    from certreg.certificate.thinning import GraphThinning
 
 MOST_CHOICES = 10_000  # of a row that is in or out, at effort 1: each takes 3 microseconds
 MOST_GROUPS = 200  # of one row: the file grows by 30 bytes with each
@@ -29,7 +29,7 @@ class Assuming:
     given_up: rows that stay for want of it, as bits.
     """
 
-    def __init__(self, thinning: Thinning) -> None:
+    def __init__(self, thinning: GraphThinning) -> None:
         self._thinning = thinning
         self._choices = round(MOST_CHOICES * thinning.graph.effort)
         self._met: dict[int, int] = {}
@@ -59,7 +59,7 @@ class Assuming:
     def _groups(self, e: int) -> tuple[Group, ...] | None:
         """The groups with which the row falls; None where it stays."""
         thinning, groups, sets = self._thinning, list[Group](), list[int]()
-        search = CliqueSearch(thinning.near.integers, self._choices)
+        search = CliqueAvoiding(thinning.near.integers, self._choices)
         most = min(MOST_GROUPS, MOST_IN_ALL - self._made)
         while len(groups) <= most and search.choices:
             clique = search.clique(thinning.beside(e), sets, thinning.least - 1)
@@ -79,7 +79,7 @@ class Assuming:
         return None
 
 
-class CliqueSearch:
+class CliqueAvoiding:
     """Searches a graph; choices: how many there may be yet, and none when it was given up."""
 
     def __init__(self, near: Sequence[int], choices: int) -> None:

@@ -16,7 +16,7 @@ from certreg.native import rows_of
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from certreg.certificate.thinning import Thinning
+    from certreg.certificate.thinning import GraphThinning
 
 MOST_STRUCK = 5000  # pairs of rows: each is four of the 50,000 commas and brackets of a certificate
 MOST_TURNED = 400  # pairs of rows that are tried by turns and stay, at effort 1: 0.1 ms each
@@ -25,7 +25,7 @@ MOST_TURNED = 400  # pairs of rows that are tried by turns and stay, at effort 1
 class Parting:
     """Strikes pairs of rows one of which is open: left by a thinning, and not of its clique."""
 
-    def __init__(self, thinning: Thinning) -> None:
+    def __init__(self, thinning: GraphThinning) -> None:
         self._thinning = thinning
         self._left = round(MOST_TURNED * thinning.graph.effort)
         self._struck = 0

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 from certreg.certificate.assuming import Assuming
 from certreg.certificate.consensus import Stage
 from certreg.certificate.parting import Parting
-from certreg.certificate.thinning import Thinning
+from certreg.certificate.thinning import GraphThinning
 from certreg.native import mask_of
 
 if TYPE_CHECKING:
@@ -72,8 +72,8 @@ class Stager:
             stages.append(Stage(least=least, without=without, strikes=strikes))
         return thinning.alive
 
-    def _thinned(self, alive: int, least: int, clique: int) -> Thinning:
-        thinning = Thinning(self.graph, alive, least, clique)
+    def _thinned(self, alive: int, least: int, clique: int) -> GraphThinning:
+        thinning = GraphThinning(self.graph, alive, least, clique)
         thinning.run()
         assuming, parting = Assuming(thinning), Parting(thinning)
         if self.whole or (thinning.alive & ~thinning.clique).bit_count() <= len(self.met):

@@ -34,7 +34,7 @@ class Graph:
     rigid: bool = False
 
 
-class Thinning:
+class GraphThinning:
     """What is left of `alive` that a motion that meets at least `least` of it can meet.
 
     clique: rows that are consistent with each other, of which the groups are. None of them is

@@ -64,7 +64,7 @@ def _greedily(near: list[int], alive: int, row: int) -> list[int]:
     return clique
 
 
-class Enumeration(Protocol):
+class CliqueEnumeration(Protocol):
     """All cliques of a size, some at a time."""
 
     @property
@@ -77,7 +77,7 @@ class Enumeration(Protocol):
         ...
 
 
-def enumeration(near: BitRows, size: int, steps: int, dear: int) -> Enumeration:
+def enumeration(near: BitRows, size: int, steps: int, dear: int) -> CliqueEnumeration:
     """Of all rows of the graph. dear: the steps of a clique, beside those of the search."""
     library = _library()
     if library is None:

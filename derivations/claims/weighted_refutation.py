@@ -319,7 +319,7 @@ CLAIM = Claim(
     ),
     used_by=(
         "certreg.certificate.refuting.PointRows.refutation",
-        "certreg.certificate.thinning.Thinning",
+        "certreg.certificate.thinning.GraphThinning",
     ),
     not_in_coq="All of it: the checker in Coq reads no bounds of pairs.",
 )

@@ -9,10 +9,10 @@ import pytest
 from consensus_rates import Cell
 
 from certreg.certificate import ConsensusProver, assuming, consensus_certificate, parting, staging
-from certreg.certificate.assuming import Assuming, CliqueSearch
+from certreg.certificate.assuming import Assuming, CliqueAvoiding
 from certreg.certificate.parting import Parting
 from certreg.certificate.refuting import PointRows
-from certreg.certificate.thinning import Thinning
+from certreg.certificate.thinning import GraphThinning
 from certreg.certificate.turning import sets_of, turned
 from certreg.native import mask_of, rows_of
 from certreg.problem import ConsensusProblem, RegistrationProblem
@@ -88,7 +88,7 @@ def test_mirror_images_are_struck_that_no_single_row_is():
     """They agree in all lengths, so they are a clique as large as that of the motion."""
     problem = twins(np.random.default_rng(2), 9)
     prover, everything, within = ConsensusProver(problem), (1 << 18) - 1, (1 << 9) - 1
-    thinning = Thinning(prover.graph, everything, 9, within)
+    thinning = GraphThinning(prover.graph, everything, 9, within)
     thinning.run()
     before, one = thinning.alive, Parting(thinning)
     while one.run():
@@ -110,7 +110,7 @@ def test_no_pair_is_struck_where_two_motions_meet_as_many():
     y[8:] = x[8:][:, [1, 2, 0]]
     problem = ConsensusProblem.of(RegistrationProblem(x, y), 0.02)
     near = ConsensusProver(problem).graph.near
-    thinning = Thinning(ConsensusProver(problem).graph, (1 << 16) - 1, 8, (1 << 8) - 1)
+    thinning = GraphThinning(ConsensusProver(problem).graph, (1 << 16) - 1, 8, (1 << 8) - 1)
     thinning.run()
     while Parting(thinning).run():
         thinning.run()
@@ -134,7 +134,7 @@ def few():
 def test_where_few_pairs_are_right_rows_fall_that_stayed(few):
     problem, found, prover = few
     alone, parted = (
-        Thinning(prover.graph, (1 << problem.n) - 1, len(found.met), mask_of(found.met))
+        GraphThinning(prover.graph, (1 << problem.n) - 1, len(found.met), mask_of(found.met))
         for _ in range(2)
     )
     alone.run()
@@ -152,7 +152,7 @@ def test_where_few_pairs_are_right_rows_fall_that_stayed(few):
 def test_a_row_falls_where_each_clique_of_its_neighbours_is_refuted(few):
     problem, found, prover = few
     near, met, every = prover.graph.near, mask_of(found.met), (1 << problem.n) - 1
-    thinning = Thinning(prover.graph, every, len(found.met), met)
+    thinning = GraphThinning(prover.graph, every, len(found.met), met)
     thinning.run()
     before, one = len(thinning.strikes), Assuming(thinning)
     while one.run():
@@ -175,7 +175,7 @@ def test_a_row_falls_where_each_clique_of_its_neighbours_is_refuted(few):
 
 def test_cliques_are_found_without_groups_and_not_searched_without_end():
     near = [mask & ~(1 << i) for i, mask in enumerate([0b11111] * 5)]
-    search, lazy = CliqueSearch(near, 1000), CliqueSearch(near, 3)
+    search, lazy = CliqueAvoiding(near, 1000), CliqueAvoiding(near, 3)
 
     assert search.clique(0b11111, [], 5) == 0b11111
     assert search.clique(0b11111, [0b11], 4) in {0b11110, 0b11101}
@@ -188,7 +188,7 @@ def test_cliques_are_found_without_groups_and_not_searched_without_end():
 def test_turns_are_not_tried_without_end(few):
     problem, found, _ = few
     near = ConsensusProver(problem, effort=0.0).graph
-    thinning = Thinning(near, (1 << problem.n) - 1, len(found.met), mask_of(found.met))
+    thinning = GraphThinning(near, (1 << problem.n) - 1, len(found.met), mask_of(found.met))
     thinning.run()
     while Parting(thinning).run():
         thinning.run()
@@ -204,7 +204,7 @@ def test_turns_are_not_tried_without_end(few):
 def test_no_more_pairs_are_struck_than_a_certificate_may_hold(few, monkeypatch):
     problem, found, prover = few
     monkeypatch.setattr(parting, "MOST_STRUCK", 10)
-    thinning = Thinning(prover.graph, (1 << problem.n) - 1, len(found.met), mask_of(found.met))
+    thinning = GraphThinning(prover.graph, (1 << problem.n) - 1, len(found.met), mask_of(found.met))
     thinning.run()
     one = Parting(thinning)
     while one.run():
