@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,7 @@ from scipy.spatial.transform import Rotation
 import certreg
 from certreg.errors import InvalidProblemError
 from certreg.registration import ConsensusRegistration, ScaledConsensusRegistration
+from certreg.registration.scaled_consensus import ranges_words
 from certreg.report.pages import html_page
 from certreg.report.reload import report_of
 
@@ -94,6 +96,8 @@ def test_the_text_the_document_and_the_page_say_the_scale(tmp_path):
     assert "Every motion that brings these 14 within has a scale from 2." in page
     assert "No motion with a scale brings more than 14 within." in page
     assert f"{result.pose.scale:.9g}" in page
+    assert "Lengths, where the scale is free (<code>scaled_lengths</code>)" in page
+    assert "Weights that refute pairs at every scale (<code>scaled_refutation</code>)" in page
     assert json.loads((folder / "pose.json").read_text("utf-8"))["scale"] == result.pose.scale
     assert "scale" in result._repr_html_()
 
@@ -114,8 +118,9 @@ def test_two_motions_of_other_scales_leave_both_ranges_open():
     assert any(low <= other <= high for low, high in result.undecided_scales)
     assert not any(low <= result.pose.scale <= high for low, high in result.undecided_scales)
     assert " With scales from " in result.headline
-    assert "; with all others these 6 and no others." in result.headline
-    assert "it is not proved which 6 are met." in text
+    rest = "it is not proved which 6 are met; with all others these 6 and no others."
+    assert result.headline.endswith(rest)
+    assert rest in text
     assert document["consensus"]["undecided_scales"] == [list(k) for k in result.undecided_scales]
     for theorem in ("Not proved: which 6 pairs or more", "With any other scale: these 6 and only"):
         assert any(theorem in words for words in result.verdict.theorems)
@@ -139,8 +144,19 @@ def test_pairs_that_repeat_one_source_point_have_no_scale():
     source, target = np.zeros((6, 3)), np.zeros((6, 3))
     target[4:] = rng.uniform(5, 9, (2, 3))
 
-    with pytest.raises(InvalidProblemError, match="are met where all source points are one: they"):
+    with pytest.raises(InvalidProblemError) as refused:
         certified(source, target, 0.1)
+    assert str(refused.value) == (
+        "most pairs, 4, are met where all source points are one: they have no scale; leave pairs "
+        "that repeat a point out"
+    )
+
+
+def test_some_ranges_of_scale_are_named_and_many_counted():
+    assert ranges_words([(0.0, 0.5)]) == "from 0 to 0.5"
+    assert ranges_words([(0.5, 0.75), (2.0, math.inf)]) == "from 0.5 to 0.75 and from 2 on"
+    many = ranges_words([(float(k), k + 0.5) for k in range(4)])
+    assert many == "from 0 to 0.5, from 1 to 1.5 and in 2 other ranges"
 
 
 def test_a_certificate_alone_makes_the_report_and_says_no_more(tmp_path):
@@ -173,10 +189,13 @@ def test_what_is_refused_is_refused_in_one_line(change, words):
 def test_labels_are_not_judged_with_a_scale():
     source, target = wrong_pairs(1)
 
-    with pytest.raises(InvalidProblemError, match="judged for a rigid motion, not yet with --sc"):
+    with pytest.raises(InvalidProblemError) as refused:
         certreg.assess(
             source, target, labels=[1] * 14 + [0] * 6, max_residual=BOUND, scale="asymmetric"
         )
+    assert str(refused.value) == (
+        "labels are judged for a rigid motion, not yet with --scale: leave one out"
+    )
 
 
 def test_a_scale_that_is_known_is_proved_as_a_rigid_motion_is():
