@@ -1960,22 +1960,22 @@ def has_clique(
 ) -> bool:
     """Whether so many of the rows make a clique that holds none of the sets as a whole.
 
-    The lowest row is left out; or it is in, and of the sets with it only the others are still to
-    be kept from. Cliques have as many rows as colours at most. look: is told how much is done.
+    The lowest row is left out or taken; a row goes out that is the last one of a set, all others
+    taken. Cliques have as many rows as colours at most. look: is told how much is done.
     """
-    trail = [(rows, sets, count)]
+    trail = [(rows, 0, count)]
     while trail:
-        rows, sets, count = trail.pop()
-        rows &= ~sum({T for T in sets if T & (T - 1) == 0})
-        sets = [T for T in sets if T & ~rows == 0]
+        rows, taken, count = trail.pop()
+        left = [T & ~taken for T in sets]
+        rows &= ~sum({T for T in left if T & (T - 1) == 0})
         look(1 + rows.bit_count() + len(sets))
         if count <= 0:
             return True
         if colours(rows, near, count - 1) >= count:
             low = rows & -rows
-            trail.append((rows ^ low, sets, count))
+            trail.append((rows ^ low, taken, count))
             beside = rows & near[low.bit_length() - 1]
-            trail.append((beside, [T & ~low for T in sets], count - 1))
+            trail.append((beside, taken | low, count - 1))
     return False
 
 
@@ -2542,6 +2542,7 @@ SUMS[SPRUNG] = (
 
 GRAPHS_MAX = 1 << 30  # bits of the graphs of all pieces
 SCALE_BITS = 8192  # of the ends of pieces over their unit: of doubles a quotient needs 4,200
+ENDS_BITS = 1 << 20  # the same times the pairs: each two are held against ends, squared
 NONE, SAME, OPEN = "-=?"  # of a piece: no motion meets K; those that do meet just I; not proved
 
 
@@ -2599,8 +2600,9 @@ class ConsensusSimilarityStatement(LabelledStatement):
         ends, K, within = self._ends(), len(met), sum(1 << i for i in met)
         one = max([end.denominator for end in ends], default=1)
         highs = [int(end * one) for end in ends]
-        fine = one.bit_length() <= SCALE_BITS >= max(highs, default=0).bit_length()
-        require(fine, "an end of a piece has more than {} bits", SCALE_BITS)
+        most = min(SCALE_BITS, ENDS_BITS // self.n)
+        fine = max(end.bit_length() for end in (one, *highs)) <= most
+        require(fine, "an end of a piece has more than {} bits", most)
         rows, parts, looks = scaled(m, 1, one), zip([0, *highs], [*highs, None]), [LOOKS_MAX]
         union, most, sure, states = 0, K, (1 << len(m)) - 1, ""
         for near, (low, high), piece in zip(graphs(rows, highs), parts, self.pieces):

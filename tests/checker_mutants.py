@@ -1104,18 +1104,17 @@ CONSENSUS = mutants(
         "if others <= most or not self._hit(sets, union",
     ),
     ("look(1 + rows.bit_count() + len(sets))", "look(1 + rows.bit_count())", "look(1 + len(sets))"),
-    ("rows &= ~sum({T for T in sets if T & (T - 1) == 0})", "pass"),
-    ("sets = [T for T in sets if T & ~rows == 0]", "pass"),
+    ("rows &= ~sum({T for T in left if T & (T - 1) == 0})", "pass"),
+    ("left = [T & ~taken for T in sets]", "left = sets"),
     ("if count <= 0:\n            return True", "if count < 0:\n            return True"),
     (
         "colours(rows, near, count - 1) >= count:",
         "colours(rows, near, count - 1) > count:",
         "colours(rows, near, count) > count:",
     ),
-    ("trail.append((rows ^ low, sets, count))", "pass"),
+    ("trail.append((rows ^ low, taken, count))", "pass"),
     ("beside = rows & near[low.bit_length() - 1]", "beside = rows ^ low"),
-    ("[T & ~low for T in sets]", "[T for T in sets]"),
-    ("[T & ~low for T in sets], count - 1)", "[T & ~low for T in sets], count - 2)"),
+    ("taken | low, count - 1)", "taken, count - 1)", "taken | low, count - 2)"),
     (
         "not has_clique(self.near, beside, sets, room + 1,",
         "not has_clique(self.near, beside, sets, room + 2,",
@@ -1357,7 +1356,7 @@ CONSENSUS = mutants(
     ('require(fit.verified, "fit is', 'require(True, "fit is'),
     ("if s is None and tau is None:", "if s is None or tau is None:"),
     ("if not (s and tau and q):", "if not (tau and q):", "if not (s and q):"),
-    ("[row[6] for row in rows])\n", "[1 for row in rows])\n", "[row[7] for row in rows])\n"),
+    # The weights in `_scales` are not among these: any that are not negative prove as well.
     ("least = (level * b * d", "least = (level * d"),
     (
         "a * size * (d - s.numerator)) * norm",

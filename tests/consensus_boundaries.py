@@ -402,8 +402,8 @@ def clique_cases() -> Iterator[Case]:
         checker.has_clique(complete(4), 15, [3, 12], 2, looks.append)
         return sum(looks)
 
-    # four rows and two sets; with row 0 the rows 2 and 3 and one set; with row 2, none
-    yield Case("what a search for cliques costs", value_of(costs), "12$")
+    # each time the two sets; and four rows; with row 0 the rows 2 and 3; with row 2, none
+    yield Case("what a search for cliques costs", value_of(costs), "15$")
     step = [[0, [[1, 2], [1, 1, 1]], [[1, 3], [1, 1, 1]], [[2, 3], [1, 1, 1]]]]
     spread = [row((0, 0, 0), (0, 0, 0)), *[row(p, p) for p in ((9, 0, 0), (0, 9, 0), (0, 0, 9))]]
     unmet = left(complete(4), 3, step, spread)

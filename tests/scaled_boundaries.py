@@ -157,9 +157,11 @@ def size_cases() -> Iterator[Case]:
         ("GRAPHS_MAX", 63, "REFUSED: the last piece has an end, or there are too many$"),
         ("SCALE_BITS", 8, "VERIFIED"),
         ("SCALE_BITS", 7, "REFUSED: an end of a piece has more than 7 bits$"),
+        ("ENDS_BITS", 64, "VERIFIED"),  # of eight pairs
+        ("ENDS_BITS", 63, "REFUSED: an end of a piece has more than 7 bits$"),
     ):
         found = copy.deepcopy(good)
-        if name == "SCALE_BITS":
+        if name != "GRAPHS_MAX":
             found["pieces"] = [[[1, -7], []], [None, []]]
             found["claims"]["states"] = "??"
         yield Case(f"sizes {name} {value}", outcome_of(found, **{name: value}), answer)

@@ -93,7 +93,7 @@ class ConsensusRegistration(Presented):
     def __repr__(self) -> str:
         met, n = len(self.found.met), self.problem.n
         word = "labels proved" if self.labels_unique else f"at most {self.upper} proved"
-        return f"<ConsensusRegistration: {met} of {n} pairs within their bounds; {word}>"
+        return f"<{type(self).__name__}: {met} of {n} pairs within their bounds; {word}>"
 
     @property
     def pose(self) -> Pose | Similarity:

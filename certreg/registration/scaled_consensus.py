@@ -46,6 +46,8 @@ class ScaledConsensusRegistration(ConsensusRegistration):
 
     found: ScaledConsensus
 
+    __repr__ = ConsensusRegistration.__repr__
+
     @property
     def pose(self) -> Similarity:
         """The least-squares pose, with its scale, of the pairs that are met."""

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import time
 from dataclasses import dataclass, replace
+from decimal import ROUND_FLOOR
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -22,6 +23,7 @@ from certreg.registration.exit_codes import DONE, NOT_CERTIFIED, NOT_UNIQUE
 from certreg.registration.row_names import RowNames
 from certreg.relaxation import search_boxes
 from certreg.results import Presented, presenter
+from certreg.verify import rounded
 
 if TYPE_CHECKING:
     import os
@@ -142,8 +144,10 @@ class TruncatedRegistration(Presented):
             )
         others = f"The other {out} are outliers at EVERY optimum." if out else "No outliers."
         if self.unique:
+            assert self.verdict.worth is not None  # noqa: S101 - `certified` asks it
+            least = rounded(self.verdict.worth.minimum, 6, ROUND_FLOOR)
             return (
-                f"CERTIFIED: no rotation has a smaller truncated cost than {self.cost:.6g}, and "
+                f"CERTIFIED: no rotation has a smaller truncated cost than {least:g}, and "
                 f"{within} of the {n} pairs are within their bounds there. {others}"
             )
         return (
