@@ -4,7 +4,8 @@ The commit is taken from git into build/golden; "now" is the working tree as it 
 this environment, on the same files, at the same time. What was recorded is kept as long as it would
 be the same: a run that was stopped goes on, and the record of the base serves the next time. ONLY
 records the cases whose names begin so. Exit code 1 where something differs that
-tests/golden/meant.toml does not list.
+tests/golden/meant.toml does not list. Which fields changed in all files, meant or not, and by how
+much a number did at most, is written to build/golden/fields.txt.
 """
 
 from __future__ import annotations
@@ -20,8 +21,9 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from comparison import MEANT, compare, read_meant
+from comparison import MEANT, compare, differences, read_meant
 from corpus import ROOT, write_corpus
+from fields import changed_fields
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -61,6 +63,8 @@ def main() -> int:
     record_all({head / out: ROOT, base / out: base / "checkout"}, base / "begun", only)
     if marked(commit, inputs) != mark:
         sys.exit(f"a command has written to {inputs}, which both sides read: mend its case")
+    rows = changed_fields(differences(base / out, head / out))
+    (BUILD / "fields.txt").write_text("".join(f"{row}\n" for row in rows), "utf-8")
     return told(compare(base / out, head / out, read_meant()), whole=not only)
 
 
