@@ -22,6 +22,10 @@ typedef unsigned __int128 wide;
 #define BLOCK 128      /* points in digits at once: they fit into the nearest cache */
 #define WITH_WEIGHTS 4 /* digits of w (x + 2^103): both have two */
 
+#define PLACES 6 /* of a sum in digits: each counts for 2^52 times the one before */
+
+typedef uint64_t totals[CERTREG_EXACT_SUMS][PLACES][2]; /* of 128 bits, low first */
+
 enum { X = 0, Y = 1, W = 2 };
 
 /* Of the numbers other than 0 in an array, the least and the largest exponent as they stand in the bits. */
@@ -83,11 +87,29 @@ static int place_of(int p, int q)
     return p < 3 ? CERTREG_EXACT_SUMS_CROSS + 3 * (q - 3) + p : CERTREG_EXACT_SUMS_TARGET_SCATTER + upper[p - 3][q - 3];
 }
 
-static void add_total(certreg_fixed_totals sums, int sum, int place, wide value)
+static void add_total(totals sums, int sum, int place, wide value)
 {
     uint64_t *total = sums[sum][place];
     value += (wide)total[1] << 64 | total[0];
     total[0] = (uint64_t)value, total[1] = (uint64_t)(value >> 64);
+}
+
+/* Each sum as one number: words of 64 bits. */
+static void join(totals of, certreg_fixed_numbers sums)
+{
+    memset(sums, 0, sizeof(certreg_fixed_numbers));
+    for (int k = 0; k < CERTREG_EXACT_SUMS; k++)
+        for (int place = 0; place < PLACES; place++) {
+            const int shift = place * DIGIT % 64;
+            const uint64_t low = of[k][place][0], high = of[k][place][1];
+            const uint64_t parts[3] = {low << shift, shift ? high << shift | low >> (64 - shift) : high,
+                                       shift ? high >> (64 - shift) : 0};
+            wide carry = 0;
+            for (int word = place * DIGIT / 64, i = 0; word < CERTREG_FIXED_WORDS; word++, i++, carry >>= 64) {
+                carry += (wide)sums[k][word] + (i < 3 ? parts[i] : 0);
+                sums[k][word] = (uint64_t)carry;
+            }
+        }
 }
 
 static int64_t lowest_bit(uint64_t low, uint64_t high, int64_t bits)
@@ -150,9 +172,9 @@ static inline void weigh_plain(const fixed *w, const fixed *a, uint64_t (*produc
 
 /* The sums of n points; `digits` of w a: two without weights, and they are those of a. */
 static inline __attribute__((always_inline)) void sum_plain(int64_t n, const double *const from[3], const range seen[3],
-                                                            int digits, certreg_fixed_totals sums, struct certreg_fixed *about)
+                                                            int digits, totals sums, struct certreg_fixed *about)
 {
-    wide total[CERTREG_EXACT_SUMS][CERTREG_FIXED_PLACES] = {{0}}, set[3] = {0};
+    wide total[CERTREG_EXACT_SUMS][PLACES] = {{0}}, set[3] = {0};
     digits_of_block in;
     for (int64_t k = 0, count; k < n; k += count) {
         count = n - k < BLOCK ? n - k : BLOCK;
@@ -181,14 +203,14 @@ static inline __attribute__((always_inline)) void sum_plain(int64_t n, const dou
                     add_column(count, digits > 2 ? in.wa[i] + digit : in.a[i], in.a[j], total[place_of(i, j)] + digit);
     }
     for (int k = 0; k < CERTREG_EXACT_SUMS; k++)
-        for (int place = 0; place < CERTREG_FIXED_PLACES; place++)
+        for (int place = 0; place < PLACES; place++)
             add_total(sums, k, place, total[k][place]);
     for (int k = 0; k < 3; k++)
         about->lowest[k] = lowest_bit((uint64_t)set[k] & MASK, (uint64_t)(set[k] >> DIGIT),
                                       k == W ? 2 * DIGIT : seen[k].bits);
 }
 
-static void sum_in_plain_c(int64_t n, const double *const from[3], const range seen[3], certreg_fixed_totals sums, struct certreg_fixed *about)
+static void sum_in_plain_c(int64_t n, const double *const from[3], const range seen[3], totals sums, struct certreg_fixed *about)
 {
     if (from[W] == NULL)
         sum_plain(n, from, seen, 2, sums, about);
@@ -265,13 +287,15 @@ INLINE void weigh(const vector w[2], const columns *a, int digits, vector *produ
 }
 
 /* Add the products of two columns with two others to their totals; with themselves, and these columns, too.
- * short_top: whether the products of the highest digits are below 2^52. */
+ * short_top: whether the products of the highest digits are below 2^52. Of the square of a column without
+ * weights the products of its two digits are taken once, and added twice at the end. Columns are added by
+ * what does not wait for the multiplier. */
 INLINE void add_products(int64_t steps, const vector *left, const vector *right, int p, int q, int digits,
-                         int short_top, vector (*total)[CERTREG_FIXED_PLACES])
+                         int short_top, vector (*total)[PLACES])
 {
     const int same = p == q, places = digits + 2 - short_top;
-    const vector one = _mm512_set1_epi64(1);
-    vector sum[2][2][CERTREG_FIXED_PLACES], alone[2][WITH_WEIGHTS];
+    const vector mask = _mm512_set1_epi64((int64_t)MASK), zero = _mm512_setzero_si512();
+    vector sum[2][2][PLACES], alone[2][WITH_WEIGHTS], twice[2][2] = {{zero, zero}, {zero, zero}};
     for (int a = 0; a < 2; a++) {
         for (int b = same ? a : 0; b < 2; b++)
             for (int k = 0; k < places; k++)
@@ -285,16 +309,18 @@ INLINE void add_products(int64_t steps, const vector *left, const vector *right,
             for (int a = 0; a < 2; a++) {
                 const vector digit = left[a * digits + i];
                 for (int b = same ? a : 0; b < 2; b++)
-                    for (int j = 0; j < 2; j++) {
-                        vector *const place = &sum[a][b][i + j];
+                    for (int j = same && a == b && digits == 2 ? i : 0; j < 2; j++) {
+                        vector *const place = same && a == b && digits == 2 && i < j ? twice[a] : &sum[a][b][i + j];
                         place[0] = low_of(place[0], digit, right[b * 2 + j]);
                         if (i + j + 1 < places)
                             place[1] = high_of(place[1], digit, right[b * 2 + j]);
                     }
                 if (same)
-                    alone[a][i] = low_of(alone[a][i], digit, one);
+                    alone[a][i] = _mm512_add_epi64(alone[a][i], _mm512_and_si512(digit, mask));
             }
     for (int a = 0; a < 2; a++) {
+        for (int k = 0; same && k < 2; k++)
+            sum[a][a][1 + k] = _mm512_add_epi64(sum[a][a][1 + k], _mm512_slli_epi64(twice[a][k], 1));
         for (int b = same ? a : 0; b < 2; b++)
             for (int k = 0; k < places; k++)
                 total[place_of(p + a, q + b)][k] = sum[a][b][k];
@@ -304,7 +330,7 @@ INLINE void add_products(int64_t steps, const vector *left, const vector *right,
 }
 
 INLINE void add_all_products(int64_t steps, const vector *left, const vector *right, int digits, int short_top,
-                             vector (*total)[CERTREG_FIXED_PLACES])
+                             vector (*total)[PLACES])
 {
     add_products(steps, left, right, 0, 0, digits, short_top, total);
     add_products(steps, left, right, 0, 2, digits, short_top, total);
@@ -314,10 +340,10 @@ INLINE void add_all_products(int64_t steps, const vector *left, const vector *ri
     add_products(steps, left, right, 4, 4, digits, short_top, total);
 }
 
-IFMA static void gather(vector (*total)[CERTREG_FIXED_PLACES], certreg_fixed_totals sums)
+IFMA static void gather(vector (*total)[PLACES], totals sums)
 {
     for (int k = 0; k < CERTREG_EXACT_SUMS; k++)
-        for (int place = 0; place < CERTREG_FIXED_PLACES; place++) {
+        for (int place = 0; place < PLACES; place++) {
             uint64_t lane[LANES];
             wide sum = 0;
             _mm512_storeu_si512(lane, total[k][place]);
@@ -338,7 +364,7 @@ static double scale_of(const range *seen)
 }
 
 INLINE void sum_vectors(int64_t n, const double *const from[3], const range seen[3], int digits, int short_top,
-                        certreg_fixed_totals sums, struct certreg_fixed *about)
+                        totals sums, struct certreg_fixed *about)
 {
     const __m512d scale[3] = {_mm512_set1_pd(scale_of(&seen[X])), _mm512_set1_pd(scale_of(&seen[Y])),
                               _mm512_set1_pd(scale_of(&seen[W]))};
@@ -346,7 +372,7 @@ INLINE void sum_vectors(int64_t n, const double *const from[3], const range seen
                               _mm512_set1_pd(0x1p52 + (double)(UINT64_C(1) << (seen[Y].bits - DIGIT))),
                               _mm512_set1_pd(0x1p52)};
     const vector one = _mm512_set1_epi64(1), zero = _mm512_setzero_si512();
-    vector total[CERTREG_EXACT_SUMS][CERTREG_FIXED_PLACES], set[3][2] = {{zero, zero}, {zero, zero}, {zero, zero}};
+    vector total[CERTREG_EXACT_SUMS][PLACES], set[3][2] = {{zero, zero}, {zero, zero}, {zero, zero}};
     double last[3][3 * LANES] = {{0.0}}; /* points, and others that are 0 */
     columns a[BLOCK / LANES];
     vector wa[BLOCK / LANES * 6 * WITH_WEIGHTS];
@@ -394,7 +420,7 @@ INLINE void sum_vectors(int64_t n, const double *const from[3], const range seen
 }
 
 IFMA static void sum_in_vectors(int64_t n, const double *const from[3], const range seen[3],
-                                certreg_fixed_totals sums, struct certreg_fixed *about)
+                                totals sums, struct certreg_fixed *about)
 {
     /* x + 2^bits and y + 2^bits are below 2^cloud. The highest digits of two of them, and of one and another
      * times w, have 2 cloud - 104 bits, and weight + 2 cloud - 156, if those times w have three digits: as
@@ -431,15 +457,16 @@ int certreg_fixed_fits(int64_t n, const double *source, const double *target, co
 }
 
 int certreg_fixed_sums(int64_t n, const double *source, const double *target, const double *weights,
-                       certreg_fixed_totals sums, struct certreg_fixed *about)
+                       certreg_fixed_numbers sums, struct certreg_fixed *about)
 {
     const double *const from[3] = {source, target, weights};
     range seen[3];
     const int refused = ranges(n, source, target, weights, seen);
     if (refused)
         return refused;
-    memset(sums, 0, sizeof(certreg_fixed_totals));
-    (certreg_fixed_vectors() ? sum_in_vectors : sum_in_plain_c)(n, from, seen, sums, about);
+    totals total = {{{0}}};
+    (certreg_fixed_vectors() ? sum_in_vectors : sum_in_plain_c)(n, from, seen, total, about);
+    join(total, sums);
     for (int k = 0; k < 3; k++)
         about->unit[k] = seen[k].least - 1075;
     if (weights == NULL)
@@ -457,7 +484,7 @@ int certreg_fixed_fits(int64_t n, const double *source, const double *target, co
 }
 
 int certreg_fixed_sums(int64_t n, const double *source, const double *target, const double *weights,
-                       certreg_fixed_totals sums, struct certreg_fixed *about)
+                       certreg_fixed_numbers sums, struct certreg_fixed *about)
 {
     (void)n, (void)source, (void)target, (void)weights, (void)sums, (void)about;
     return CERTREG_FIXED_ABSENT;

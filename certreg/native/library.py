@@ -47,11 +47,11 @@ EXACT_WORDS, FEW_WORDS = 101, 6  # as in exact.h
 SUMMED, NOT_FINITE, NOWHERE = 0, 2, 2**63 - 1
 FEW_POINTS = 1024  # up to here memory that is not asked for is worth reading them twice
 LEAST_PLACE = -1074  # every double is an integer times 2^-1074
-FIXED_PLACES, FIXED_NOT_FINITE = 6, 2  # as in fixed.h
-DIGIT_BITS = 52
+FIXED_WORDS, FIXED_NOT_FINITE = 7, 2  # as in fixed.h
 SCRATCH = 56  # doubles per point: CERTREG_SCRATCH of native/stationary.h
 PORTION = 512  # bodies that one call takes: Ctrl-C is answered within milliseconds
 _POINTER = ctypes.c_void_p
+_FixedSums, _About = ctypes.c_uint64 * (width(EXACT_SUMS) * FIXED_WORDS), ctypes.c_int64 * 8
 _LongSums, _Lowest = ctypes.c_uint64 * (width(EXACT_SUMS) * EXACT_WORDS), ctypes.c_int64 * 3
 _Ratios, _FOUR, _SIX, _NINE = ctypes.c_double * 3, *map(struct.Struct, ("4d", "6d", "9d"))
 _FewSums = ctypes.c_uint64 * (width(EXACT_SUMS) * FEW_WORDS)
@@ -206,18 +206,16 @@ class Library:
         finite.
         """
         count, pointers, arrays = _points(source, target, weights)
-        sums = np.empty((width(EXACT_SUMS), FIXED_PLACES, 2), dtype="<u8")
-        about = np.empty(8, dtype=np.int64)
-        found = [_POINTER(array.ctypes.data) for array in (sums, about)]
-        refused = self.handle.certreg_fixed_sums(count, *pointers, *found)
+        words, about = _FixedSums(), _About()
+        refused = self.handle.certreg_fixed_sums(count, *pointers, words, about)
         del arrays
         if refused == FIXED_NOT_FINITE:
             raise ValueError("a number is not finite")
         if refused:
             return None
-        numbers = about.tolist()
+        numbers = list(about)
         return FixedSums(
-            integers=tuple(_joined(places) for places in sums.reshape(len(sums), -1).tolist()),
+            integers=_long_numbers(words),
             units=tuple(numbers[:3]),
             biases=tuple(numbers[3:5]),
             lowest=tuple(None if bit < 0 else bit for bit in numbers[5:]),
@@ -380,14 +378,6 @@ def _long_numbers(words: ctypes.Array[Any]) -> tuple[int, ...]:
 def _exponents(lowest: Iterable[int]) -> tuple[int | None, ...]:
     """Of lowest bits that are told over 2^-1074."""
     return tuple([None if bit == NOWHERE else bit + LEAST_PLACE for bit in lowest])
-
-
-def _joined(words: list[int]) -> int:
-    """One number of totals by place, each of two words, low first."""
-    value = 0
-    for k in range(len(words) - 2, -1, -2):
-        value = (value << DIGIT_BITS) + (words[k + 1] << 64) + words[k]
-    return value
 
 
 def _addresses(arrays: Iterable[Any]) -> list[int]:
