@@ -35,6 +35,7 @@ PROVED = SIZES[:-1]
 # Times faster than the fastest library and than SciPy, on one core. That library takes 6.4 to 7.4
 # times what reading the points takes, so nothing is ten times faster; `register` is held to 1.4.
 PEER, SCIPY = 4.0, 30.0
+TRIMESH = (10_000, 1.0)  # at so many points, at least so many times faster than this library
 OURS, SUMS, PROOF = "certreg", "certreg, sums alone", "certreg, with proof"
 READING = "reading once"
 AGREE = 1e-9  # largest difference of entries; the clouds are at the origin
@@ -49,6 +50,7 @@ def measure() -> Iterator[Figure | Series]:
     yield Series(what="one registration, on one core", size="points", lines=lines)
     last = {name: times[LARGEST] for name, times in lines.items() if LARGEST in times}
     yield from _ratios(last, "one core", bounded=True)
+    yield from _trimesh(lines)
     alone = {name: line[LARGEST] for name, line in times_of((LARGEST,), threads=_cores()).items()}
     yield from _ratios(alone, f"{_cores()} cores", bounded=False)
 
@@ -119,6 +121,18 @@ def _ratios(times: dict[str, float], where: str, *, bounded: bool) -> Iterator[F
             beside=beside,
         )
         beside = {}  # once is enough
+
+
+def _trimesh(lines: Times) -> Iterator[Figure]:
+    """Where it is installed: the library that is next where there are few points."""
+    n, least = TRIMESH
+    if "trimesh" in lines:
+        yield Figure(
+            what=f"trimesh / certreg, N = {power_of_ten(n)}, one core",
+            value=Quantity(lines["trimesh"][n] / lines[OURS][n], "x"),
+            least=least,
+            beside={"certreg": Quantity(lines[OURS][n], "s")},
+        )
 
 
 def tie_to_one_core() -> None:

@@ -6,6 +6,7 @@ import json
 import re
 from collections import defaultdict
 from dataclasses import dataclass, field
+from itertools import zip_longest
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -22,7 +23,7 @@ class Field:
 
     new, gone, other: the values that only the head or only the base holds, and those of another
     word, truth or exact number. moved: the floats that are not the same; `largest` is the largest
-    difference of them, as a part of the largest magnitude that the field has in that file.
+    difference of them, `share` the same as a part of the largest magnitude in that document.
     """
 
     name: str
@@ -32,15 +33,17 @@ class Field:
     other: int = 0
     moved: int = 0
     largest: float = 0.0
+    share: float = 0.0
 
     def __str__(self) -> str:
         counts = ((self.new, "new"), (self.gone, "gone"), (self.other, "other"))
         told = [f"{count} {word}" for count, word in counts if count]
-        told += [f"{self.moved} moved by {self.largest:.1e} at most"] * bool(self.moved)
+        moved = f"{self.moved} moved by {self.largest:.1e}, a share of {self.share:.1e}, at most"
+        told += [moved] * bool(self.moved)
         return f"{self.name}: {', '.join(told)}, in {len(self.files)} files"
 
     def add(self, path: str, base: list[Any], head: list[Any]) -> None:
-        """Count what differs of the field in a file."""
+        """Count what differs of the field in a document of a file."""
         if repr(base) == repr(head):  # 3 is not 3.0, nor is 1 true
             return
         self.files.add(path)
@@ -50,7 +53,8 @@ class Field:
         for before, after in zip(base, head, strict=False):
             if _is_float(before) and _is_float(after):
                 self.moved += before != after
-                self.largest = max(self.largest, abs(before - after) / (max(numbers) or 1.0))
+                self.largest = max(self.largest, abs(before - after))
+                self.share = max(self.share, abs(before - after) / (max(numbers) or 1.0))
             else:
                 self.other += (type(before), before) != (type(after), after)
 
@@ -62,25 +66,29 @@ def changed_fields(differences: Iterable[Difference]) -> tuple[Field, ...]:
     """
     found = dict[str, Field]()
     for difference in differences:
-        base, head = (_values(text or "") for text in (difference.base, difference.head))
-        for name in {**base, **head}:
-            row = found.setdefault(name, Field(name))
-            row.add(difference.path, base.get(name, []), head.get(name, []))
+        sides = (_parts(text or "") for text in (difference.base, difference.head))
+        for base, head in zip_longest(*sides, fillvalue=dict[str, list[Any]]()):
+            for name in {**base, **head}:
+                row = found.setdefault(name, Field(name))
+                row.add(difference.path, base.get(name, []), head.get(name, []))
     return tuple(row for _, row in sorted(found.items()) if row.files)
 
 
-def _values(text: str) -> dict[str, list[Any]]:
-    """All values of a file by the names of their fields; places within lists have no names."""
-    values = defaultdict[str, list[Any]](list)
+def _parts(text: str) -> list[dict[str, list[Any]]]:
+    """Of the text of a file, then of each document in it, the values by the names of the fields.
+
+    Places within lists have no names.
+    """
     documents, rest = _documents(text)
-    for document in documents:
-        for name, value in _leaves(document):
-            values[name].append(value)
+    parts = [defaultdict[str, list[Any]](list) for _ in (rest, *documents)]
     for line in rest.splitlines():
         words = NUMBER.sub("#", line)
-        values[f"text: {words}"].append(True)
-        values[f"numbers in text: {words}"] += map(float, NUMBER.findall(line))
-    return values
+        parts[0][f"text: {words}"].append(True)
+        parts[0][f"numbers in text: {words}"] += map(float, NUMBER.findall(line))
+    for values, document in zip(parts[1:], documents, strict=True):
+        for name, value in _leaves(document):
+            values[name].append(value)
+    return [dict(values) for values in parts]
 
 
 def _documents(text: str) -> tuple[list[Any], str]:

@@ -32,7 +32,7 @@ def test_the_same_fields_are_not_told():
         ({"noise": None}, "noise: 1 new, in 1 files"),
         (
             {"pose": {"rotation": [[1.0, 2e-6], [0.0, 4.0]], "status": "optimal"}},
-            "pose.rotation[][]: 1 moved by 5.0e-07 at most, in 1 files",
+            "pose.rotation[][]: 1 moved by 2.0e-06, a share of 5.0e-07, at most, in 1 files",
         ),
         (
             {"pose": {"rotation": [[1.0, 0.0], [0.0, 4.0]], "status": "open"}},
@@ -50,7 +50,8 @@ def test_json_within_printed_text_is_read_and_the_rest_told_by_lines():
     text = "$ certreg certify\n{}\n--- stderr\nnote: {} pairs left out\n"
 
     assert told(text.format(document(), 12), text.format(document(pairs=5), 15)) == [
-        "numbers in text: note: # pairs left out: 1 moved by 2.0e-01 at most, in 1 files",
+        "numbers in text: note: # pairs left out: 1 moved by 3.0e+00, "
+        "a share of 2.0e-01, at most, in 1 files",
         "pairs: 1 other, in 1 files",
     ]
     assert told(text.format(document(), 12), text.format(document(), "no")) == [
@@ -60,11 +61,18 @@ def test_json_within_printed_text_is_read_and_the_rest_told_by_lines():
     ]
 
 
+def test_documents_of_a_file_are_held_against_each_other_in_their_order():
+    base = f"{document()}\n{document(noise=1.0)}\n"
+    head = f"{document(noise=5.0)}\n{document(noise=1.0)}\n"
+
+    assert told(base, head) == ["noise: 1 new, in 1 files"]
+
+
 def test_a_file_on_one_side_only_is_all_new():
     assert told(None, '{"pairs": 3}') == ["pairs: 1 new, in 1 files"]
 
 
 def test_what_begins_like_json_and_is_none_is_text():
     assert told("{broken 1", "{broken 2") == [
-        "numbers in text: {broken #: 1 moved by 5.0e-01 at most, in 1 files"
+        "numbers in text: {broken #: 1 moved by 1.0e+00, a share of 5.0e-01, at most, in 1 files"
     ]
