@@ -50,8 +50,10 @@ def test_json_within_printed_text_is_read_and_the_rest_told_by_lines():
     text = "$ certreg certify\n{}\n--- stderr\nnote: {} pairs left out\n"
 
     assert told(text.format(document(), 12), text.format(document(pairs=5), 15)) == [
-        "numbers in text: note: # pairs left out: 1 moved by 3.0e+00, "
-        "a share of 2.0e-01, at most, in 1 files",
+        (
+            "numbers in text: note: # pairs left out: "
+            "1 moved by 3.0e+00, a share of 2.0e-01, at most, in 1 files"
+        ),
         "pairs: 1 other, in 1 files",
     ]
     assert told(text.format(document(), 12), text.format(document(), "no")) == [
