@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from certreg.registration.closed_form import register as register
     from certreg.registration.consensus import ConsensusRegistration as ConsensusRegistration
     from certreg.registration.consensus import restated_consensus as restated_consensus
+    from certreg.registration.consensus_words import are_words as are_words
     from certreg.registration.covariance import NO_RESIDUALS as NO_RESIDUALS
     from certreg.registration.covariance import PoseCovariance as PoseCovariance
     from certreg.registration.covariance import parameters_of as parameters_of
@@ -199,6 +200,7 @@ __getattr__ = lazy_face(
             "register",
         ),
         "consensus": ("ConsensusRegistration", "restated_consensus"),
+        "consensus_words": ("are_words",),
         "scaled_consensus": (
             "ScaledConsensusRegistration",
             "ranges_words",

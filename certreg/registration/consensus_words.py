@@ -46,10 +46,9 @@ def headline(problem: ConsensusProblem, found: Consensus, names: RowNames) -> st
         return f"CERTIFIED: one {one} brings all {n} pairs {within}: no outliers."
     out = labels.count("outlier")
     if found.decided:
-        others = "The other pair is an outlier" if out == 1 else f"The other {out} are outliers"
         return (
             f"CERTIFIED: no {motion} brings more than {met} of the {n} pairs {within}, and "
-            f"only these {met}. {others} in EVERY such motion."
+            f"only these {met}. {others_words(out)} in EVERY such motion."
         )
     open_rows = labels.undecided
     rest = f"{len(open_rows)} undecided ({names.words(open_rows[:NAMED_ROWS], len(open_rows))})"
@@ -82,6 +81,20 @@ def within_words(problem: ConsensusProblem | TruncatedProblem) -> str:
     """Within the bound, or the bounds."""
     bounds = problem.bounds
     return f"within {bounds[0]:g}" if (bounds == bounds[0]).all() else "within their bounds"
+
+
+def are_words(count: int, word: str) -> str:
+    """For example: 6 are outliers.
+
+    >>> are_words(1, "inlier")
+    '1 is an inlier'
+    """
+    return f"{count} is an {word}" if count == 1 else f"{count} are {word}s"
+
+
+def others_words(count: int) -> str:
+    """That all other pairs, one at least, are outliers; where, is to follow."""
+    return "The other pair is an outlier" if count == 1 else f"The other {count} are outliers"
 
 
 def _outliers(count: int) -> str:

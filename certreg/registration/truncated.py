@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import time
 from dataclasses import dataclass, replace
-from decimal import ROUND_FLOOR
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -19,11 +18,12 @@ from certreg.exact import double_above
 from certreg.geometry import Pose
 from certreg.problem import RegistrationProblem, checked_effort
 from certreg.registration.certification import certified
+from certreg.registration.consensus_words import others_words
 from certreg.registration.exit_codes import DONE, NOT_CERTIFIED, NOT_UNIQUE
+from certreg.registration.headlines import at_least, at_most
 from certreg.registration.row_names import RowNames
 from certreg.relaxation import search_boxes
 from certreg.results import Presented, presenter
-from certreg.verify import rounded
 
 if TYPE_CHECKING:
     import os
@@ -130,31 +130,38 @@ class TruncatedRegistration(Presented):
     @property
     def headline(self) -> str:
         """What is proved, in words."""
-        n, out = self.problem.n, self.labels.count("outlier")
-        within = self.labels.count("inlier")
-        if self.certificate is None:
+        out = self.labels.count("outlier")
+        if self.gap is None:
             return f"NOT PROVED: a rotation of truncated cost {self.cost:.6g} was found."
         if not self.certified:
             rows = [row for row, word in enumerate(self.labels) if word == "undecided"]
             told = f" ({self.names.words(rows[:NAMED_ROWS], len(rows))})" if rows else ""
             return (
-                f"PARTLY PROVED: the truncated cost {self.cost:.6g} is less than {self.gap:.2g} "
-                f"above the least. Of the {n} pairs {within} are within their bounds at every "
-                f"optimum, {out} at none; {len(rows)} undecided{told}."
+                f"PARTLY PROVED: the truncated cost {self.cost:.6g} is less than "
+                f"{at_most(self.gap, 2)} above the least. {self._within} at every optimum, {out} "
+                f"at none; {len(rows)} undecided{told}."
             )
-        others = f"The other {out} are outliers at EVERY optimum." if out else "No outliers."
+        others = f". {others_words(out)} at EVERY optimum." if out else ": no outliers."
         if self.unique:
             assert self.verdict.worth is not None  # noqa: S101 - `certified` asks it
-            least = rounded(self.verdict.worth.minimum, 6, ROUND_FLOOR)
+            least = at_least(self.verdict.worth.minimum, 6)
             return (
-                f"CERTIFIED: no rotation has a smaller truncated cost than {least:g}, and "
-                f"{within} of the {n} pairs are within their bounds there. {others}"
+                f"CERTIFIED: no rotation has a smaller truncated cost than {least}, and "
+                f"{self._within} there{others}"
             )
         return (
             f"CERTIFIED, NOT UNIQUE: the least truncated cost is {self.cost:.6g}; one single "
-            f"rotation is not proved. {within} of the {n} pairs are within their bounds at every "
-            f"optimum. {others}"
+            f"rotation is not proved. {self._within.capitalize()} at every optimum{others}"
         )
+
+    @property
+    def _within(self) -> str:
+        """How many pairs are proved to be within their bounds, in words."""
+        n, within = self.problem.n, self.labels.count("inlier")
+        if within == n:
+            return f"all {n} pairs are within their bounds"
+        verb = "is within its bound" if within == 1 else "are within their bounds"
+        return f"{within} of the {n} pairs {verb}"
 
     @property
     def exit_code(self) -> int:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from certreg.report.cards import Card
+from certreg.report.consensus_summary import counted_labels
 from certreg.report.scaled_consensus import scale_facts
 from certreg.report.summary import number
 
@@ -15,7 +16,6 @@ if TYPE_CHECKING:
 def consensus_card(result: ConsensusRegistration) -> str:
     """The headline, the numbers of pairs, and the pose of the least squares over the met ones."""
     labels, pose = result.labels, result.pose
-    counts = (f"{labels.count(word)} {word}" for word in ("inlier", "outlier", "undecided"))
     rmse = result.fit.rmse
     return Card(
         headline=result.headline,
@@ -23,7 +23,7 @@ def consensus_card(result: ConsensusRegistration) -> str:
         good=result.labels_unique,
         facts=(
             ("within bounds", f"{result.lower} found, at most {result.upper} (proved)"),
-            ("labels", ", ".join(counts)),
+            ("labels", counted_labels(labels)),
             *scale_facts(result),
             ("rotation (wxyz)", " ".join(map(repr, pose.quaternion_wxyz.tolist()))),
             ("translation", " ".join(map(repr, pose.translation.tolist()))),

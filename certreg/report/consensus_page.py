@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, ClassVar, Self, cast
 
 from certreg.errors import DegenerateProblemError
-from certreg.registration import simulate_breaking
-from certreg.report.any_report import AnyReport, head_of
+from certreg.registration import are_words, simulate_breaking
+from certreg.report.any_report import AnyReport, head_of, pairs_words
 from certreg.report.breaking import breaking_course
 from certreg.report.consensus_fit import (
     fit_overview,
@@ -17,7 +17,7 @@ from certreg.report.consensus_fit import (
     kinds_words,
 )
 from certreg.report.consensus_picture import pairs_picture, residual_chart
-from certreg.report.consensus_summary import HARDER, TOLD_SECOND, reach_degrees
+from certreg.report.consensus_summary import HARDER, TOLD_SECOND, counted_labels, reach_degrees
 from certreg.report.overview import Fact, Overview
 from certreg.report.scaled_consensus import scale_sentences
 from certreg.report.summary import number
@@ -104,13 +104,14 @@ def _overview(result: ConsensusRegistration) -> Overview:
     labels, found = result.labels, result.lower
     own = fit_overview(result.fit)
     reach = reach_degrees(result)
-    counts = ", ".join(
-        f"{labels.count(word)} {word}" for word in ("inlier", "outlier", "undecided")
-    )
     facts = [
         Fact(name="Within bounds", value=f"{found} of {result.problem.n}", words="by one motion"),
         Fact(name="No motion", value=f"more than {result.upper}", words="within"),
-        Fact(name="Labels", value=counts, words=f"in every motion that brings {found} within"),
+        Fact(
+            name="Labels",
+            value=counted_labels(labels),
+            words=f"in every motion that brings {found} within",
+        ),
     ]
     if reach is not None:
         words = f"from all motions that bring these {found} within, at most"
@@ -154,10 +155,11 @@ def _undecided_rows(result: ConsensusRegistration, names: Names) -> Iterator[dic
 def _undecided_words(result: ConsensusRegistration) -> str:
     count = result.labels.count("undecided")
     more = f" The {MOST_ROWS} nearest to their bounds are listed." if count > MOST_ROWS else ""
+    them = "it" if count == 1 else "them"
     return (
-        f"Of {count} pairs nothing is proved: no test showed that a motion that meets "
-        f"{result.lower} pairs must leave them out, or must meet them. Those a little beyond their "
-        f"bounds may be met by another motion that is as good.{more}"
+        f"Of {pairs_words(count)} nothing is proved: no test showed that a motion that meets "
+        f"{result.lower} pairs must leave {them} out, or must meet {them}. What is a little beyond "
+        f"its bound may be met by another motion that is as good.{more}"
     )
 
 
@@ -204,8 +206,8 @@ def _known(result: ConsensusRegistration) -> Iterator[Sentence]:
         theorems=rules,
     )
     yield Sentence(
-        words=f"{out} of the pairs are outliers and {sure} are inliers in every motion that brings "
-        f"{found} within.",
+        words=f"Of the {result.problem.n} pairs {are_words(sure, 'inlier')} and "
+        f"{are_words(out, 'outlier')} in every motion that brings {found} within.",
         guarantee=exact,
         theorems=rules,
     )

@@ -12,6 +12,8 @@ from certreg.report.scaled_consensus import scale_lines, witness_scale_lines
 from certreg.report.summary import number
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from certreg.registration import ConsensusRegistration
 
 TOLD_SECOND = 4  # pairs: any three of equal lengths fit
@@ -23,7 +25,6 @@ def consensus_summary(result: ConsensusRegistration) -> str:
     """The result of `certify` with bounds on residuals, readable."""
     fit, pose, labels = result.fit, result.pose, result.labels
     found, undecided = result.lower, labels.count("undecided")
-    sure, out = labels.count("inlier"), labels.count("outlier")
     rmse = "beyond doubles" if fit.rmse is None else number(fit.rmse)
     kinds, (verdict, *further) = kinds_words(result), fit_verdict(fit)
     largest = float(result.residuals[result.inliers].max())
@@ -34,7 +35,7 @@ def consensus_summary(result: ConsensusRegistration) -> str:
         "",
         f"  correspondences   {result.problem.n}",
         f"  within bounds     {found} found, at most {result.upper} (proved)",
-        f"  labels            {sure} inliers, {out} outliers, {undecided} undecided",
+        f"  labels            {counted_labels(labels)}",
         *_second(result),
         *([] if kinds is None else [f"  springs           {kinds}"]),
         f"  least squares     of these {found}: {verdict}",
@@ -49,6 +50,17 @@ def consensus_summary(result: ConsensusRegistration) -> str:
         *(f"  warning           {words}" for words in result.problem.notes),
     ]
     return "\n".join(lines)
+
+
+def counted_labels(labels: Sequence[str]) -> str:
+    """How many pairs have each label.
+
+    >>> counted_labels(["inlier", "outlier", "outlier"])
+    '1 inlier, 2 outliers, 0 undecided'
+    """
+    counts = {word: labels.count(word) for word in ("inlier", "outlier")}
+    named = (f"{count} {word}{'s' * (count != 1)}" for word, count in counts.items())
+    return f"{', '.join(named)}, {labels.count('undecided')} undecided"
 
 
 def _second(result: ConsensusRegistration) -> list[str]:

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from certreg.registration import at_most
 from certreg.report.cards import Card
+from certreg.report.consensus_summary import counted_labels
 from certreg.report.remedies import ADVICE
 from certreg.report.summary import number
 
@@ -31,14 +33,17 @@ def truncated_card(result: TruncatedRegistration) -> str:
 
 def truncated_facts(result: TruncatedRegistration) -> list[tuple[str, str]]:
     """The numbers beside the headline, by name, that of pairs first."""
-    labels, rmse = result.labels, result.fit.rmse
-    counts = (f"{labels.count(word)} {word}" for word in ("inlier", "outlier", "undecided"))
-    gap = "no bound is proved" if result.gap is None else f"less than {result.gap:.2g} (proved)"
+    rmse = result.fit.rmse
+    gap = (
+        "no bound is proved"
+        if result.gap is None
+        else f"less than {at_most(result.gap, 2)} (proved)"
+    )
     return [
         ("correspondences", str(result.problem.n)),
         ("truncated cost", f"{result.cost:.9g}"),
         ("above the least", gap),
-        ("labels", ", ".join(counts)),
+        ("labels", counted_labels(result.labels)),
         ("rotation (wxyz)", " ".join(map(repr, result.pose.quaternion_wxyz.tolist()))),
         ("RMSE within", "beyond doubles" if rmse is None else number(rmse)),
     ]

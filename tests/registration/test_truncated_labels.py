@@ -89,7 +89,7 @@ def test_the_labels_of_the_optimum_are_consistent(right: TruncatedLabels):
     assert (right.exit_code, right.disproved, right.differing) == (0, False, ())
     assert repr(right) == "<TruncatedLabels: 6 of 12 pairs; consistent>"
     assert "  labelled inliers  6\n  truncated cost    6.75231045\n" in str(right)
-    assert "proved labels     6 inlier, 6 outlier, 0 undecided" in str(right)
+    assert "proved labels     6 inliers, 6 outliers, 0 undecided" in str(right)
     assert "CONSISTENT" in right._repr_html_()
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from dataclasses import replace
 from importlib.resources import files
 from typing import TYPE_CHECKING, Any
@@ -70,9 +71,39 @@ def test_the_document_is_that_of_a_result_with_what_is_proved_of_pairs(result, g
     assert document["truncated"]["unique"]
     assert document["n"] == 12
     assert {one["row"] for one in document["fit"]["worst"]} <= set(np.flatnonzero(given.true))
-    assert "6 inlier, 6 outlier, 0 undecided" in str(result)
+    assert "6 inliers, 6 outliers, 0 undecided" in str(result)
     assert "truncated cost    6.75231045" in str(result)
-    assert "less than 7e-10 (proved)" in result._repr_html_()
+    assert f"{gap_told(str(result)):.1e} (proved)" in result._repr_html_()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("n", [4, 5, 8])
+def test_a_gap_that_is_told_is_no_less_than_the_one_that_is_proved(n: int):
+    pairs = rotated_pairs(np.random.default_rng(n), n, 0.0)
+    result = certified(pairs.source, pairs.target)
+    partly = replace(result, labels=("undecided",) * n)
+
+    assert result.gap is not None
+    for text in (str(result), partly.headline):
+        assert result.gap <= gap_told(text) < 1.1 * result.gap
+
+
+def gap_told(text: str) -> float:
+    return float(re.findall(r"less than (\S+) ", text)[0])
+
+
+@pytest.mark.slow
+def test_one_pair_is_said_to_be_one(result: TruncatedRegistration):
+    labels = ("outlier", "inlier", *["undecided"] * 10)
+    few = replace(result, labels=labels)
+    only = replace(result, labels=("outlier", *["inlier"] * 11))
+
+    assert " 1 of the 12 pairs is within its bound at every optimum, 1 at none; 10 " in few.headline
+    assert only.headline.endswith(
+        "11 of the 12 pairs are within their bounds there. The other pair is an outlier at EVERY "
+        "optimum."
+    )
+    assert "  labels            1 inlier, 1 outlier, 10 undecided\n" in str(few)
 
 
 @pytest.mark.slow
@@ -80,9 +111,7 @@ def test_no_outliers_are_said(given):
     source = given.source
     result = certified(source, source @ TURN.T)
 
-    assert result.headline.endswith(
-        "12 of the 12 pairs are within their bounds there. No outliers."
-    )
+    assert result.headline.endswith("and all 12 pairs are within their bounds there: no outliers.")
 
 
 @pytest.mark.slow
@@ -93,7 +122,7 @@ def test_a_circle_of_optima_is_certified_but_not_unique():
     assert result.exit_code == 3
     assert result.headline == (
         "CERTIFIED, NOT UNIQUE: the least truncated cost is 0; one single rotation is not proved. "
-        "3 of the 3 pairs are within their bounds at every optimum. No outliers."
+        "All 3 pairs are within their bounds at every optimum: no outliers."
     )
 
 
@@ -105,7 +134,7 @@ def test_two_optima_leave_labels_undecided():
     assert result.exit_code == 4
     assert result.headline.startswith("PARTLY PROVED: the truncated cost 2 is less than ")
     assert result.headline.endswith(
-        " above the least. Of the 6 pairs 2 are within their bounds at every optimum, 0 at none; "
+        " above the least. 2 of the 6 pairs are within their bounds at every optimum, 0 at none; "
         "4 undecided (rows 0, 1, 3, 4)."
     )
     assert (

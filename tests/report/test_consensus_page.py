@@ -51,13 +51,13 @@ def test_the_page_says_what_is_proved():
     for words in (
         "Within bounds 10 of 16 by one motion",
         "No motion more than 10 within",
-        "Labels 10 inlier, 6 outlier, 0 undecided in every motion that brings 10 within",
+        "Labels 10 inliers, 6 outliers, 0 undecided in every motion that brings 10 within",
         "from all motions that bring these 10 within, at most",
         "The pose is that of the least squares over the 10 pairs that are met.",
         "The largest residual of a met pair is ",
         "One rigid motion brings 10 of the 16 pairs within their bounds: the witness, tested in",
         "No rigid motion brings more than 10 within.",
-        "6 of the pairs are outliers and 10 are inliers in every motion that brings 10 within.",
+        "Of the 16 pairs 10 are inliers and 6 are outliers in every motion that brings 10 within.",
         "Every motion that brings these 10 within has its rotation within ",
         " degrees of that of the least squares.",
         "The least squares over these 10 pairs: certified.",
@@ -80,7 +80,7 @@ def test_the_page_says_what_is_undecided_and_the_other_motion():
     assert found.second == 6
     assert (
         "Of 12 pairs nothing is proved: no test showed that a motion that meets 6 pairs must leave "
-        "them out, or must meet them. Those a little beyond their bounds may be met by another "
+        "them out, or must meet them. What is a little beyond its bound may be met by another "
         "motion that is as good."
     ) in page
     assert (
@@ -157,4 +157,4 @@ def test_the_report_and_the_card(tmp_path: Path):
     assert path.read_bytes() == ConsensusReport.of(found).html()
     card = found._repr_html_()
     assert "10 found, at most 10 (proved)" in card
-    assert "10 inlier, 6 outlier, 0 undecided" in card
+    assert "10 inliers, 6 outliers, 0 undecided" in card
