@@ -99,6 +99,7 @@ if TYPE_CHECKING:
     from certreg.registration.misfits import ChiSquared as ChiSquared
     from certreg.registration.misfits import FitCode as FitCode
     from certreg.registration.misfits import FitWarning as FitWarning
+    from certreg.registration.pair_angles import widest_angles as widest_angles
     from certreg.registration.result import ProblemTrajectory as ProblemTrajectory
     from certreg.registration.result import Registration as Registration
     from certreg.registration.result import SimulatedRegistration as SimulatedRegistration
@@ -149,6 +150,7 @@ if TYPE_CHECKING:
     from certreg.registration.spring_simulation import simulated_springs as simulated_springs
     from certreg.registration.truncated import TRUNCATED as TRUNCATED
     from certreg.registration.truncated import TruncatedRegistration as TruncatedRegistration
+    from certreg.registration.truncated import restated_truncated as restated_truncated
     from certreg.registration.truncated_labels import TruncatedLabels as TruncatedLabels
     from certreg.registration.truncated_labels import (
         judged_truncated_labels as judged_truncated_labels,
@@ -282,6 +284,7 @@ __getattr__ = lazy_face(
             "FitCode",
             "FitWarning",
         ),
+        "pair_angles": ("widest_angles",),
         "result": (
             "ProblemTrajectory",
             "Registration",
@@ -329,7 +332,7 @@ __getattr__ = lazy_face(
             "SpringSolution",
         ),
         "spring_rows": ("SpringAxes",),
-        "truncated": ("TRUNCATED", "TruncatedRegistration"),
+        "truncated": ("TRUNCATED", "TruncatedRegistration", "restated_truncated"),
         "truncated_labels": ("TruncatedLabels", "judged_truncated_labels"),
         "weak_shifts": ("weak_shift_words",),
         "spring_simulation": (

@@ -15,12 +15,13 @@ import numpy as np
 from certreg.certificate import truncated_certificate
 from certreg.errors import InvalidProblemError, UndecidedError
 from certreg.exact import double_above
-from certreg.geometry import Pose
+from certreg.geometry import Pose, rotation_matrix
 from certreg.problem import RegistrationProblem, checked_effort
 from certreg.registration.certification import certified
 from certreg.registration.consensus_words import others_words
 from certreg.registration.exit_codes import DONE, NOT_CERTIFIED, NOT_UNIQUE
 from certreg.registration.headlines import at_least, at_most
+from certreg.registration.pair_angles import angles_between
 from certreg.registration.row_names import RowNames
 from certreg.relaxation import search_boxes
 from certreg.results import Presented, presenter
@@ -40,6 +41,7 @@ if TYPE_CHECKING:
 TRUNCATED_PARTS = 3  # of certify: search, certificate and checker, fit
 CONSENSUS, TRUNCATED = "consensus", "truncated"  # objectives
 WORDS = {1: "inlier", 0: "outlier", -1: "undecided"}
+LETTERS = {"1": "inlier", "0": "outlier", "?": "undecided"}  # of a certificate
 NAMED_ROWS = 5  # of the undecided ones, in a sentence
 
 
@@ -111,6 +113,11 @@ class TruncatedRegistration(Presented):
         """(N,), how far each pair is off at `pose`, in the unit of length."""
         moved = self.problem.source @ self.pose.rotation.T
         return np.linalg.norm(self.problem.target - moved, axis=1)
+
+    @property
+    def angles(self) -> NDArray[np.float64]:
+        """(N,), radians, between the two points of each pair at `pose`; NaN where one is 0."""
+        return angles_between(self.problem.source @ self.pose.rotation.T, self.problem.target)
 
     @property
     def names(self) -> RowNames:
@@ -188,6 +195,26 @@ class TruncatedRegistration(Presented):
         """
         return presenter().save(self, folder)
 
+    def report(self, path: str | os.PathLike[str]) -> Path:
+        """Write one HTML file that shows the pairs and what is proved of them, offline.
+
+        Parameters
+        ----------
+        path
+            Of the file; it is written whole or not at all.
+
+        Returns
+        -------
+        Path
+            Of the file.
+
+        Raises
+        ------
+        InvalidFileError
+            Where the file cannot be written, or there is no certificate to report.
+        """
+        return presenter().report(self, path)
+
 
 def checked_objective(objective: Any, max_residual: Any) -> str | None:
     """Its name, None where none was given; raises InvalidProblemError for others."""
@@ -239,6 +266,33 @@ def certified_truncated(
         certificate=certificate,
         verdict=verdict,
         timings=timings,
+    )
+
+
+def restated_truncated(
+    problem: TruncatedProblem,
+    certificate: Certificate[TruncatedRotationBody],
+    verdict: CertificateVerdict,
+) -> TruncatedRegistration:
+    """As a certificate says that the checker has accepted for the problem.
+
+    The least squares over the pairs within their bounds at its rotation are computed anew. The cost
+    is that of its rotation, which is no less than that of theirs.
+    """
+    body = certificate.body
+    q = np.array([float(entry) for entry in body.quaternion])
+    turned = problem.source @ np.array(rotation_matrix((q / np.linalg.norm(q)).tolist())).T
+    squares = (((problem.target - turned) / problem.bounds[:, np.newaxis]) ** 2).sum(axis=1)
+    within = squares <= 1.0
+    return TruncatedRegistration(
+        problem=problem,
+        cost=float(np.minimum(squares, 1.0).sum()),
+        labels=tuple(LETTERS[letter] for letter in body.claims.labels),
+        rows=np.flatnonzero(within),
+        fit=certified(_of_rows(problem, within), relaxation=False, integrator=None),
+        certificate=certificate,
+        verdict=verdict,
+        timings={},
     )
 
 

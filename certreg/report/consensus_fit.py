@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from certreg.registration import SpringRegistration
 from certreg.report.overview import Overview
-from certreg.report.remedies import remedies
+from certreg.report.remedies import causes, remedies
 from certreg.report.similarity_overview import similarity_overview
 from certreg.report.spring_overview import spring_overview
 from certreg.report.spring_summary import (
@@ -33,9 +33,16 @@ def fit_verdict(fit: AnyFit) -> list[str]:
     return verdict_words(fit)[:1]
 
 
+def fit_causes(fit: AnyFit) -> list[str]:
+    """What is said against it, so that it is known what the remedies are for."""
+    return [] if isinstance(fit, SpringRegistration) else causes(fit)
+
+
 def fit_remedies(fit: AnyFit) -> list[str]:
     """What may help where something is said against it."""
-    return spring_remedies(fit) if isinstance(fit, SpringRegistration) else remedies(fit)
+    return (
+        spring_remedies(fit) if isinstance(fit, SpringRegistration) else remedies(fit, sigma=False)
+    )
 
 
 def fit_overview(fit: AnyFit) -> Overview:

@@ -9,10 +9,9 @@ from certreg.errors import InvalidFileError
 from certreg.io import csv_field, write_together
 from certreg.registration import TruncatedRegistration
 from certreg.report.consensus_fields import consensus_document
-from certreg.report.consensus_page import ConsensusReport
 from certreg.report.document import dumps, pose_document
 from certreg.report.folder import CERTIFICATE, FIT, POSE, REPORT, RESULT, SURE_POSE, TRAJECTORY
-from certreg.report.pages import html_page
+from certreg.report.pages import html_page, report_on
 from certreg.report.truncated_fields import truncated_document
 
 if TYPE_CHECKING:
@@ -61,8 +60,8 @@ def write_wrong_pairs(
         SURE_POSE: (dumps(pose_document(result.fit)) + "\n").encode(),
         FIT: fit_table(result).encode(),
     }
-    if not isinstance(result, TruncatedRegistration):  # which has no page yet
-        contents[REPORT] = html_page(ConsensusReport.of(result))
+    if proof is not None:
+        contents[REPORT] = html_page(report_on(result))
     write_together(
         {place / name: content for name, content in contents.items()},
         obsolete=[

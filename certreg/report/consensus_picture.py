@@ -8,13 +8,17 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from certreg.problem import TruncatedProblem
 from certreg.report.picture import SOURCE, SPRING, flattened, pixels
 from certreg.results import Brief
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from certreg.registration import ConsensusRegistration
+    from certreg.problem import Block
+    from certreg.registration import ConsensusRegistration, TruncatedRegistration
+
+    Labelled = ConsensusRegistration | TruncatedRegistration
 
 COLOURS = {"inlier": SOURCE, "outlier": SPRING, "undecided": "#8a5fbf"}  # told apart in the dark
 LEGEND = 24  # pixels below the pairs
@@ -34,6 +38,11 @@ class LabelledPairs(Brief):
     lines: tuple[tuple[str, ...], ...]
     rings: tuple[tuple[str, ...], ...]
     dots: tuple[tuple[str, ...], ...]
+
+    @property
+    def told(self) -> str:
+        """How many there are, for the legend."""
+        return f"{self.count} {self.word}{'s' * (self.word != 'undecided' and self.count != 1)}"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -68,10 +77,10 @@ class ResidualChart(Brief):
     right: int = WIDTH - RIGHT
 
 
-def pairs_picture(result: ConsensusRegistration) -> PairsPicture | None:
+def pairs_picture(result: Labelled) -> PairsPicture | None:
     """The clouds at the pose, each pair in the colour of its label; None beyond the doubles."""
     rows = _shown(result)
-    block = result.problem.problem.block(slice(None))
+    block = _points(result)
     moved = result.pose.apply(block.source[rows])
     flat = flattened(np.stack([block.target[rows], moved]))
     if flat is None:
@@ -97,7 +106,7 @@ def pairs_picture(result: ConsensusRegistration) -> PairsPicture | None:
     )
 
 
-def residual_chart(result: ConsensusRegistration) -> ResidualChart:
+def residual_chart(result: Labelled) -> ResidualChart:
     """How far each pair is off, as a multiple of its bound."""
     rows = _shown(result)
     share = result.residuals[rows] / result.problem.bounds[rows]
@@ -137,6 +146,12 @@ def _down(share: NDArray[np.float64], low: float, high: float) -> NDArray[np.flo
     return TOP + (HEIGHT - TOP - FOOT) * (1.0 - np.log(share / low) / span)
 
 
-def _shown(result: ConsensusRegistration) -> NDArray[np.intp]:
+def _points(result: Labelled) -> Block:
+    problem = result.problem
+    points = problem.points if isinstance(problem, TruncatedProblem) else problem.problem
+    return points.block(slice(None))
+
+
+def _shown(result: Labelled) -> NDArray[np.intp]:
     n = result.problem.n
     return np.unique(np.linspace(0, n - 1, min(n, MOST)).astype(np.intp))

@@ -52,7 +52,6 @@ from certreg.report.cards import (
 from certreg.report.consensus_card import consensus_card
 from certreg.report.consensus_fields import consensus_document
 from certreg.report.consensus_folder import write_wrong_pairs
-from certreg.report.consensus_page import ConsensusReport
 from certreg.report.consensus_summary import consensus_summary
 from certreg.report.document import (
     assessment_document,
@@ -100,6 +99,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from certreg.report.encoding import Document
+    from certreg.report.pages import Reported
     from certreg.results import Presenter
 
 
@@ -207,14 +207,9 @@ class ReportPresenter:
         """HTML for a notebook."""
         return CARDS[type(result)](result)
 
-    def report(
-        self, result: AnyRegistration | ConsensusRegistration, path: str | os.PathLike[str]
-    ) -> Path:
+    def report(self, result: Reported, path: str | os.PathLike[str]) -> Path:
         """Write the page of a registration; where it was written."""
         place = Path(path)
-        if isinstance(result, ConsensusRegistration):
-            write_atomically(place, html_page(ConsensusReport.of(result)))
-            return place
         if result.certificate is None:
             message = f"{shown(place)}: not written: there is no certificate to report"
             raise InvalidFileError(message, path=place)
@@ -223,7 +218,7 @@ class ReportPresenter:
 
     def save(
         self,
-        result: AnyRegistration | ConsensusRegistration | TruncatedRegistration,
+        result: Reported,
         folder: str | os.PathLike[str],
     ) -> Path | None:
         """Write the files of a registration; the certificate's path."""

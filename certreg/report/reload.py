@@ -16,6 +16,7 @@ import numpy as np
 
 from certreg.certificate import (
     Certificate,
+    CertificateVerdict,
     ConsensusBody,
     ConsensusSimilarityBody,
     CountBody,
@@ -41,6 +42,7 @@ from certreg.problem import (
     ConsensusProblem,
     RegistrationProblem,
     Scale,
+    TruncatedProblem,
 )
 from certreg.registration import (
     CROSS_CHECK,
@@ -50,10 +52,12 @@ from certreg.registration import (
     certified_springs,
     restated_consensus,
     restated_scaled_consensus,
+    restated_truncated,
 )
 from certreg.report.consensus_page import ConsensusReport
 from certreg.report.pages import page_of
 from certreg.report.spring_page import SpringReport
+from certreg.report.truncated_page import TruncatedReport
 from certreg.verify import FILE_MAX, Clouds, shown
 
 if TYPE_CHECKING:
@@ -133,6 +137,8 @@ def report_of(
         raise RefusedCertificateError(message, verdict=verdict)
     if isinstance(body, (ConsensusBody, ConsensusSimilarityBody)):
         return _consensus_report(replace(loaded, body=body), content, verdict, file)
+    if isinstance(body, TruncatedRotationBody):
+        return _truncated_report(replace(loaded, body=body), content, verdict, file)
     stated = points if isinstance(points, RegistrationProblem) else _problem(loaded, points)
     if stated.factors is not None:
         return _spring_report(stated, replace(loaded, body=body), content, verdict, file.name)
@@ -185,7 +191,7 @@ def _loaded(content: bytes) -> Certificate[Any] | None:
 def _required_body(certificate: Certificate[Any], file: Path, *, pointless: bool) -> Any:
     """InvalidFileError for a certificate of which no report can be made, sound as it may be."""
     body = certificate.body
-    if isinstance(body, (CountBody, SpringsListBody, TruncatedRotationBody)):
+    if isinstance(body, (CountBody, SpringsListBody)):
         held = "holds no pose" if isinstance(body, CountBody) else "`certreg verify` tells in words"
         what = f"is a certificate of kind {shown(body.KIND)}, which {held}"
         message = f"{shown(file)}: {what}: give the certificate.json that certify wrote"
@@ -278,6 +284,29 @@ def _consensus_report(
         verdict=verdict,
         name=file.name,
         weak=_weaker(given, result.fit.bounds),
+    )
+
+
+def _truncated_report(
+    certificate: Certificate[TruncatedRotationBody],
+    content: bytes,
+    verdict: CertificateVerdict,
+    file: Path,
+) -> TruncatedReport:
+    """The report of a certificate of truncated squares: of its rotation what it proves."""
+    n, data = certificate.n, certificate.data or b""
+    if not data:
+        message = f"{shown(file)}: holds no points: there is no rotation to report"
+        raise InvalidFileError(message, path=file)
+    doubles = np.frombuffer(data, dtype="<f8", offset=len(data) - BOUNDED_PAIR * n)
+    source, target, _, bounds = np.split(doubles, [3 * n, 6 * n, 7 * n])
+    points = RegistrationProblem(source.reshape(n, 3), target.reshape(n, 3), rotation_only=True)
+    return TruncatedReport(
+        registration=restated_truncated(TruncatedProblem(points, bounds), certificate, verdict),
+        certificate=certificate,
+        content=content,
+        verdict=verdict,
+        name=file.name,
     )
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from certreg.registration import FitCode, is_loose
+from certreg.registration import FitCode, ambiguous_words, is_loose, narrow_words
 
 if TYPE_CHECKING:
     from certreg.registration import Fit, Registration
@@ -32,12 +32,28 @@ WHY_BOTH = {  # a warning, and half of the target's spread or more explained
 MUCH = 0.5  # explained: less needs no excuse
 
 
-def remedies(registration: Registration) -> list[str]:
-    """A sentence for each warning of the fit, and a rotation that is hardly fixed, or not."""
+def causes(registration: Registration) -> list[str]:
+    """Why there are remedies, in sentences, but for what a headline and warnings say themselves."""
+    equilibria = registration.equilibria
+    words = None if is_loose(registration) else narrow_words(equilibria)
+    if (ambiguity := equilibria.classification.ambiguity) is not None:
+        words = f"not unique: {ambiguity.value}"
+    elif (tie := ambiguous_words(equilibria)) is not None:
+        words = tie.removesuffix(".")
+    return [] if words is None else [f"{words[0].upper()}{words[1:]}."]
+
+
+def remedies(registration: Registration, *, sigma: bool = True) -> list[str]:
+    """A sentence for each warning of the fit, and a rotation that is hardly fixed, or not.
+
+    sigma: whether one can be given.
+    """
+    problem = registration.problem
     told = [one.remedy for one in registration.fit.warnings]
     if registration.equilibria.nearly_ambiguous:
-        helpless = registration.problem.noise_given or told  # of wrong pairs sigma says nothing
-        told.append(f"{'' if helpless else GIVE_SIGMA}{TELL_APART}")
+        other = problem.scaled or problem.rotation_only  # of these no noise rules a pose out
+        helpful = sigma and not (other or problem.noise_given or told)  # nor where pairs are wrong
+        told.append(f"{GIVE_SIGMA if helpful else ''}{TELL_APART}")
     elif registration.equilibria.classification.unique and is_loose(registration):
         told.append(FIX_TURN)
     elif registration.equilibria.classification.unique and registration.equilibria.narrow:

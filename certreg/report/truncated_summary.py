@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from certreg.registration import at_most
+from certreg.registration import DONE, at_most
 from certreg.report.cards import Card
+from certreg.report.consensus_fit import fit_causes, fit_remedies
 from certreg.report.consensus_summary import counted_labels
 from certreg.report.remedies import ADVICE
-from certreg.report.summary import number
+from certreg.report.summary import MEANS, UNMET, number
+from certreg.results import Limits
+from certreg.verify import DEGREES
 
 if TYPE_CHECKING:
     from certreg.registration import TruncatedRegistration
@@ -19,31 +22,72 @@ HARDER = "give more --effort to search further, or other bounds if pairs are nea
 def truncated_summary(result: TruncatedRegistration) -> str:
     """The result of `certify` with truncated squares, readable."""
     facts = [f"  {name:<17} {value}" for name, value in truncated_facts(result)]
-    advice = [] if result.labels_unique else [f"{ADVICE}{HARDER}."]
-    return "\n".join([result.headline, *advice, "", *facts])
+    advice = [f"{ADVICE}{words}" for words in truncated_remedies(result)]
+    warned = [f"  {'warning':<17} {one.text}" for one in result.fit.fit.warnings]
+    return "\n".join([result.headline, *truncated_causes(result), *advice, "", *facts, *warned])
+
+
+def truncated_causes(result: TruncatedRegistration) -> list[str]:
+    """Why less is proved than may be asked for, in sentences."""
+    limits = result.fit.limits
+    within = f"within {limits.max_gap:g} of the range of costs"
+    angle = f" and {limits.max_angle:g} radians of the optimum" if result.unique else ""
+    if result.labels_unique and not result.certified:
+        return [f"{UNMET} {within}{angle}.", *fit_causes(result.fit)]
+    asked = [f"{MEANS} {within}{angle}."] if result.certified and limits != Limits() else []
+    return [*asked, *fit_causes(result.fit)]
+
+
+def truncated_remedies(result: TruncatedRegistration) -> list[str]:
+    """What may help."""
+    harder = [] if result.labels_unique else [f"{HARDER}."]
+    return [*harder, *fit_remedies(result.fit)]
 
 
 def truncated_card(result: TruncatedRegistration) -> str:
     """The same as a card."""
-    good = result.labels_unique and result.unique
     return Card(
-        headline=result.headline, notes=(), good=good, facts=tuple(truncated_facts(result))
+        headline=result.headline,
+        notes=(),
+        good=result.exit_code == DONE,
+        facts=tuple(truncated_facts(result)),
     ).html()
 
 
 def truncated_facts(result: TruncatedRegistration) -> list[tuple[str, str]]:
     """The numbers beside the headline, by name, that of pairs first."""
     rmse = result.fit.rmse
-    gap = (
-        "no bound is proved"
-        if result.gap is None
-        else f"less than {at_most(result.gap, 2)} (proved)"
-    )
+    gap, turn = "no bound is proved", f"not bounded: {why_unbounded(result)}"
+    if result.gap is not None:
+        gap = f"less than {at_most(result.gap, 2)} (proved)"
+    if (degrees := optimum_degrees(result)) is not None:
+        turn = f"every optimum is within {degrees} degrees of this rotation (proved)"
     return [
         ("correspondences", str(result.problem.n)),
         ("truncated cost", f"{result.cost:.9g}"),
         ("above the least", gap),
         ("labels", counted_labels(result.labels)),
         ("rotation (wxyz)", " ".join(map(repr, result.pose.quaternion_wxyz.tolist()))),
+        ("proved angle", turn),
         ("RMSE within", "beyond doubles" if rmse is None else number(rmse)),
     ]
+
+
+def optimum_degrees(result: TruncatedRegistration) -> str | None:
+    """A proved bound on the angle from the rotation to every optimum; None where there is none."""
+    worth = result.verdict.worth
+    if result.certificate is None or worth is None or worth.angle is None:
+        return None
+    return at_most(worth.angle * DEGREES, 2)
+
+
+def why_unbounded(result: TruncatedRegistration) -> str:
+    """Why no bound on that angle is proved."""
+    ambiguity = result.fit.equilibria.classification.ambiguity
+    if result.certificate is None:
+        return "nothing is proved"
+    if not result.labels_unique:
+        return "with labels that are undecided another optimum may have others within its bounds"
+    if ambiguity is not None:
+        return f"of the pairs within their bounds {ambiguity.value}"
+    return "the pairs within their bounds hardly tell this rotation from another"

@@ -12,13 +12,22 @@ from commands import checked
 
 from certreg.problem import RegistrationProblem
 from certreg.registration import assess, certify
+from certreg.registration.ambiguity import NEARLY_AMBIGUOUS
 from certreg.report import registration_summary, result_document
 from certreg.report.cards import registration_card
 from certreg.report.judged_pose import assessment_summary
 from certreg.report.overview import ABOVE, SAME, Overview
 from certreg.report.page import Report
 from certreg.report.pages import html_page
-from certreg.report.remedies import FIX_TURN, GIVE_SIGMA, SINGLE_OUT, TELL_APART, WIDEN, remedies
+from certreg.report.remedies import (
+    FIX_TURN,
+    GIVE_SIGMA,
+    SINGLE_OUT,
+    TELL_APART,
+    WIDEN,
+    causes,
+    remedies,
+)
 from certreg.report.summary import OF_PRINTED, number
 from certreg.report.viewer import FAR_MEDIANS, FAR_SIGMAS, Names, colours_end, scene_document
 from certreg.results import Limits
@@ -114,6 +123,29 @@ def test_a_rotation_that_hardly_stands_has_advice_too():
         "on the rotation.</h1>" in page
     )
     assert '<p class="lead">Proved: the global optimum of exactly these numbers' in page
+
+
+@pytest.mark.parametrize("model", [{"rotation_only": True}, {"scale": "asymmetric"}])
+def test_sigma_is_no_remedy_where_no_noise_rules_a_pose_out(model: dict):
+    thin = CLOUD * [1.0, 1e-3, 1e-3]
+    near = proved(thin, thin + 5.0 * NOISE, **model)
+
+    assert near.equilibria.nearly_ambiguous
+    assert remedies(near) == [f"{TELL_APART}."]
+    assert causes(near) == [NEARLY_AMBIGUOUS]
+
+
+def test_a_cause_stands_beside_each_remedy_of_a_rotation_that_hardly_stands():
+    thin = CLOUD * [1.0, 1e-3, 1e-3]
+    line = np.outer(np.arange(5.0), [1.0, 2.0, 3.0])
+
+    assert causes(proved(thin, thin + 5.0 * NOISE)) == [NEARLY_AMBIGUOUS]
+    assert causes(proved(line, line)) == [
+        "Not unique: the source points are collinear: turning the body about its own line changes "
+        "nothing."
+    ]
+    assert causes(proved(CLOUD, GOOD, sigma=10.0)) == []  # the headline says it
+    assert causes(proved(CLOUD, GOOD)) == []
 
 
 def test_a_loose_turn_has_advice_too():

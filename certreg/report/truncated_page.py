@@ -1,0 +1,203 @@
+"""The report of a registration by truncated squares: still pictures, and no script."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, ClassVar, Self, cast
+
+import numpy as np
+
+from certreg.registration import (
+    DONE,
+    are_words,
+    at_least,
+    at_most,
+    widest_angles,
+)
+from certreg.report.any_report import AnyReport, head_of, pairs_words, required_proof
+from certreg.report.consensus_picture import pairs_picture, residual_chart
+from certreg.report.consensus_summary import counted_labels
+from certreg.report.overview import Fact, Overview
+from certreg.report.similarity_overview import similarity_overview
+from certreg.report.summary import number
+from certreg.report.truncated_summary import (
+    optimum_degrees,
+    truncated_causes,
+    truncated_remedies,
+    why_unbounded,
+)
+from certreg.report.words import Sentence, begun, sentence
+from certreg.results import Guarantee
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping
+
+    from numpy.typing import NDArray
+
+    from certreg.registration import TruncatedRegistration
+    from certreg.report.viewer import Names
+    from certreg.verify import Worth
+
+MOST_ROWS = 40  # undecided pairs in the table
+NEAREST = 12  # pairs nearest to their bounds, in the table
+COST_DIGITS = 9  # of a cost, rounded outwards
+BOXES = ("truncated_survey", "truncated_box", "chord_bound")
+NOT_CLAIMED = (
+    "that an inlier is a right pair: only that every optimum has it within its bound",
+    "that the rotation is close to the truth: only that its truncated cost is near the least",
+    "anything of the names in the certificate, and where the points come from",
+)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class TruncatedReport(AnyReport[Any]):
+    """What a page shows of a registration by truncated squares."""
+
+    TEMPLATE: ClassVar = "report/templates/truncated.html"
+    DIGESTED: ClassVar = "points, weights and bounds"
+
+    registration: TruncatedRegistration
+
+    @classmethod
+    def of(cls, registration: Any, *, documentation: str | None = None) -> Self:
+        """The report of a registration just made. Raises ValueError where it is not certified."""
+        certificate, verdict = required_proof(registration)
+        return cls(
+            registration=cast("TruncatedRegistration", registration),
+            certificate=certificate,
+            content=certificate.to_json(),
+            verdict=verdict,
+            documentation=documentation,
+        )
+
+    def values(self, names: Names) -> Mapping[str, Any]:
+        """Headline, rotation and pictures; angles against the bounds, what is undecided; proofs."""
+        result = self.registration
+        picture, labels = pairs_picture(result), np.array(result.labels)
+        share = result.residuals / result.problem.bounds
+        near = np.argsort(np.abs(np.log(np.maximum(share, np.finfo(float).tiny))), kind="stable")
+        undecided = near[labels[near] == "undecided"]
+        head = head_of(
+            result.headline,
+            further=truncated_causes(result),
+            todo=truncated_remedies(result),
+            warnings=[one.text for one in result.fit.fit.warnings],
+        )
+        return {
+            **head,
+            "good": result.exit_code == DONE,
+            "overview": _overview(result),
+            "picture": picture,
+            "picture_words": "" if picture is None else sentence(begun(picture.words)),
+            "chart": residual_chart(result),
+            "residual_words": list(_residual_words(result)),
+            "nearest": list(_rows(result, names, near[:NEAREST])),
+            "undecided": list(_rows(result, names, undecided[:MOST_ROWS])),
+            "undecided_words": _undecided_words(len(undecided)),
+            "known": list(_known(result)),
+            "not_claimed": [sentence(begun(words)) for words in NOT_CLAIMED],
+            "labelled": names.labels is not None,
+            "certificate_link": self.certificate_link,
+        }
+
+
+def _worth(result: TruncatedRegistration) -> Worth:
+    worth = result.verdict.worth
+    assert worth is not None  # noqa: S101 - there is a page of an accepted certificate alone
+    return worth
+
+
+def _overview(result: TruncatedRegistration) -> Overview:
+    """That of the least squares over the pairs within, with what is proved of all rotations."""
+    worth = _worth(result)
+    degrees = optimum_degrees(result)
+    turn = Fact(name="Angle", value="not bounded", words=why_unbounded(result))
+    if degrees is not None:
+        turn = Fact(name="Angle", value=f"≤ {degrees}°", words="from this rotation to any optimum")
+    facts = (
+        Fact(
+            name="Truncated cost",
+            value=f"≤ {at_most(worth.objective, COST_DIGITS)}",
+            words="of this rotation",
+        ),
+        Fact(
+            name="Least cost",
+            value=f"≥ {at_least(worth.minimum, COST_DIGITS)}",
+            words=f"over all rotations; that of this one is less than {at_most(worth.gap, 2)} more",
+        ),
+        Fact(name="Labels", value=counted_labels(result.labels), words="at every optimum"),
+        turn,
+    )
+    return replace(similarity_overview(result.fit), proved=facts)
+
+
+def _residual_words(result: TruncatedRegistration) -> Iterator[str]:
+    """Which pairs the rotation is fitted to, and which angles their bounds allow."""
+    problem, within = result.problem, len(result.rows)
+    yield (
+        f"The rotation is that of the least squares over the {pairs_words(within)} within, each "
+        "residual divided by its bound."
+    )
+    most = np.degrees(widest_angles(problem.source, problem.target, problem.bounds))
+    allowed = most[np.isfinite(most)]
+    if len(allowed):
+        low, high = (_degrees(float(end)) for end in (allowed.min(), allowed.max()))
+        angles = low if low == high else f"{low} to {high}"
+        yield f"A pair is within its bound up to an angle of {angles} between its two points."
+    if (far := int(np.isnan(most).sum())) > 0:
+        are = "is a pair" if far == 1 else f"are {far} pairs"
+        yield f"There {are} that no rotation brings within: the two lengths differ by too much."
+
+
+def _rows(
+    result: TruncatedRegistration, names: Names, rows: NDArray[np.intp]
+) -> Iterator[dict[str, str]]:
+    """These pairs for a table."""
+    problem, residuals = result.problem, result.residuals
+    angles = np.degrees(result.angles)
+    most = np.degrees(widest_angles(problem.source, problem.target, problem.bounds))
+    for row in rows.tolist():
+        yield {
+            "row": str(row),
+            "label": "" if names.labels is None else names.labels[row],
+            "angle": _degrees(float(angles[row])),
+            "most": _degrees(float(most[row])),
+            "residual": number(float(residuals[row])),
+            "share": f"{float(residuals[row] / problem.bounds[row]):.3g}",
+            "proved": result.labels[row],
+        }
+
+
+def _degrees(angle: float) -> str:
+    return "none" if np.isnan(angle) else f"{angle:.3g}°"
+
+
+def _undecided_words(count: int) -> str:
+    more = f" The {MOST_ROWS} nearest to their bounds are listed." if count > MOST_ROWS else ""
+    return (
+        f"Of {pairs_words(count)} it is not proved on which side of the bound an optimum has "
+        f"it: two optima differ there, or one is so near to the bound that no search tells.{more}"
+    )
+
+
+def _known(result: TruncatedRegistration) -> list[Sentence]:
+    exact, worth, labels = Guarantee.EXACT, _worth(result), result.labels
+    cost, least = at_most(worth.objective, COST_DIGITS), at_least(worth.minimum, COST_DIGITS)
+    sure, out = labels.count("inlier"), labels.count("outlier")
+    counts = f"{are_words(sure, 'inlier')} and {are_words(out, 'outlier')}"
+    told = [
+        f"The truncated cost of this rotation is at most {cost}, and none has one below {least}.",
+        f"Of the {result.problem.n} pairs {counts} at every optimum.",
+    ]
+    if (degrees := optimum_degrees(result)) is not None:
+        told.append(f"Every optimum is within {degrees} degrees of this rotation.")
+    if result.unique:
+        told.append("The optimum is one single rotation: every other one has a larger cost.")
+    found = [Sentence(words=words, guarantee=exact, theorems=BOXES) for words in told]
+    words = f"The least squares over the {pairs_words(len(result.rows))} within: "
+    fit = Sentence(
+        words=f"{words}{result.fit.status.value}.",
+        guarantee=exact,
+        theorems=("optimality_certificate",),
+    )
+    return [*found, fit]
