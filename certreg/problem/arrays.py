@@ -157,7 +157,8 @@ def mapped_file(array: NDArray[Any]) -> mmap.mmap | None:
     """
     owner: Any = array
     while owner is not None and not isinstance(owner, mmap.mmap):
-        owner = owner.obj if isinstance(owner, memoryview) else getattr(owner, "base", None)
+        base = owner.obj if isinstance(owner, memoryview) else getattr(owner, "base", None)
+        owner = None if base is owner else base  # an array of Cython's names itself
     return owner if owner is not None and memoryview(owner).readonly else None
 
 

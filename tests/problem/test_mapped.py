@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 import strategies
+from scipy.spatial.transform import Rotation
 
 from certreg import RegistrationProblem
 from certreg.errors import InvalidProblemError
@@ -154,3 +155,19 @@ def test_equal_weights_take_the_place_of_one():
         assert problem.weights.shape == (5,)
         assert problem.weights.strides == (0,)
         assert not problem.weights.flags.writeable
+
+
+class NamesItself:
+    """As the arrays of Cython that lend their memory: their base is themselves."""
+
+    def __init__(self, array: np.ndarray) -> None:
+        self.array, self.base = array, self
+        self.__array_interface__ = array.__array_interface__
+
+
+def test_an_owner_that_names_itself_is_no_file():
+    array = np.asarray(NamesItself(np.eye(3)))
+    assert isinstance(array.base, NamesItself)
+    assert mapped_file(array) is None
+    turn = Rotation.from_rotvec([0.0, 0.0, 1.0]).as_matrix()
+    assert RegistrationProblem(turn, np.eye(3)).n == 3
