@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from certreg.problem.consensus import LEAST_PAIRS as LEAST_PAIRS
     from certreg.problem.consensus import ConsensusProblem as ConsensusProblem
     from certreg.problem.effort import checked_effort as checked_effort
+    from certreg.problem.effort import checked_threads as checked_threads
     from certreg.problem.exact_sums import FACTORS as FACTORS
     from certreg.problem.exact_sums import UPPER as UPPER
     from certreg.problem.exact_sums import second_method as second_method
@@ -63,7 +64,6 @@ if TYPE_CHECKING:
     from certreg.problem.problem import MIN_DAMPING as MIN_DAMPING
     from certreg.problem.problem import RegistrationProblem as RegistrationProblem
     from certreg.problem.problem import checked_damping as checked_damping
-    from certreg.problem.problem import checked_threads as checked_threads
     from certreg.problem.problem import lift as lift
     from certreg.problem.random_instances import PAPER_DAMPING as PAPER_DAMPING
     from certreg.problem.random_instances import PAPER_POINTS as PAPER_POINTS
@@ -116,7 +116,7 @@ __getattr__ = lazy_face(
             "LEAST_PAIRS",
             "ConsensusProblem",
         ),
-        "effort": ("checked_effort",),
+        "effort": ("checked_effort", "checked_threads"),
         "exact_sums": (
             "FACTORS",
             "UPPER",
@@ -171,7 +171,6 @@ __getattr__ = lazy_face(
             "MIN_DAMPING",
             "RegistrationProblem",
             "checked_damping",
-            "checked_threads",
             "lift",
         ),
         "random_instances": (

@@ -42,17 +42,14 @@ class ConsensusProblem(Brief):
         Points, and the weights and the scale of the least squares over the pairs that are met.
     bounds
         (N,), > 0, in the unit of the clouds; where the scale is free, in that of the target.
-    factors
-        (N, 6), of the general springs of that least squares, as a problem has them; None where it
-        has weights. They change no bound: which pairs a motion meets is a matter of their points.
-    notes
-        What the user should know of these springs.
+    sprung
+        The same with the general springs of that least squares; None where it has weights. They
+        change no bound: which pairs a motion meets is a matter of their points.
     """
 
     problem: RegistrationProblem
     bounds: NDArray[np.float64]
-    factors: NDArray[np.float64] | None = None
-    notes: tuple[str, ...] = ()
+    sprung: RegistrationProblem | None = None
 
     @classmethod
     def of(cls, problem: RegistrationProblem, max_residual: Any) -> ConsensusProblem:
@@ -62,8 +59,11 @@ class ConsensusProblem(Brief):
         nothing; for fewer than 3 or more than 4,096 pairs; and without a translation.
         """
         if problem.rotation_only:
-            message = f"{NAME} is of a motion with a translation, not yet with --rotation-only"
-            raise InvalidProblemError(f"{message}: leave one out", array=NAME)
+            message = (
+                f"{NAME} with --rotation-only: the most pairs are sought of motions with a "
+                "translation; add --objective truncated (objective='truncated'), or leave one out"
+            )
+            raise InvalidProblemError(message, array=NAME)
         if not LEAST_PAIRS <= problem.n <= MOST_PAIRS:
             message = (
                 f"{NAME} needs {LEAST_PAIRS} to {MOST_PAIRS} pairs, there are {problem.n}: "
@@ -78,13 +78,23 @@ class ConsensusProblem(Brief):
         block = problem.spring_block(slice(None))
         points = RegistrationProblem(block.source, block.target)
         _require_narrow(points, bounds)
-        notes = () if problem.springs is None else problem.springs.notes
-        return cls(points, bounds, block.factors, notes)
+        return cls(points, bounds, problem)
 
     @property
     def n(self) -> int:
         """Number of pairs."""
         return self.problem.n
+
+    @property
+    def factors(self) -> NDArray[np.float64] | None:
+        """(N, 6), of the general springs; None where there are weights."""
+        return None if self.sprung is None else self.sprung.spring_block(slice(None)).factors
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What the user should know of the general springs."""
+        springs = None if self.sprung is None else self.sprung.springs
+        return () if springs is None else springs.notes
 
     def data_bytes(self) -> bytes:
         """The bytes that state the problem: prefix, n (u64), points, weights, then bounds.
@@ -92,10 +102,10 @@ class ConsensusProblem(Brief):
         With general springs there are no weights, and their factors come last.
         """
         block = self.problem.block(slice(None))
-        if self.factors is None:
+        if (factors := self.factors) is None:
             prefix, own = PREFIXES[self.problem.scale], (block.weights, self.bounds)
         else:
-            prefix, own = SPRUNG_PREFIX, (self.bounds, self.factors)
+            prefix, own = SPRUNG_PREFIX, (self.bounds, factors)
         head, arrays = prefix + self.n.to_bytes(8, "little"), (block.source, block.target, *own)
         return head + b"".join((array + 0.0).astype("<f8").tobytes() for array in arrays)
 
@@ -104,18 +114,11 @@ class ConsensusProblem(Brief):
         return hashlib.sha256(self.data_bytes()).hexdigest()
 
     def of_rows(self, rows: Sequence[int]) -> RegistrationProblem:
-        """The least-squares problem of some of the pairs, with their weights, or their springs.
+        """The least-squares problem of some of the pairs, with all that goes with them.
 
         Raises InvalidProblemError where all of them are 0.
         """
-        block, chosen = self.problem.block(slice(None)), list(rows)
-        if self.factors is not None:
-            return RegistrationProblem(
-                block.source[chosen], block.target[chosen], factors=self.factors[chosen]
-            )
-        return RegistrationProblem(
-            block.source[chosen], block.target[chosen], weights=block.weights[chosen]
-        ).modelled(self.problem.scale, rotation_only=False)
+        return (self.sprung or self.problem).of_rows(rows)
 
 
 def _require_narrow(problem: RegistrationProblem, bounds: NDArray[np.float64]) -> None:
@@ -128,9 +131,10 @@ def _require_narrow(problem: RegistrationProblem, bounds: NDArray[np.float64]) -
     if not problem.scaled:
         half, cloud = min(half, _diameter(block.source) / 2.0), "smaller cloud"
     if float(bounds.min()) >= half:
+        least = "" if (bounds == bounds[0]).all() else " at least"
         message = (
-            f"{NAME} is {float(bounds.min()):g}, not below half the diameter of the {cloud}, "
-            f"{half:g}: every pair may be brought within; give a smaller bound"
+            f"{NAME} is {float(bounds.min()):g}{least}, not below half the diameter of the "
+            f"{cloud}, {half:g}: every pair may be brought within; give a smaller bound"
         )
         raise InvalidProblemError(message, array=NAME, value=float(bounds.min()), limit=half)
 

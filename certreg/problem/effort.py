@@ -1,8 +1,9 @@
-"""How hard to search: one factor on all budgets."""
+"""How much work is to be done: one factor on all budgets, a number of threads."""
 
 from __future__ import annotations
 
 import math
+import operator
 from typing import Any
 
 from certreg.errors import InvalidProblemError
@@ -36,3 +37,15 @@ def checked_effort(effort: Any) -> float:
         message = f"effort is {effort!r}: give a number above 0, at most {MOST_EFFORT:g}"
         raise InvalidProblemError(message, array="effort", value=effort, limit=MOST_EFFORT)
     return value
+
+
+def checked_threads(threads: Any) -> int:
+    """A number of threads, 1 or more; raises InvalidProblemError for anything else."""
+    try:
+        count = operator.index(threads)
+    except TypeError:
+        count = 0
+    if isinstance(threads, bool) or count < 1:
+        message = f"threads is {threads!r}: it must be a whole number, 1 or more"
+        raise InvalidProblemError(message, array="threads", value=threads, limit=1)
+    return count

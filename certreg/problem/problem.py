@@ -9,7 +9,6 @@ from __future__ import annotations
 import copy
 import hashlib
 import math
-import operator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -27,16 +26,16 @@ from certreg.problem.model import (
 )
 from certreg.problem.row_labels import require_same_labels
 from certreg.problem.spring_rows import warn_of_unused
-from certreg.problem.springs import SPRINGS_PREFIX, GivenSprings, stated_springs
-from certreg.problem.weighing import given_sigma, given_weights, masses
+from certreg.problem.springs import SPRINGS_PREFIX, GivenSprings
+from certreg.problem.weighing import masses, weighed_springs
 from certreg.results import Brief
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Sequence
 
     from numpy.typing import ArrayLike, NDArray
 
-    from certreg.problem.springs import SpringSummary, StatedSprings
+    from certreg.problem.springs import SpringSummary
 
 NO_WEIGHTS = (
     "this problem has general springs, a matrix for every pair and not a weight: what was asked is "
@@ -148,7 +147,9 @@ class RegistrationProblem(Brief):
             factors=factors,
         )
         require_same_labels(source, target=target, sigma=sigma, weights=weights, **given.rows)
-        springs = _springs(given, (source, target), sigma, weights, n) if given.rows else None
+        springs = (
+            weighed_springs(given, (source, target), sigma, weights, n) if given.rows else None
+        )
         if springs is None:
             warn_of_unused(target, n, depth=1)
         for name, value in (
@@ -233,6 +234,37 @@ class RegistrationProblem(Brief):
         other = copy.copy(self)
         object.__setattr__(other, "damping", checked_damping(damping))
         object.__setattr__(other, "damping_given", True)
+        return other
+
+    def of_rows(self, rows: Sequence[int]) -> RegistrationProblem:
+        """The same problem of some of the pairs, with their weights, or springs, and their noise.
+
+        Parameters
+        ----------
+        rows
+            Of the pairs.
+
+        Returns
+        -------
+        RegistrationProblem
+            Of copies of their rows.
+
+        Raises
+        ------
+        InvalidProblemError
+            Where none of them counts: all have the weight 0, or a spring that is 0.
+        """
+        kept = list(rows)
+        other = RegistrationProblem(
+            self.source[kept],
+            self.target[kept],
+            weights=None if self._weights is None else self._weights[kept],
+            factors=None if self.factors is None else self.factors[kept],
+            damping=self.damping if self.damping_given else None,
+            scale=self.scale,
+            rotation_only=self.rotation_only,
+        )
+        object.__setattr__(other, "noise_given", self.noise_given)
         return other
 
     @property
@@ -406,32 +438,7 @@ def checked_damping(damping: Any) -> float:
     return value
 
 
-def checked_threads(threads: Any) -> int:
-    """A number of threads, 1 or more; raises InvalidProblemError for anything else."""
-    try:
-        count = operator.index(threads)
-    except TypeError:
-        count = 0
-    if isinstance(threads, bool) or count < 1:
-        message = f"threads is {threads!r}: it must be a whole number, 1 or more"
-        raise InvalidProblemError(message, array="threads", value=threads, limit=1)
-    return count
-
-
 def _read_only(array: NDArray[np.float64]) -> NDArray[np.float64]:
     view = array.view()
     view.flags.writeable = False
     return view
-
-
-def _springs(
-    given: GivenSprings,
-    clouds: tuple[Any, Any],
-    sigma: ArrayLike | None,
-    weights: ArrayLike | None,
-    n: int,
-) -> StatedSprings:
-    """General springs over sigma, or times the weights."""
-    over = None if sigma is None else given_sigma(sigma, n)
-    times = None if weights is None else given_weights(weights, n)
-    return stated_springs(given, clouds, n, sigma=over, weights=times)

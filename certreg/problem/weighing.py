@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -11,9 +11,12 @@ from certreg.errors import InvalidProblemError
 from certreg.exact import weight_of_sigma
 from certreg.problem.arrays import finite_doubles, real_numbers
 from certreg.problem.blocks import first_row
+from certreg.problem.springs import stated_springs
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
+
+    from certreg.problem.springs import GivenSprings, StatedSprings
 
 
 def masses(sigma: ArrayLike | None, weights: ArrayLike | None, n: int) -> NDArray[np.float64]:
@@ -73,3 +76,16 @@ def _weights_from_sigma(sigma: ArrayLike, n: int) -> NDArray[np.float64]:
             )
             raise InvalidProblemError(message, array="sigma", value=value)
     return np.broadcast_to(weights[inverse], (n,))
+
+
+def weighed_springs(
+    given: GivenSprings,
+    clouds: tuple[Any, Any],
+    sigma: ArrayLike | None,
+    weights: ArrayLike | None,
+    n: int,
+) -> StatedSprings:
+    """General springs over sigma, or times the weights."""
+    over = None if sigma is None else given_sigma(sigma, n)
+    times = None if weights is None else given_weights(weights, n)
+    return stated_springs(given, clouds, n, sigma=over, weights=times)

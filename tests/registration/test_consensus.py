@@ -246,7 +246,7 @@ def test_nothing_that_fits_is_undecided():
         ({"bound": 0.0}, "max_residual is 0"),
         (
             {"rotation_only": True},
-            "max_residual is of a motion with a translation, not yet with --rot",
+            "max_residual with --rotation-only: the most pairs are sought of motions",
         ),
         ({"effort": 0}, "effort is 0: give a number above 0"),
         ({"effort": "much"}, "effort is 'much': give a number above 0"),

@@ -116,7 +116,7 @@ def test_what_is_not_decided_is_said():
         (
             RIGHT,
             {"rotation_only": True},
-            "max_residual is of a motion with a translation, not yet with",
+            "max_residual with --rotation-only: the most pairs are sought of motions",
         ),
     ],
 )
@@ -152,7 +152,7 @@ def test_the_command(tmp_path, monkeypatch):
     truncated = ("--max-residual", "0.05", "--objective", "truncated")
     for name, options, words in (
         ("right.txt", truncated, "give --rotation-only"),
-        ("few.txt", ("--max-residual", "0.05"), "few.txt: holds 3 labels: give one per"),
+        ("few.txt", ("--max-residual", "0.05"), "few.txt: holds 3 labels, the source has 20"),
         (
             "letters.txt",
             ("--max-residual", "0.05"),

@@ -172,7 +172,7 @@ def test_a_certificate_alone_makes_the_report_and_says_no_more(tmp_path):
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        ({"rotation_only": True}, "max_residual is of a motion with a translation, not yet with"),
+        ({"rotation_only": True}, "max_residual with --rotation-only: the most pairs are sought"),
         ({"max_residual": 2.0}, "not below half the diameter of the target, "),
         ({"objective": "truncated"}, "truncated"),
     ],
