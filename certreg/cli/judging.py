@@ -131,8 +131,8 @@ def assess(
 def _told_of_labels(
     problem: RegistrationProblem, pair: Pair, file: Path, wrong: WrongPairs, *, as_json: bool
 ) -> int:
-    bounds = wrong.bounds(pair, problem.n)
-    labels = read_inliers(file, pair, problem.n)
+    bounds = wrong.bounds(pair)
+    labels = read_inliers(file, pair)
     kept: KeptPairs | TruncatedLabels
     if wrong.objective == TRUNCATED:
         turned = TruncatedProblem(problem, bounds)

@@ -289,8 +289,7 @@ def _of_any_weight(clouds: RegistrationProblem | Clouds) -> Clouds:
 
 def _bounded(clouds: Any, pair: Pair, wrong: WrongPairs) -> Clouds:
     """The clouds of a problem with the bounds of its pairs."""
-    bounds = wrong.bounds(pair, clouds.n)
-    return certificate.bounded_clouds(clouds, bounds, wrong.objective)
+    return certificate.bounded_clouds(clouds, wrong.bounds(pair), wrong.objective)
 
 
 def _of_model(
@@ -381,8 +380,8 @@ def cloud_options(command: Callable[..., Any]) -> Callable[..., Any]:
             **({} if springs is None else {"springs": springs}),
         )
         stated = stated.modelled(**model)
-        if damping == OPTIMAL:
-            stated = registration.optimally_damped(stated)
+        if damping == OPTIMAL and options.get("max_residual") is None:
+            stated = registration.optimally_damped(stated)  # else that of the pairs within
         for note in pair.notes:
             click.echo(f"note: {note}", err=True)
         with _patience(f"working on {stated.n} correspondences"):

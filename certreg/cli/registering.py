@@ -6,7 +6,7 @@ import shlex
 import sys
 from importlib.resources import files
 from pathlib import Path
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING, Any, cast
 
 import click
 
@@ -64,7 +64,7 @@ if TYPE_CHECKING:
     "--solver",
     metavar="NAME",
     help="Of the relaxation: one that CVXPY finds installed, SCS for example. Default: Clarabel, "
-    "without CVXPY.",
+    "without CVXPY; with --max-residual no relaxation.",
 )
 @click.option(
     "--no-simulation",
@@ -74,7 +74,8 @@ if TYPE_CHECKING:
 @click.option(
     "--integrator",
     type=click.Choice(["euler", "midpoint", "splitting"]),
-    help="Of the simulation. Default: splitting; with --scale asymmetric midpoint, the only one.",
+    help="Of the simulation. Default: splitting; with --scale asymmetric midpoint, the only one; "
+    "with --max-residual no simulation.",
 )
 @click.option(
     "--robustness-angle",
@@ -110,16 +111,7 @@ def certify(
         message = f"--integrator {integrator}: {ONLY_MIDPOINT}"
         raise click.UsageError(message)
     about = {"certreg": __version__, **pair.about}
-    if wrong is not None:
-        result = certified(
-            problem,
-            **wrong.asked(pair, problem.n),
-            about=about,
-            max_gap=max_gap,
-            max_angle=max_angle,
-        )
-        chosen = cast("ConsensusRegistration | TruncatedRegistration", result)
-        return _told_of_consensus(chosen, pair.notes, demands, out, as_json=as_json)
+    asked: dict[str, Any] = {} if wrong is None else wrong.asked(pair)
     registration = certified(
         problem,
         relaxation=solver or not no_relaxation,
@@ -128,7 +120,11 @@ def certify(
         max_gap=max_gap,
         max_angle=max_angle,
         robustness_angle=robustness_angle,
+        **asked,
     )
+    if wrong is not None:
+        chosen = cast("ConsensusRegistration | TruncatedRegistration", registration)
+        return _told_of_consensus(chosen, pair.notes, demands, out, as_json=as_json)
     path = None if out is None else write_folder(registration, out, notes=pair.notes)
     if as_json:
         click.echo(dumps(result_document(registration, path and str(path), notes=pair.notes)))

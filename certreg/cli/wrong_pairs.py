@@ -16,6 +16,7 @@ import click
 # Of this wing names are asked where they are needed: they load NumPy.
 from certreg import io
 from certreg.cli.numbers import NUMBER
+from certreg.errors import InvalidProblemError
 from certreg.report import printable
 
 if TYPE_CHECKING:
@@ -64,7 +65,7 @@ def consensus_options(command: Callable[..., Any]) -> Callable[..., Any]:
         wrong = None
         if max_residual is not None:
             wrong = WrongPairs(max_residual, 1.0 if effort is None else effort, objective)
-        with _told_on_terminal():
+        with _told_on_terminal(), _named_as_typed(max_residual):
             return command(*args, wrong=wrong, **options)
 
     return wrapped
@@ -89,7 +90,8 @@ def certified_bounds(command: Callable[..., Any]) -> Callable[..., Any]:
             message = "--objective goes with --max-residual"
             raise click.UsageError(message)
         wrong = None if max_residual is None else WrongPairs(max_residual, 1.0, objective)
-        return command(*args, wrong=wrong, **options)
+        with _named_as_typed(max_residual):
+            return command(*args, wrong=wrong, **options)
 
     return wrapped
 
@@ -102,22 +104,46 @@ class WrongPairs:
     effort: float
     objective: str | None
 
-    def asked(self, pair: Pair, n: int) -> dict[str, Any]:
-        """The arguments of `certify` of n pairs."""
-        bounds = self.bounds(pair, n)
+    def asked(self, pair: Pair) -> dict[str, Any]:
+        """The arguments of `certify` of the pairs."""
+        bounds = self.bounds(pair)
         return {"max_residual": bounds, "objective": self.objective, "effort": self.effort}
 
-    def bounds(self, pair: Pair, n: int) -> Any:
-        """One number, or one for each of n pairs."""
-        try:
-            return NUMBER.convert(self.max_residual, None, None)
-        except click.BadParameter as error:
-            if not Path(self.max_residual).is_file():
-                message = (
-                    f"--max-residual {printable(self.max_residual)}: neither a number nor a file"
-                )
-                raise click.UsageError(message) from error
-        return io.read_bounds(Path(self.max_residual), pair, n)
+    def bounds(self, pair: Pair) -> Any:
+        """One number, or one for each of the pairs."""
+        number = _number(self.max_residual)
+        if number is not None:
+            return number
+        if not Path(self.max_residual).is_file():
+            message = f"--max-residual {printable(self.max_residual)}: neither a number nor a file"
+            raise click.UsageError(message)
+        return io.read_bounds(Path(self.max_residual), pair)
+
+
+def _number(text: str) -> float | None:
+    """What was typed, if that is a number."""
+    try:
+        return NUMBER.convert(text, None, None)
+    except click.BadParameter:
+        return None
+
+
+@contextmanager
+def _named_as_typed(max_residual: str | None) -> Generator[None]:
+    """Says what is wrong with bounds by the name of the option, and of the file if it is one."""
+    try:
+        yield
+    except InvalidProblemError as error:
+        if max_residual is None or error.array != "max_residual":
+            raise
+        file = "" if _number(max_residual) is not None else f" {printable(max_residual)}"
+        raise InvalidProblemError(
+            str(error).replace("max_residual", f"--max-residual{file}"),
+            array=error.array,
+            row=error.row,
+            value=error.value,
+            limit=error.limit,
+        ) from error
 
 
 class _Patient(logging.Handler):

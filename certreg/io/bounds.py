@@ -9,6 +9,8 @@ import numpy as np
 from certreg.errors import InvalidFileError
 from certreg.io.npy import read_array
 from certreg.io.text import read_numbers
+from certreg.problem import first_row
+from certreg.verify import shown
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -18,18 +20,27 @@ if TYPE_CHECKING:
     from certreg.io.clouds import Pair
 
 
-def read_bounds(path: Path, pair: Pair, n: int) -> NDArray[np.float64]:
-    """The bounds of n pairs, from .npy or from text with one number a line.
+def read_bounds(path: Path, pair: Pair) -> NDArray[np.float64]:
+    """The bounds of the pairs, from .npy or from text with one number a line.
 
-    Raises InvalidFileError where the file cannot be read or holds another number of them.
+    Raises InvalidFileError where the file cannot be read, holds another number of them or one that
+    bounds nothing.
     """
     npy = path.suffix.lower() == ".npy"
     numbers = read_array(path) if npy else np.array(read_numbers(path), dtype=np.float64)
-    rows = pair.source_rows
-    few = numbers.ndim != 1 or len(numbers) != n
-    if few if rows is None else numbers.ndim != 1 or len(numbers) <= int(rows.max()):
+    n = pair.sizes[0]
+    if numbers.shape != (n,):
+        held = f"{len(numbers)} bounds" if numbers.ndim == 1 else f"an array {numbers.shape}"
         message = (
-            f"{path}: holds an array of shape {numbers.shape}: give one bound per row of the source"
+            f"{shown(path)}: holds {held}, the source has {n} rows: give one bound for each of them"
         )
         raise InvalidFileError(message, path=path, value=numbers.shape, limit=n)
-    return numbers if rows is None else numbers[rows]
+    row = first_row(numbers, lambda block: ~((block > 0) & np.isfinite(block)))
+    if row is not None:
+        value = numbers[row].item()
+        message = (
+            f"{shown(path)}: bound {row} (counting from 0) is {value}: a bound must be finite and "
+            "> 0, in the unit of the clouds"
+        )
+        raise InvalidFileError(message, path=path, row=row, value=value, limit=0.0)
+    return numbers if pair.source_rows is None else numbers[pair.source_rows]

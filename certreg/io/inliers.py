@@ -15,8 +15,8 @@ if TYPE_CHECKING:
     from certreg.io.clouds import Pair
 
 
-def read_inliers(path: Path, pair: Pair, n: int) -> list[bool]:
-    """Whether each of n pairs is labelled as an inlier, from text with one label a line.
+def read_inliers(path: Path, pair: Pair) -> list[bool]:
+    """Whether each of the pairs is labelled as an inlier, from text with one label a line.
 
     Raises InvalidFileError where the file cannot be read, holds other words or another number.
     """
@@ -26,8 +26,11 @@ def read_inliers(path: Path, pair: Pair, n: int) -> list[bool]:
             what = f"'{shown(word)}' is no label"
             raise place.refusal(f"{what}: write 0 or 1, outlier or inlier", value=word)
         labels.append(INLIER_WORDS[word])
-    rows = pair.source_rows
-    if len(labels) != n if rows is None else len(labels) <= int(rows.max()):
-        message = f"{shown(path)}: holds {len(labels)} labels: give one per row of the source"
+    rows, n = pair.source_rows, pair.sizes[0]
+    if len(labels) != n:
+        message = (
+            f"{shown(path)}: holds {len(labels)} labels, the source has {n} rows: give one for "
+            "each of them"
+        )
         raise InvalidFileError(message, path=path, value=len(labels), limit=n)
     return labels if rows is None else [labels[row] for row in rows.tolist()]

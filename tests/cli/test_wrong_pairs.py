@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
+from commands import certreg as run
 
 import certreg
 from certreg.cli import wrong_pairs
@@ -47,6 +48,71 @@ def test_a_search_that_takes_long_says_how_far_it_is(
     assert not stop.value.code
     assert (TOLD in capsys.readouterr().err) == bool(told)
     assert not logging.getLogger(wrong_pairs.SEARCH).handlers
+
+
+def test_options_of_the_least_squares_act_on_them(tmp_path):
+    asked = "certify", *clouds(tmp_path), "--max-residual", "0.1", "--json"
+    plain = run(*asked, "--no-relaxation", "--no-simulation").document
+    best = run(*asked, "--damping", "optimal").document
+    told = run(
+        *asked, "--damping", "3", "--integrator", "euler", "--robustness-angle", "2"
+    ).document
+
+    assert best["damping"] == plain["damping"] != 3.0
+    assert told["damping"] == 3.0
+    assert told["simulation"]["integrator"] == "euler"
+    assert told["robustness"]["angle_deg"] == 2.0
+    assert plain["robustness"]["angle_deg"] == 5.0
+    assert plain["reasons"]["simulation"].endswith("--integrator NAME (simulation)")
+
+
+@pytest.mark.parametrize(
+    ("bounds", "more", "said"),
+    [
+        ("0.1\n" * 7, (), "bounds.txt: holds 7 bounds, the source has 8 rows: give one bound for"),
+        ("0.1\n" * 9, (), "bounds.txt: holds 9 bounds, the source has 8 rows: give one bound for"),
+        ("0.1\n" * 3, ("--pairs", "pairs.csv"), "holds 3 bounds, the source has 8 rows"),
+        ("0.1\n0\n" * 4, (), "bounds.txt: bound 1 (counting from 0) is 0.0: a bound must be fin"),
+        ("7\n" * 8, (), "bounds.txt is 7, not below half the diameter of the smaller cloud, "),
+        ("7\n9\n" * 4, (), "bounds.txt is 7 at least, not below half the diameter of the smaller"),
+        ("0.1\n" * 8, ("--rotation-only",), "bounds.txt with --rotation-only: the most pairs are "),
+    ],
+)
+def test_bounds_in_a_file_are_refused_by_its_name(tmp_path, bounds, more, said):
+    (tmp_path / "bounds.txt").write_text(bounds, "utf-8")
+    (tmp_path / "pairs.csv").write_text("0,0\n5,5\n2,2\n", "utf-8")
+    given = [tmp_path / one if one.endswith("csv") else one for one in more]
+    asked = "certify", *clouds(tmp_path), "--max-residual", tmp_path / "bounds.txt", *given
+    refused = run(*asked)
+
+    assert refused.code == 2
+    assert said in refused.err
+    assert "max_residual" not in refused.err
+    lines = [line for line in refused.err.splitlines() if not line.startswith("note: ")]
+    assert len(lines) == 1
+
+
+@pytest.mark.parametrize(
+    ("bound", "more", "said"),
+    [
+        ("7", (), "--max-residual is 7, not below half the diameter of the smaller cloud, "),
+        ("0", (), "--max-residual is 0.0: a bound must be finite and > 0"),
+        ("0.1", ("--rotation-only",), "add --objective truncated (objective='truncated'), or lea"),
+    ],
+)
+def test_a_bound_is_refused_by_the_name_of_the_option(tmp_path, bound, more, said):
+    refused = run("certify", *clouds(tmp_path), "--max-residual", bound, *more)
+    assert (refused.code, refused.err.count("\n")) == (2, 1)
+    assert said in refused.err
+
+
+def test_bounds_go_with_their_rows(tmp_path):
+    (tmp_path / "bounds.txt").write_text("0.1\n0.2\n" * 4, "utf-8")
+    (tmp_path / "pairs.csv").write_text("0,0\n5,5\n2,2\n7,7\n", "utf-8")
+    asked = "certify", *clouds(tmp_path), "--max-residual", tmp_path / "bounds.txt"
+    run(*asked, "--pairs", tmp_path / "pairs.csv", "--out", tmp_path / "o")
+    table = (tmp_path / "o" / "fit.csv").read_text("utf-8").splitlines()[1:]
+    assert [line.split(",")[3] for line in table] == ["0.1", "0.2", "0.1", "0.2"]
 
 
 def test_the_log_tells_it_too(monkeypatch):

@@ -42,6 +42,9 @@ CASES = (
             "certify cloud.csv noisy.csv --max-residual 0.08 --scale asymmetric",
             "certify cloud.csv planes.csv --springs plane --max-residual 0.08",
             "certify cloud.csv wall.csv --springs plane --max-residual 0.08",
+            "certify cloud.csv noisy.csv --sigma 0.02 --max-residual 0.08 --json",
+            "certify cloud.csv noisy.csv --max-residual 0.08 --rotation-only",
+            "certify short.csv narrow.csv --max-residual weights.txt",
         ),
     ),
     NetCase(
