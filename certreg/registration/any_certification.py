@@ -10,6 +10,7 @@ from certreg.native import Integrator
 from certreg.problem import ConsensusProblem, TruncatedProblem
 from certreg.registration.certification import CROSS_CHECK, PARTS, certified
 from certreg.registration.consensus import CONSENSUS_PARTS, RIGID, certified_consensus
+from certreg.registration.fit_of_pairs import FitSettings
 from certreg.registration.parts import counted
 from certreg.registration.robustness import ROBUSTNESS_ANGLE, checked_angle
 from certreg.registration.scaled_consensus import SCALED
@@ -77,7 +78,8 @@ def certify(  # noqa: PLR0913 - each is one question, and has its usual answer
         Where pairs may be wrong: how far apart the two points of a right one are at most, one
         number or (N,), in the unit of length, whatever their springs. Then the most pairs that one
         motion brings within are sought, and what is proved of each; the pose is that of the least
-        squares over these. Relaxation and simulation are left out.
+        squares over these, to which damping and `robustness_angle` go. Relaxation and simulation
+        are of these, too, and only taken where they are named: a solver, an integrator or settings.
     objective
         With `max_residual`: "consensus", the number of pairs within, or "truncated", the sum of
         min((residual / max_residual)^2, 1), of rotations alone; None is "consensus".
@@ -111,9 +113,15 @@ def certify(  # noqa: PLR0913 - each is one question, and has its usual answer
     limits = Limits(max_gap=max_gap, max_angle=max_angle)
     checked_objective(objective, max_residual)
     if max_residual is not None:
-        asked: _Settings = {
+        asked: _Asked = {
             "effort": effort,
-            "limits": limits,
+            "settings": FitSettings(
+                solver=relaxation if isinstance(relaxation, str) else None,
+                integrator=_named_integrator(simulation, stated),
+                simulation=simulation if isinstance(simulation, SimulationSettings) else None,
+                robustness_angle=checked_angle(robustness_angle),
+                limits=limits,
+            ),
             "about": {**named, **(about or {})},
         }
         chosen = _with_wrong_pairs(stated, max_residual, objective, asked, progress)
@@ -140,9 +148,9 @@ def certify(  # noqa: PLR0913 - each is one question, and has its usual answer
     return replace(registration, limits=limits)
 
 
-class _Settings(TypedDict):
+class _Asked(TypedDict):
     effort: float
-    limits: Limits
+    settings: FitSettings
     about: dict[str, Any]
 
 
@@ -150,15 +158,15 @@ def _with_wrong_pairs(
     stated: RegistrationProblem,
     max_residual: Any,
     objective: str | None,
-    settings: _Settings,
+    asked: _Asked,
     progress: Progress | None,
 ) -> ConsensusRegistration | TruncatedRegistration:
     if objective == TRUNCATED:
         problem = TruncatedProblem(stated, max_residual)
-        return certified_truncated(problem, done=counted(progress, TRUNCATED_PARTS), **settings)
+        return certified_truncated(problem, done=counted(progress, TRUNCATED_PARTS), **asked)
     pairs = ConsensusProblem.of(stated, max_residual)
     ways = SCALED if stated.scaled else RIGID
-    return certified_consensus(pairs, ways, done=counted(progress, CONSENSUS_PARTS), **settings)
+    return certified_consensus(pairs, ways, done=counted(progress, CONSENSUS_PARTS), **asked)
 
 
 def _integrator(
@@ -166,3 +174,8 @@ def _integrator(
 ) -> str:
     usual = Integrator.MIDPOINT if problem.scaled else CROSS_CHECK
     return Integrator(simulation).value if isinstance(simulation, str) else usual.value
+
+
+def _named_integrator(simulation: Any, problem: RegistrationProblem) -> str | None:
+    """Of a simulation that is asked for by more than True."""
+    return None if isinstance(simulation, bool) else _integrator(simulation, problem)

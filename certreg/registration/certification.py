@@ -76,10 +76,11 @@ def certified(  # noqa: PLR0913 - as above
     robustness_angle: float | None = None,
     about: dict[str, Any] | None = None,
     done: Callable[[str], None] = logged,
+    not_taken: Absent = NOT_ASKED,
 ) -> Registration:
     """As `certify`, the simulation by an integrator of `simulate`; None for no simulation.
 
-    done: called with the name of each part.
+    done: called with the name of each part. not_taken: why relaxation or simulation is left out.
     """
     timings: dict[str, float] = {}
     with _timed(timings, "compute"):
@@ -91,6 +92,7 @@ def certified(  # noqa: PLR0913 - as above
             robustness_angle=robustness_angle,
             about=about,
             done=done,
+            not_taken=not_taken,
         )
     certificate = solution.certificate
     verdict = None
@@ -197,12 +199,13 @@ def solve(  # noqa: PLR0913 - as above
     robustness_angle: float | None = None,
     about: dict[str, Any] | None = None,
     done: Callable[[str], None] = logged,
+    not_taken: Absent = NOT_ASKED,
 ) -> Solution:
     """Everything that is computed, nothing yet checked. integrator: None for no simulation."""
     objective = Isotropic.of(problem)
     done("exact sums")
     problem = _best_damped(problem, objective)
-    relaxed = trajectory = NOT_ASKED
+    relaxed = trajectory = not_taken
     if relaxation:
         relaxed = NO_SCALE_THERE if problem.scaled else _relaxation(objective, relaxation)
         done("relaxation")

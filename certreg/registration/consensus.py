@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import logging
 import time
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -24,7 +24,6 @@ from certreg.certificate import (
 )
 from certreg.errors import InvalidProblemError, UndecidedError
 from certreg.problem import LEAST_PAIRS, checked_effort
-from certreg.registration.certification import certified
 from certreg.registration.consensus_words import PairLabels, headline
 from certreg.registration.exit_codes import (
     DONE,
@@ -33,10 +32,10 @@ from certreg.registration.exit_codes import (
     code_of_registration,
     worst,
 )
+from certreg.registration.fit_of_pairs import USUAL, FitSettings, fitted
 from certreg.registration.row_names import RowNames
-from certreg.registration.spring_certification import certified_springs
 from certreg.relaxation import candidates
-from certreg.results import Limits, Presented, presenter
+from certreg.results import Presented, presenter
 
 if TYPE_CHECKING:
     import os
@@ -224,7 +223,7 @@ def certified_consensus(
     ways: Ways,
     *,
     effort: float = 1.0,
-    limits: Limits | None = None,
+    settings: FitSettings = USUAL,
     about: dict[str, Any] | None = None,
     done: Callable[[str], None],
 ) -> ConsensusRegistration:
@@ -245,7 +244,7 @@ def certified_consensus(
         )
         raise UndecidedError(message)
     start = time.perf_counter()
-    fit = _fit(problem, found, limits, RowNames.of(about or {}, problem.n))
+    fit = _fit(problem, found, settings, RowNames.of(about or {}, problem.n))
     certificate = ways.certificate(problem, found, fit.certificate, about)
     timings["fit"] = time.perf_counter() - start
     done("fit")
@@ -287,7 +286,7 @@ def restated(
     return ways.result(
         problem=problem,
         found=found,
-        fit=_fit(problem, found, None, RowNames.of(certificate.about, problem.n)),
+        fit=_fit(problem, found, USUAL, RowNames.of(certificate.about, problem.n)),
         certificate=certificate,
         verdict=verdict,
         second=_second(problem, found, ways, 1.0),
@@ -334,7 +333,7 @@ def proved_consensus(
 
 
 def _fit(
-    problem: ConsensusProblem, found: Consensus, limits: Limits | None, names: RowNames
+    problem: ConsensusProblem, found: Consensus, settings: FitSettings, names: RowNames
 ) -> Registration | SpringRegistration:
     """The least squares over the pairs that are met; its rows say which of all they are."""
     met, factors = list(found.met), problem.factors
@@ -344,16 +343,7 @@ def _fit(
         one, array = ("weight", "weights") if factors is None else ("spring", "factors")
         message = f"{one}s are 0 for all pairs that were met ({rows}): give one of them a {one}"
         raise InvalidProblemError(message, array=array, value=0.0, row=found.met[0])
-    stated, about = problem.of_rows(met), {"labels": [_label(names, row) for row in met]}
-    if factors is not None:
-        return certified_springs(stated, about=about, limits=limits)
-    fit = certified(stated, relaxation=False, integrator=None, about=about)
-    return fit if limits is None else replace(fit, limits=limits)
-
-
-def _label(names: RowNames, row: int) -> str:
-    label = names.label(row)
-    return f"row {row} of all" if label is None else f"{label}, row {row} of all"
+    return fitted(problem.of_rows(met), met, names, settings)
 
 
 def _second(problem: ConsensusProblem, found: Consensus, ways: Ways, effort: float) -> int | None:

@@ -7,7 +7,7 @@ searches again in integers, accepts the certificate.
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,11 +17,12 @@ from certreg.errors import InvalidProblemError, UndecidedError
 from certreg.exact import double_above
 from certreg.geometry import Pose, rotation_matrix
 from certreg.problem import RegistrationProblem, checked_effort
-from certreg.registration.certification import certified
 from certreg.registration.consensus_words import others_words
 from certreg.registration.exit_codes import DONE, NOT_CERTIFIED, NOT_UNIQUE
+from certreg.registration.fit_of_pairs import USUAL, FitSettings, fitted
 from certreg.registration.headlines import at_least, at_most
 from certreg.registration.pair_angles import angles_between
+from certreg.registration.result import Registration
 from certreg.registration.row_names import RowNames
 from certreg.relaxation import search_boxes
 from certreg.results import Presented, presenter
@@ -35,8 +36,6 @@ if TYPE_CHECKING:
 
     from certreg.certificate import Certificate, CertificateVerdict, TruncatedRotationBody
     from certreg.problem import TruncatedProblem
-    from certreg.registration.result import Registration
-    from certreg.results import Limits
 
 TRUNCATED_PARTS = 3  # of certify: search, certificate and checker, fit
 CONSENSUS, TRUNCATED = "consensus", "truncated"  # objectives
@@ -231,7 +230,7 @@ def certified_truncated(
     problem: TruncatedProblem,
     *,
     effort: float = 1.0,
-    limits: Limits | None = None,
+    settings: FitSettings = USUAL,
     about: dict[str, Any] | None = None,
     done: Callable[[str], None],
 ) -> TruncatedRegistration:
@@ -253,7 +252,7 @@ def certified_truncated(
     timings["certificate"] = time.perf_counter() - start
     done("certificate")
     start = time.perf_counter()
-    fit = certified(_of_rows(problem, found.within), relaxation=False, integrator=None)
+    fit = _fit(problem, found.within, settings, about or {})
     timings["fit"] = time.perf_counter() - start
     done("fit")
     labels = found.labels.tolist() if certificate else [-1] * problem.n
@@ -262,7 +261,7 @@ def certified_truncated(
         cost=found.cost,
         labels=tuple(WORDS[label] for label in labels),
         rows=np.flatnonzero(found.within),
-        fit=fit if limits is None else replace(fit, limits=limits),
+        fit=fit,
         certificate=certificate,
         verdict=verdict,
         timings=timings,
@@ -289,11 +288,24 @@ def restated_truncated(
         cost=float(np.minimum(squares, 1.0).sum()),
         labels=tuple(LETTERS[letter] for letter in body.claims.labels),
         rows=np.flatnonzero(within),
-        fit=certified(_of_rows(problem, within), relaxation=False, integrator=None),
+        fit=_fit(problem, within, USUAL, certificate.about),
         certificate=certificate,
         verdict=verdict,
         timings={},
     )
+
+
+def _fit(
+    problem: TruncatedProblem,
+    rows: NDArray[np.bool_],
+    settings: FitSettings,
+    about: dict[str, Any],
+) -> Registration:
+    """The least squares over some pairs; about: of all."""
+    names = RowNames.of(about, problem.n)
+    fit = fitted(_of_rows(problem, rows), np.flatnonzero(rows).tolist(), names, settings)
+    assert isinstance(fit, Registration)  # noqa: S101 - of one weight per pair
+    return fit
 
 
 def _of_rows(problem: TruncatedProblem, rows: NDArray[np.bool_]) -> RegistrationProblem:
@@ -301,10 +313,11 @@ def _of_rows(problem: TruncatedProblem, rows: NDArray[np.bool_]) -> Registration
     if not rows.any():
         message = "no rotation was found that brings a pair within its bound: give wider bounds"
         raise UndecidedError(message)
-    bounds = problem.bounds[rows]
+    bounds, points = problem.bounds[rows], problem.points
     return RegistrationProblem(
         problem.source[rows],
         problem.target[rows],
         weights=(bounds.min() / bounds) ** 2,
+        damping=points.damping if points.damping_given else None,
         rotation_only=True,
     )

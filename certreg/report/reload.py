@@ -276,9 +276,10 @@ def _consensus_report(
     scaled = isinstance(certificate.body, ConsensusSimilarityBody)
     restate = restated_scaled_consensus if scaled else restated_consensus
     result = restate(stated, certificate, verdict)
-    given = _fit_bounds(fields, result.fit)
+    body = _fit_body(fields, result.fit)
+    given = _fit_bounds(body, result.fit)
     return ConsensusReport(
-        registration=replace(result, fit=replace(result.fit, bounds=given)),
+        registration=replace(result, fit=_fit_as_proved(result.fit, body, given)),
         certificate=certificate,
         content=content,
         verdict=verdict,
@@ -326,15 +327,31 @@ def _bounded_problem(
     return ConsensusProblem.of(stated, bounds)
 
 
-def _fit_bounds(fields: dict[str, Any], fit: Registration | SpringRegistration) -> PoseBounds:
+def _fit_body(fields: dict[str, Any], fit: Registration | SpringRegistration) -> Any:
+    """What a certificate of wrong pairs holds of its least squares."""
+    if not isinstance(fit, SpringRegistration):
+        return (SimilarityBody if fit.problem.scaled else IsotropicBody).from_fields(fields)
+    squares = fields["kind"] == SpringsSosBody.KIND
+    return (SpringsSosBody if squares else SpringsConesBody).from_fields(fields)
+
+
+def _fit_bounds(body: Any, fit: Registration | SpringRegistration) -> PoseBounds:
     """What the least squares in a certificate are proved to be, of the pose computed anew."""
     if not isinstance(fit, SpringRegistration):
-        plain = SimilarityBody if fit.problem.scaled else IsotropicBody
-        return _bounds(plain.from_fields(fields), fit)
-    squares = fields["kind"] == SpringsSosBody.KIND
-    body: Any = (SpringsSosBody if squares else SpringsConesBody).from_fields(fields)
+        return _bounds(body, fit)
     place = ExactPose.of_doubles(fit.pose.quaternion_wxyz, fit.pose.translation)
     return spring_pose_bounds(fit.solution.objective, body, place)
+
+
+def _fit_as_proved(
+    fit: Registration | SpringRegistration, body: Any, given: PoseBounds
+) -> Registration | SpringRegistration:
+    """The least squares that were computed anew, with what the certificate proves of them."""
+    if not isinstance(fit, SpringRegistration):
+        return replace(fit, solution=_as_proved(fit.solution, body), bounds=given)
+    solution = fit.solution
+    own = None if solution.certificate is None else replace(solution.certificate, body=body)
+    return replace(fit, solution=replace(solution, certificate=own), bounds=given)
 
 
 def _bounds(body: IsotropicBody | SimilarityBody, registration: Registration) -> PoseBounds:

@@ -13,6 +13,9 @@ if TYPE_CHECKING:
     from certreg.report.encoding import Document
 
 WORST = 10  # residuals in a result: the whole list is one call away
+NO_COUNT = (
+    "the least truncated cost was sought, not the most pairs: what is proved is in `truncated`"
+)
 
 
 def truncated_document(
@@ -29,7 +32,7 @@ def truncated_document(
     residuals = result.residuals
     worst = residuals.argsort()[::-1][:WORST].tolist()
     proof = result.certificate
-    reasons = dict(document["reasons"])
+    reasons = {**document["reasons"], "consensus": NO_COUNT}
     if certificate_path is not None:
         reasons.pop("certificate", None)
     if proof is None:
