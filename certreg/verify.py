@@ -21,7 +21,7 @@ import sys
 from array import array
 from bisect import bisect_left
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import Field, dataclass, field, fields
+from dataclasses import dataclass, field, fields
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 from fractions import Fraction
 from functools import cache, partial
@@ -34,6 +34,7 @@ from typing import Any, ClassVar, Protocol
 
 Matrix = list[list[int]]
 Limits = Mapping[str, Fraction]
+Telling = Callable[[], Iterable[str]]  # theorems, written when they are asked for
 TYPES: dict[str, type] = {"int": int, "bool": bool, "str": str}  # else it is of so many integers:
 SUMS: dict[bytes, Any] = {}  # of other data, by prefix: doubles a pair, their sums, what to give
 LENGTHS = {"Fraction": (2,), "tuple[int, int, int, int]": (4,), "tuple[int, ...]": range(5)}
@@ -69,9 +70,14 @@ class Outcome:
 
     verified: bool
     reason: str = ""
-    worth: Worth | None = None  # of the pose, if the certificate is about one and is verified
-    # The theorems, written when they are read:
-    tell: Callable[[], Iterable[str]] = field(default=tuple, compare=False, repr=False)
+    # Found and written when they are read:
+    weigh: Callable[[], Worth | None] = field(default=lambda: None, compare=False, repr=False)
+    tell: Telling = field(default=tuple, compare=False, repr=False)
+
+    @property
+    def worth(self) -> Worth | None:
+        """Of the pose, if the certificate is about one and is verified."""
+        return self.weigh()
 
     @property
     def theorems(self) -> tuple[str, ...]:
@@ -149,7 +155,7 @@ def parse(text: bytes) -> Statement:
     entries = entries_of(document, form.keys)
     known = document["about"].__class__ is dict and form.kind == kind
     require(known and document["format"] == FORMAT, f"not a {FORMAT} of a known kind")
-    return form(*[entry(f, entries.get(f.name)) for f in fields(form)])
+    return form(*[entry(wanted, entries.get(wanted[0])) for wanted in typed(form)])
 
 
 def entries_of(document: Any, keys: dict[str, str]) -> dict[str, Any]:
@@ -159,24 +165,36 @@ def entries_of(document: Any, keys: dict[str, str]) -> dict[str, Any]:
     """
     entries: dict[str, Any] = {}
     for place, words in keys.items():
-        name, known = place.rstrip("?"), {*words.replace("?", "").split()}
+        name, (known, needed) = place.rstrip("?"), named(words)
         absent = name != place and document.get(name) is None
         part: Any = dict.fromkeys(known) if absent else document[name] if name else document
-        needed = known & {*words.split()} if "?" in words else known
         good = part.__class__ is dict and needed <= part.keys() <= known
         require(good, "{} must have exactly the keys {}", name or "the certificate", words)
         entries.update(part)
     return entries
 
 
-def entry(wanted: Field[Any], value: Any) -> Any:
+@cache
+def named(words: str) -> list[set[str]]:
+    """The keys in words, and those of them that may not be missing."""
+    known = {*words.replace("?", "").split()}
+    return [known, known & {*words.split()}]
+
+
+@cache
+def typed(form: Any) -> list[tuple[str, str, bool]]:
+    """Of the fields of a kind: name, type, and whether it may be None."""
+    return [(f.name, str(f.type).removesuffix(" | None"), "|" in str(f.type)) for f in fields(form)]
+
+
+def entry(wanted: tuple[str, str, bool], value: Any) -> Any:
     """The value of an entry, of the type that its field in a kind has; None where it may be."""
-    kind, _, null = wanted.type.partition(" | ")
+    name, kind, null = wanted
     if value.__class__ is TYPES.get(kind) or (null and value is None):
         return value
-    require(kind in LENGTHS and value.__class__ is list, "{} is of a wrong type", wanted.name)
+    require(kind in LENGTHS and value.__class__ is list, "{} is of a wrong type", name)
     good = len(value) in LENGTHS[kind] and {*map(type, value)} <= {int}
-    require(good, "{} is not a list of integers of the right length", wanted.name)
+    require(good, "{} is not a list of integers of the right length", name)
     return _dyadic(*value) if kind == "Fraction" else tuple(value)
 
 
@@ -245,14 +263,16 @@ def moments(doubles: bytes | memoryview, n: int) -> tuple[Matrix, int]:
     for start in range(0, n, BLOCK):
         count = min(BLOCK, n - start)
         x, y = (_split(doubles, first, 3 * count) for first in (3 * start, 3 * (n + start)))
-        w, g, low = _split(doubles, 6 * n + start, count)
+        own = bytes(doubles[8 * (6 * n + start) :][: 8 * count])
+        w, g, low = _split(own, 0, 1 if own == own[:8] * count else count)
         require(min(w) >= 0, "a weight is negative")
         near, old, e = not any(chain(x[1], y[1], g)), e, min(e, low + 2 * min(0, x[2], y[2]))
-        unit = w[0] if w.count(w[0]) == count else 0  # as usual: taken out
+        unit = w[0] if len(w) < count else 0  # as usual all are equal: taken out
         a = [([1] * count, [0] * count, 0)]
         a += [(k[i::3], s[i::3], p) for k, s, p in (x, y) for i in range(3)]
         for i, (left, s, p) in enumerate(a):
-            loads, shifts = left if unit else [*map(mul, w, left)], s if near else [*map(add, g, s)]
+            loads = left if unit else [*map(mul, w, left)]
+            shifts = s if near or unit else [*map(add, g, s)]
             for j, (right, t, q) in enumerate(a[i : 7 if i < 4 else i + 1], i):
                 terms = right if unit and not i else map(mul, loads, right)
                 total = sum(terms if near else map(int.__lshift__, terms, map(add, shifts, t)))
@@ -272,28 +292,6 @@ def _split(doubles: bytes | memoryview, first: int, count: int) -> tuple[list[in
         return list(map(int, map(ldexp, values, repeat(-low)))), [0] * count, low
     e = [frexp(v)[1] - 53 if v else low for v in values]
     return list(map(int, map(ldexp, values, map(neg, e)))), [k - low for k in e], low
-
-
-def cross(m: Matrix) -> Matrix:
-    """C over 2^e/M', from a table of moments over 2^e with the sum of the weights m[0][0] = M'."""
-    return [[m[0][0] * m[j][k] - m[0][j] * m[0][k] for j in (1, 2, 3)] for k in (4, 5, 6)]
-
-
-def positive_definite(rows: Matrix, last: int = 1) -> bool:
-    """Whether a symmetric matrix, rows from the diagonal on, is so: all leading minors p > 0."""
-    (p, *right), *rows = rows  # Sylvester; Bareiss: divisions by the last minor are exact
-    B = [[(p * a - right[i] * b) // last for a, b in zip(r, right[i:])] for i, r in enumerate(rows)]
-    return p > 0 and (not B or positive_definite(B, p))
-
-
-def definite(A: Matrix, bits: int = BITS) -> bool:
-    """Whether A, symmetric, at most 4x4, is positive definite: by its leading bits if these tell.
-
-    A = 2^s B + E, 0 <= E_ij < 2^s, so |p^T E p| <= 4 2^s |p|^2: if B - 4 I > 0 then A > 0.
-    """
-    s = max(max(chain(*A)).bit_length() - bits, 0)
-    B = [[(a >> s) - 4 * (j == 0 < s) for j, a in enumerate(r[i:])] for i, r in enumerate(A)]
-    return positive_definite(B) or (s > 0 and definite(A, 2 * bits))
 
 
 def rounded(value: Fraction, digits: int, rounding: str = ROUND_CEILING) -> Decimal:
@@ -337,8 +335,35 @@ def main(argv: list[str]) -> int:
     return 0 if 0 < good == total else 1
 
 
+# --- part: definite -----------------------------------------------------------------------------
+# For kinds that rest on a matrix that is positive definite.
+
+
+def positive_definite(rows: Matrix, last: int = 1) -> bool:
+    """Whether a symmetric matrix, rows from the diagonal on, is so: all leading minors p > 0."""
+    (p, *right), *rows = rows  # Sylvester; Bareiss: divisions by the last minor are exact
+    B = [[(p * a - right[i] * b) // last for a, b in zip(r, right[i:])] for i, r in enumerate(rows)]
+    return p > 0 and (not B or positive_definite(B, p))
+
+
+def definite(A: Matrix, bits: int = BITS) -> bool:
+    """Whether A, symmetric, at most 4x4, is positive definite: by its leading bits if these tell.
+
+    A = 2^s B + E, 0 <= E_ij < 2^s, so |p^T E p| <= 4 2^s |p|^2: if B - 4 I > 0 then A > 0.
+    """
+    s = max(max(chain(*A)).bit_length() - bits, 0)
+    B = [[(a >> s) - 4 * (j == 0 < s) for j, a in enumerate(r[i:])] for i, r in enumerate(A)]
+    return positive_definite(B) or (s > 0 and definite(A, 2 * bits))
+
+
+# --- end of part: definite ----------------------------------------------------------------------
 # --- part: spectrum -----------------------------------------------------------------------------
 # What is proved of the eigenvalues of K, for kinds that are about K.
+
+
+def cross(m: Matrix) -> Matrix:
+    """C over 2^e/M', from a table of moments over 2^e with the sum of the weights m[0][0] = M'."""
+    return [[m[0][0] * m[j][k] - m[0][j] * m[0][k] for j in (1, 2, 3)] for k in (4, 5, 6)]
 
 
 def davenport(C: Matrix) -> Matrix:
@@ -358,7 +383,9 @@ def spreads(m: Matrix) -> list[int]:
     return [sum([m[0][0] * m[k][k] - m[0][k] ** 2 for k in (i, i + 1, i + 2)]) for i in (1, 4)]
 
 
-def proves_level(K: Matrix, unit: int, q: Sequence[int], level: int, mu: int) -> bool:
+def proves_level(
+    K: Matrix, unit: int, q: Sequence[int], level: int, mu: int, bits: int = BITS
+) -> bool:
     """Whether A = level I - K + mu u u^T > 0; u = q/|q|, K is over 1/unit, level over |q|^2.
 
     Where it is, mu >= 0 and level = v + delta - mu, v = u^T K u, every unit quaternion p satisfies
@@ -370,19 +397,21 @@ def proves_level(K: Matrix, unit: int, q: Sequence[int], level: int, mu: int) ->
     unit p orthogonal to u, for which (*) says p^T K p < v + delta - mu <= v: not the largest.
     With mu = 0 every p^T K p < level: the gap is below 2 (level - v), the dual's own bound.
     """
-    n, indices = sum(c * c for c in q) * unit, range(4)
-    A = [[mu * q[i] * q[j] - n * K[i][j] + level * (i == j) for j in indices] for i in indices]
-    return definite(A)
+    n, along = sum(map(mul, q, q)) * unit, [mu * c for c in q]
+    A = [[a * b - n * k for b, k in zip(q, row)] for a, row in zip(along, K)]
+    for i, row in enumerate(A):
+        row[i] += level
+    return definite(A, bits)
 
 
 def proves_separation(K: Matrix, unit: int, q: Sequence[int], level: int) -> bool:
     """Whether p^T K p < level / |q|^2 for every unit p orthogonal to q; K is over 1/unit.
 
     With level = (v - g) |q|^2, v = q^T K q / |q|^2, g > 0: the second eigenvalue of K is at most
-    the greatest p^T K p across q (Courant, Fischer), so below v - g <= the first - g.
+    the greatest p^T K p across q (Courant, Fischer), so below v - g <= the first - g. Any mu proves
+    it; all eigenvalues are within 4 max |K_ij| of 0, and q is nearly an eigenvector.
     """
-    most = level + (16 * max(map(abs, chain(*K))) + 1) * unit * sum(c * c for c in q)
-    return proves_level(K, unit, q, level, abs(most))
+    return proves_level(K, unit, q, level, 32 * max(map(abs, chain(*K))) * unit, 64)
 
 
 def multiplicities(C: Matrix) -> list[int]:
@@ -401,12 +430,12 @@ def multiplicities(C: Matrix) -> list[int]:
         q += [b * f - c * e, c * d - a * f, a * e - b * d]
         D = a * q[0] + b * q[1] + c * q[2]
         e1, e2, e3 = sum(map(mul, p, p)), sum(map(mul, q, q)), D * D  # by minors: Cauchy, Binet
-        s = 2 * e1**3 - 9 * e1 * e2 + 27 * e3
         square = e1**2 * e2**2 - 4 * e2**3 - 4 * e1**3 * e3 + 18 * e1 * e2 * e3 - 27 * e3**2
         if square % PRIME or (A is C and square):
             return [1, 1, 1, 1]
     if e2 == 0:
         return [2, 2] if e1 else [4]
+    s = 2 * e1**3 - 9 * e1 * e2 + 27 * e3
     if s == 0:
         return [1, 3] if D > 0 else [3, 1]
     return [1, 2, 1] if s < 0 else [1, 1, 2] if D > 0 else [2, 1, 1]
@@ -448,7 +477,7 @@ class Movable:
                 return s, target, both
         raise RefusalError("radius is not of an angle up to 90 degrees, or not positive")
 
-    def steady(self, keeps: Callable[[Fraction, Fraction], bool]) -> tuple[str, ...]:
+    def steady(self, keeps: Callable[[Fraction, Fraction], bool]) -> Telling:
         """The claim in words, if keeps(x, y) proves it of source and target points off by so much.
 
         Of all that are off by less, too.
@@ -456,31 +485,14 @@ class Movable:
         s, target, both = self.radii()
         proved = keeps(Fraction(0), target) and keeps(both, both)
         require(proved, "radius is larger than what is proved")
+        return partial(self._steady, s, target, both)
+
+    def _steady(self, s: Fraction, target: Fraction, both: Fraction) -> Iterator[str]:
         degrees = f"within {rounded(angle_above(s) * DEGREES, 4):g} degrees of R"
         one, other = (f"{rounded(r, 3, ROUND_FLOOR):g}" for r in (target, both))
         but = "That is sufficient, not necessary; weights and matrices stay."
-        return (
-            f"If every target point is off by less than {one}, every optimum is {degrees}.",
-            f"So it is if every point of both clouds is off by less than {other}. {but}",
-        )
-
-    def steady_by_separation(
-        self, K: Matrix, unit: int, one: int, q: Sequence[int], *w: Fraction, angle: Fraction | None
-    ) -> tuple[str, ...]:
-        """The claim, if there is one, in words. One is worth `one`, K is over 1/unit of that.
-
-        w: M, and more than sqrt(M S) of both clouds, S = sum w |x - mean|^2: by Cauchy and Schwarz
-        what `room_of_eigenvector` bounds is at most dx sqrt(M Sy) + dy sqrt(M Sx) + M dx dy.
-        angle: from R to the optimum, at most.
-        """
-        if (self.both, self.sin_half_angle, self.target) == (None, None, None):
-            return ()
-        g, (weight, x, y) = self.separation or Fraction(0), w
-        level = quadratic(K, q) * unit * g.denominator - g.numerator * one * sum(c * c for c in q)
-        alone = proves_separation(K, unit * g.denominator, q, level)
-        require(g.numerator > 0 and angle and alone, "radius.separation is not proved")
-        room = room_of_eigenvector(g, angle or Fraction(0), self.radii()[0])
-        return self.steady(lambda dx, dy: (y + weight * dy) * dx + x * dy <= room)
+        yield f"If every target point is off by less than {one}, every optimum is {degrees}."
+        yield f"So it is if every point of both clouds is off by less than {other}. {but}"
 
     def steady_by_growth(
         self, mu: Fraction, delta: Fraction, f: Fraction, *w: Fraction
@@ -506,7 +518,7 @@ class Movable:
             by_roots = mu * s * s >= delta + 4 * (X + Y) * (fit + (X + Y))
             return by_roots or (steep > 0 and (steep * s - slope) * s >= delta)
 
-        return [*self.steady(keeps)]
+        return [*self.steady(keeps)()]
 
 
 def room_of_eigenvector(g: Fraction, angle: Fraction, s: Fraction) -> Fraction:
@@ -533,7 +545,7 @@ def angle_above(s: Fraction) -> Fraction:
 def sine_below(s: Fraction) -> Fraction:
     """Less than sin a of s = sin(a/2) < 1."""
     n, d = s.as_integer_ratio()
-    return Fraction(2 * n, d) * root_up(d * d - n * n, d * d) * SLACK
+    return Fraction(2 * n * isqrt((d * d - n * n << 140) - 1), d * d << 70)
 
 
 # --- end of part: radius ------------------------------------------------------------------------
@@ -585,7 +597,7 @@ class RotationStatement(Movable, Modelled):
 
     def require_optimal(self, K: Matrix, unit: int, delta: int, mu: int) -> int:
         """The level of `proves_level`; RefusalError where that or the angle is not proved."""
-        norm, angle = sum(c * c for c in self.pose), self.sin2_half_angle
+        norm, angle = sum(map(mul, self.pose, self.pose)), self.sin2_half_angle
         level = quadratic(K, self.pose) * unit + (delta - mu) * norm
         good = proves_level(K, unit, self.pose, level, mu)
         require(good, "delta and mu do not prove the pose optimal")
@@ -598,6 +610,39 @@ class RotationStatement(Movable, Modelled):
         good = list(self.pattern) == true
         require(good, "claims.pattern is wrong, the true one is {}", true)
         require(true[0] == 1 or not self.unique, "claims.unique is wrong: it is not unique")
+
+    def steady_by_separation(
+        self,
+        K: Matrix,
+        unit: int,
+        one: int,
+        weight: Fraction,
+        *spreads: int,
+        angle: Fraction | None,
+    ) -> Telling:
+        """The claim, if there is one, in words. One is worth `one`, K is over 1/unit of that.
+
+        weight: M. spreads: S = sum w |x - mean|^2 of both clouds, over that unit: by Cauchy and
+        Schwarz what `room_of_eigenvector` bounds is at most dx sqrt(M Sy) + dy sqrt(M Sx) +
+        M dx dy. angle: from R to the optimum, at most.
+        """
+        if (self.both, self.sin_half_angle, self.target) == (None, None, None):
+            return tuple
+        g, q, real = self.separation or Fraction(0), self.pose, weight * Fraction(unit, one)
+        norm = sum(map(mul, q, q))
+        level = quadratic(K, q) * unit * g.denominator - g.numerator * one * norm
+        alone = proves_separation(K, unit * g.denominator, q, level)
+        require(g.numerator > 0 and angle and alone, "radius.separation is not proved")
+        room = room_of_eigenvector(g, angle or Fraction(0), self.radii()[0])
+        x, y = (root_up(*(k * real).as_integer_ratio()) for k in spreads)
+        over = max(k.denominator for k in (weight, x, y, room))  # powers of two
+        M, X, Y, most = (k.numerator * (over // k.denominator) for k in (weight, x, y, room))
+
+        def keeps(dx: Fraction, dy: Fraction) -> bool:
+            (a, b), (c, d) = dx.as_integer_ratio(), dy.as_integer_ratio()
+            return (Y * d + M * c) * a + X * c * b <= most * b * d
+
+        return self.steady(keeps)
 
     def head(self, *, equal: bool) -> Iterator[str]:
         """What the theorems are about, in words."""
@@ -668,8 +713,9 @@ class IsotropicStatement(RotationStatement):
         zeros = [(k & -k).bit_length() - 1 for k in m[0] if k]  # not in another unit of length:
         z = min([zeros[0] // 2, *zeros[1:]])
         m = [[m[0][0] >> 2 * z, *[k >> z for k in m[0][1:]]], *m[1:]]  # C, J over the same 2^e/M'
-        C, J, mass = cross(m), inertia(m), m[0][0]
-        K, pattern, solid = davenport(C), multiplicities(C), definite(J, 64)
+        C, mass = cross(m), m[0][0]
+        K, pattern = davenport(C), multiplicities(C)
+        solid = len(pattern) > 2 or definite(inertia(m), 64)  # then C is of rank 2: J > 0
         numbers = self.delta, self.gap, self.mu, self.mu if self.nu is None else self.nu
         over = max([-e, *[x.denominator.bit_length() - 1 for x in numbers]])
         one, unit = mass << over, 1 << over + e  # numbers times one are integers, K / unit
@@ -684,25 +730,26 @@ class IsotropicStatement(RotationStatement):
         require(bounded, "claims.sdp_gap is below the proved bound 2 (nu - v)")
         if self.basin:
             p, w = self.quaternion, self.angular_velocity
-            inside = solid and p and w and proves_basin(K, J, Fraction(level, norm * unit), p, w)
+            least, J = Fraction(level, norm * unit), inertia(m)
+            inside = solid and p and w and proves_basin(K, J, least, p, w)
             require(inside, "claims.basin is not proved of the state in basin")
-        x, y = spreads(m)
-        worth = self._worth(weight, (x + y) * unit * norm - 2 * v, K, unit, one)
-        roots = [root_up(k, 1) * _dyadic(1, e + z) for k in (x, y)]  # of M and a spread
-        steady = self.steady_by_separation(K, unit, one, q, weight, *roots, angle=worth.angle)
-        tell = partial(self._words, worth, pattern, steady, solid=solid, equal=equal)
-        return Outcome(verified=True, worth=worth, tell=tell)
+        both, angle = spreads(m), angle_bound(delta, mu)
+        steady = self.steady_by_separation(K, unit, one, weight, *both, angle=angle)
+        weigh = partial(self._worth, weight, sum(both) * unit * norm - 2 * v, C, unit, one)
+        tell = partial(self._words, weigh, pattern, steady, solid=solid, equal=equal)
+        return Outcome(verified=True, weigh=weigh, tell=tell)
 
-    def _worth(self, weight: Fraction, objective: int, K: Matrix, unit: int, one: int) -> Worth:
+    def _worth(self, weight: Fraction, objective: int, C: Matrix, unit: int, one: int) -> Worth:
         """The objective is sum w (|x|^2 + |y|^2) - 2 v, x and y less their means.
 
         Range: 2 (l1 - l4), K having eigenvalues l1 >= ... >= l4. As tr K = 0, the sum of squares
-        F^2 = sum K_ij^2 is 4 times their variance, at most (l1 - l4)^2 (Popoviciu): range >= 2 F.
+        F^2 = sum K_ij^2 is 4 times their variance, at most (l1 - l4)^2 (Popoviciu): range >= 2 F,
+        and F^2 = 4 sum C_ij^2.
         """
         delta, mu = (x.numerator * (one // x.denominator) for x in (self.delta, self.mu))
-        norm, gap = sum(c * c for c in self.pose), 2 * self.delta
-        bits = max([k.bit_length() for k in chain(*K)])  # of which the first will do:
-        F = isqrt(sum([(abs(k) << BITS >> bits) ** 2 for k in chain(*K)]))  # <= F 2^(BITS - bits)
+        norm, gap = sum(map(mul, self.pose, self.pose)), 2 * self.delta
+        bits = max([k.bit_length() for k in chain(*C)])  # of which the first will do; F is over
+        F = 2 * isqrt(sum([(abs(k) << BITS >> bits) ** 2 for k in chain(*C)]))  # 2^(bits - BITS)
         share = Fraction(delta << BITS, F * unit << bits) if F else Fraction(0)
         least = Fraction(max(objective - 2 * delta * norm, 0), one * norm)
         length = root_up(2 * delta * weight.denominator, one * weight.numerator)
@@ -716,8 +763,15 @@ class IsotropicStatement(RotationStatement):
         require(good, "claims.unstable is wrong or unproved: proved is {}", unstable)
 
     def _words(
-        self, w: Worth, pattern: list[int], steady: Sequence[str] = (), *, solid: bool, equal: bool
+        self,
+        weigh: Callable[[], Worth],
+        pattern: list[int],
+        steady: Telling = tuple,
+        *,
+        solid: bool,
+        equal: bool,
     ) -> Iterator[str]:
+        w = weigh()
         yield from self.head(equal=equal)
         mass, value = (f"{rounded(x, 12):g}" for x in (w.weight, w.objective))
         shift = "no translation" if self.rotation_only else "best translation"
@@ -751,7 +805,7 @@ class IsotropicStatement(RotationStatement):
         if self.basin:
             end = "ends at the optimum, whatever the damping > 0."
             yield f"A body moving from the state `basin` {end}"
-        yield from steady
+        yield from steady()
         yield "Not proved: anything under `about`, and where the points come from."
 
 
@@ -838,11 +892,10 @@ class SimilarityStatement(RotationStatement):
         squares = sum([k * k for k in chain(*K)]) * real**2
         value, least, gap, share = prove(v, x * real, y * real, squares)
         length, angle = root_up(*(gap / weight).as_integer_ratio()), angle_bound(d, u)
-        worth = Worth(weight, value, least, gap, length, share, angle)
-        roots = [root_up(*(weight * k * real).as_integer_ratio()) for k in (x, y)]
-        steady = self.steady_by_separation(K, unit, one, q, weight, *roots, angle=angle)
-        theorems = tuple(self._words(worth, pattern, steady, equal=equal))
-        return Outcome(verified=True, worth=worth, tell=lambda: theorems)
+        weigh = partial(Worth, weight, value, least, gap, length, share, angle)
+        steady = self.steady_by_separation(K, unit, one, weight, x, y, angle=angle)
+        tell = partial(self._words, weigh(), pattern, steady, equal=equal)
+        return Outcome(verified=True, weigh=weigh, tell=tell)
 
     def _place(self) -> str:
         return "at the origin" if self.rotation_only else "at one point"
@@ -886,7 +939,7 @@ class SimilarityStatement(RotationStatement):
         return [2 * (most - v), least, gap, share]
 
     def _words(
-        self, w: Worth, pattern: list[int], steady: Sequence[str], *, equal: bool
+        self, w: Worth, pattern: list[int], steady: Telling, *, equal: bool
     ) -> Iterator[str]:
         yield from self.head(equal=equal)
         shift, none = ("", ", no translation") if self.rotation_only else (" - t", "")
@@ -910,7 +963,8 @@ class SimilarityStatement(RotationStatement):
         yield f"The global optimum is {unique if pattern[0] == 1 else several}."
         sets = ", ".join(SETS[k] for k in pattern)
         yield f"Rotations at which the objective, with the best scale, may be stationary: {sets}."
-        yield from [*steady, "Not proved: anything under `about`, and where the points come from."]
+        yield from steady()
+        yield "Not proved: anything under `about`, and where the points come from."
 
 
 # --- end of kind: similarity --------------------------------------------------------------------
@@ -1202,9 +1256,9 @@ def settled(
     one = 0 < 4 * max(width, 2 * mu) * delta <= mu**2
     several = tied or (stated.symmetry is not None and is_symmetry(f.F, stated.symmetry))
     require(unique is None or (one if unique else several), "claims.unique is not proved")
-    worth, steady = _worth(f, value, delta, mu), (mu, delta, value, 3 * f.weight, f.lever)
-    words = tuple(_words(stated, f, worth, stated.steady_by_growth(*steady)))
-    return Outcome(verified=True, worth=worth, tell=lambda: words)
+    weigh, steady = partial(_worth, f, value, delta, mu), (mu, delta, value, 3 * f.weight, f.lever)
+    words = tuple(_words(stated, f, weigh(), stated.steady_by_growth(*steady)))
+    return Outcome(verified=True, weigh=weigh, tell=partial(tuple, words))
 
 
 def is_symmetry(F: Sequence[int], turns: Sequence[int]) -> bool:
@@ -1617,9 +1671,9 @@ class SpringsListStatement(SpringsStatement):
         known = angle is None or (one and angle >= sines[0])
         require(known, "claims.sin2_half_angle is not proved")
         require(self.unique is None or (self.unique and one), "claims.unique is not proved")
-        worth = _worth(f, values[0], gap, gap / sines[0] if one else Fraction(0))
-        words = tuple(_words(self, f, worth, self._told(values[0])))
-        return Outcome(verified=True, worth=worth, tell=lambda: words)
+        weigh = partial(_worth, f, values[0], gap, gap / sines[0] if one else Fraction(0))
+        words = tuple(_words(self, f, weigh(), self._told(values[0])))
+        return Outcome(verified=True, weigh=weigh, tell=partial(tuple, words))
 
     def _told(self, value: Fraction) -> list[str]:
         """All equilibria in words; value: the objective at R."""
@@ -1800,8 +1854,10 @@ class TruncatedRotationStatement(Statement):
         share = Fraction(int(gap) + 1, wide) if wide > 0 else Fraction(1)  # k[j]: F at q = e_i
         least, length = max(cost - gap, Fraction(0)) / one, root_up(int(gap) + 1, self.n * one)
         bound = None if angle is None else angle_bound(delta, mu)
-        worth = Worth(Fraction(self.n), Fraction(cost, one), least, self.gap, length, share, bound)
-        return Outcome(verified=True, worth=worth, tell=partial(self._words, worth))
+        weigh = partial(
+            Worth, Fraction(self.n), Fraction(cost, one), least, self.gap, length, share, bound
+        )
+        return Outcome(verified=True, weigh=weigh, tell=partial(self._words, weigh()))
 
     def _words(self, w: Worth) -> Iterator[str]:
         length = isqrt(sum(c * c for c in self.pose) << 128)
@@ -2406,7 +2462,7 @@ class LabelledStatement(Statement):
         words = [*words, *[f"Of the least squares over these {K} pairs:"] * bool(fit.theorems)]
         last = "Not proved: anything under `about`, and where the points come from."
         theorems = (*[w for w in (*words, *fit.theorems) if w != last], last)
-        return Outcome(verified=True, worth=fit.worth, tell=lambda: theorems)
+        return Outcome(verified=True, weigh=fit.weigh, tell=lambda: theorems)
 
 
 def staged(

@@ -49,7 +49,8 @@ def rerouted(function: Callable[..., Any], **names: Any) -> Callable[..., Any]:
     code: Any = function.__code__
     unknown = set(names) - _names_in(code)
     modelled(not unknown, f"{function.__name__} does not use {sorted(unknown)}")
-    return FunctionType(code, {**function.__globals__, **names}, function.__name__)
+    known, given = {**function.__globals__, **names}, function.__defaults__
+    return FunctionType(code, known, function.__name__, given)
 
 
 def _names_in(code: CodeType) -> set[str]:
@@ -111,7 +112,7 @@ def checked_matrix(K: Any, q: Any, level: Any, mu: Any) -> Any:
     K is given over `UNIT`, the level over 1/|q|^2.
     """
     ring, seen = ring_of([*flat(K), *q, level, mu, UNIT]), []
-    decide = rerouted(proves_level, definite=seen.append)
+    decide = rerouted(proves_level, definite=lambda matrix, _: seen.append(matrix))
     unit, raised, along = (ring.from_expr(sympy.sympify(x)) for x in (UNIT, level, mu))
     decided = decide(_elements(ring, K), unit, _row(ring, q), raised, along)
     modelled(len(seen) == 1 and decided is None, "more than one definiteness decides")

@@ -526,29 +526,29 @@ MUTANTS = (
     Mutant(
         "rank-one term doubled",
         CHECKER,
-        "mu * q[i] * q[j] - n",
-        "2 * mu * q[i] * q[j] - n",
+        "a * b - n * k for b, k",
+        "2 * a * b - n * k for b, k",
         ("optimality_certificate",),
     ),
     Mutant(
         "K times another norm",
         CHECKER,
-        "sum(c * c for c in q) * unit, range(4)",
-        "(1 + sum(c * c for c in q)) * unit, range(4)",
+        "n, along = sum(map(mul, q, q)) * unit",
+        "n, along = (1 + sum(map(mul, q, q))) * unit",
         ("optimality_certificate",),
     ),
     Mutant(
         "level of the other sign",
         CHECKER,
-        "+ level * (i == j) for j in indices",
-        "- level * (i == j) for j in indices",
+        "row[i] += level",
+        "row[i] -= level",
         ("dual_bound",),
     ),
     Mutant(
         "K of the other sign",
         CHECKER,
-        "- n * K[i][j] + level",
-        "+ n * K[i][j] + level",
+        "a * b - n * k for b, k",
+        "a * b + n * k for b, k",
         ("dual_bound",),
     ),
     Mutant(
@@ -806,15 +806,15 @@ MUTANTS = (
     Mutant(
         "half of the sine",
         CHECKER,
-        "return Fraction(2 * n, d) * root_up",
-        "return Fraction(n, d) * root_up",
+        "return Fraction(2 * n * isqrt(",
+        "return Fraction(n * isqrt(",
         ("eigenvector_radius",),
     ),
     Mutant(
         "a cosine beyond one",
         CHECKER,
-        "root_up(d * d - n * n",
-        "root_up(d * d + n * n",
+        "isqrt((d * d - n * n <<",
+        "isqrt((d * d + n * n <<",
         ("eigenvector_radius",),
     ),
     Mutant(
@@ -834,8 +834,8 @@ MUTANTS = (
     Mutant(
         "separation at any level",
         CHECKER,
-        "return proves_level(K, unit, q, level, abs(most))",
-        "return proves_level(K, unit, q, most, abs(most))",
+        "return proves_level(K, unit, q, level, 32",
+        "return proves_level(K, unit, q, abs(level) + 99, 32",
         ("eigenvector_radius",),
     ),
     Mutant(

@@ -524,10 +524,10 @@ def test_a_root_is_rounded_up(numerator, denominator):
 def said_of(certificate, delta, mu):
     """The sentences with another delta and mu, as if proved; of K = diag(3, 1, -1, -3)."""
     stated = replace(checker.parse(oracle.dump(certificate)), delta=delta, mu=mu, pose=(1, 0, 0, 0))
-    K = [[(3 - 2 * i) * (i == j) for j in range(4)] for i in range(4)]
+    C = [[(2 - i) * (i == j) for j in range(3)] for i in range(3)]
     one = delta.denominator * mu.denominator
-    worth = stated._worth(Fraction(16), 90 * one, K, one, one)
-    return stated._words(worth, [1, 1, 1, 1], solid=True, equal=True)
+    worth = stated._worth(Fraction(16), 90 * one, C, one, one)
+    return stated._words(lambda: worth, [1, 1, 1, 1], solid=True, equal=True)
 
 
 def test_the_printed_gap_and_angle_are_upper_bounds_of_any_size(generic):
