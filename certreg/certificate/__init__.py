@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from certreg.certificate.checking import verify_lines as verify_lines
     from certreg.certificate.checking import verify_with_coq as verify_with_coq
     from certreg.certificate.consensus import ConsensusBody as ConsensusBody
+    from certreg.certificate.consistency import consistent_pairs as consistent_pairs
     from certreg.certificate.count import AT_MOST as AT_MOST
     from certreg.certificate.count import CountBody as CountBody
     from certreg.certificate.envelope import Certificate as Certificate
@@ -102,6 +103,7 @@ __getattr__ = lazy_face(
             "verify_with_coq",
         ),
         "consensus": ("ConsensusBody",),
+        "consistency": ("consistent_pairs",),
         "count": (
             "AT_MOST",
             "CountBody",

@@ -124,9 +124,17 @@ class ConsensusProblem(Brief):
 def _require_narrow(problem: RegistrationProblem, bounds: NDArray[np.float64]) -> None:
     """Refuses a bound of at least half the diameter of the smaller cloud: everything fits then.
 
-    Of the target where the scale is free: the source may be made as small.
+    Of the target where the scale is free: the source may be made as small. And a cloud of one
+    point, for which no bound is narrow.
     """
     block = problem.block(slice(None))
+    for name, points in (("source", block.source), ("target", block.target)):
+        if (points == points[0]).all():
+            message = (
+                f"all {name} points are one, which tells no rotation from another, whichever pairs "
+                "are right: leave pairs that repeat a point out, and give some with other points"
+            )
+            raise InvalidProblemError(message, array=name, value=problem.n)
     half, cloud = _diameter(block.target) / 2.0, "target"
     if not problem.scaled:
         half, cloud = min(half, _diameter(block.source) / 2.0), "smaller cloud"

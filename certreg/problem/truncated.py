@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from certreg.errors import InvalidProblemError
-from certreg.problem.bounds import checked_bounds
+from certreg.problem.bounds import NAME, checked_bounds
 from certreg.problem.model import Scale
 from certreg.results import Brief
 
@@ -56,6 +56,7 @@ class TruncatedProblem(Brief):
             row = int(np.argmin(near))
             message = f"row {row} (counting from 0) is 1e100 bounds away from the origin: remove it"
             raise InvalidProblemError(message, array="max_residual", row=row)
+        _require_narrow(points, bounds)
         object.__setattr__(self, "points", points)
         object.__setattr__(self, "bounds", bounds)
 
@@ -84,6 +85,23 @@ class TruncatedProblem(Brief):
     def digest(self) -> str:
         """SHA-256 of `data`, 64 hexadecimal digits."""
         return hashlib.sha256(self.data).hexdigest()
+
+
+def _require_narrow(points: RegistrationProblem, bounds: NDArray[np.float64]) -> None:
+    """Refuses bounds that every pair keeps at every rotation: |y - R x| is at most |x| + |y|."""
+    reach = np.hypot.reduce(points.source, axis=1) + np.hypot.reduce(points.target, axis=1)
+    if not (bounds >= reach).all():
+        return
+    most, value = float(reach.max()), float(bounds.min())
+    if not most:
+        message = "all points are at the origin, where no rotation moves them: give other points"
+        raise InvalidProblemError(message, array="source", value=points.n)
+    message = (
+        f"{NAME} is {value:g}, and no rotation takes the points of any pair farther apart than "
+        f"{most:g}: each pair would be within, whether it is right or wrong; give a bound below "
+        "that, in the unit of the clouds"
+    )
+    raise InvalidProblemError(message, array=NAME, value=value, limit=most)
 
 
 def _require_model(points: RegistrationProblem) -> None:

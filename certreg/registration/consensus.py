@@ -33,6 +33,7 @@ from certreg.registration.exit_codes import (
     worst,
 )
 from certreg.registration.fit_of_pairs import USUAL, FitSettings, fitted
+from certreg.registration.nothing_met import nothing_met
 from certreg.registration.row_names import RowNames
 from certreg.relaxation import candidates
 from certreg.results import Presented, presenter
@@ -238,11 +239,7 @@ def certified_consensus(
     timings["consensus"] = time.perf_counter() - start
     done("consensus")
     if found is None:
-        message = (
-            f"no {ways.motion} was found that brings {LEAST_PAIRS} pairs within their bounds: give "
-            "wider bounds, other pairs, or more --effort"
-        )
-        raise UndecidedError(message)
+        raise UndecidedError(nothing_met(problem, ways.motion))
     start = time.perf_counter()
     fit = _fit(problem, found, settings, RowNames.of(about or {}, problem.n))
     certificate = ways.certificate(problem, found, fit.certificate, about)

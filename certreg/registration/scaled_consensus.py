@@ -139,8 +139,8 @@ def _require_spread(problem: ConsensusProblem, found: ScaledConsensus) -> None:
     for name, points in clouds.items():
         if (points[weighty] == points[weighty[0]]).all():
             message = (
-                f"most pairs, {len(rows)}, are met where all {name} points are one: they have no "
-                "scale; leave pairs that repeat a point out"
+                f"most pairs, {len(weighty)} that weigh, are met where all {name} points are one: "
+                "they have no scale; leave pairs that repeat a point out"
             )
             raise InvalidProblemError(message, array=name, row=weighty[0])
 

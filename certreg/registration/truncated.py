@@ -21,6 +21,7 @@ from certreg.registration.consensus_words import others_words
 from certreg.registration.exit_codes import DONE, NOT_CERTIFIED, NOT_UNIQUE
 from certreg.registration.fit_of_pairs import USUAL, FitSettings, fitted
 from certreg.registration.headlines import at_least, at_most
+from certreg.registration.nothing_met import nothing_turned
 from certreg.registration.pair_angles import angles_between
 from certreg.registration.result import Registration
 from certreg.registration.row_names import RowNames
@@ -283,6 +284,9 @@ def restated_truncated(
     turned = problem.source @ np.array(rotation_matrix((q / np.linalg.norm(q)).tolist())).T
     squares = (((problem.target - turned) / problem.bounds[:, np.newaxis]) ** 2).sum(axis=1)
     within = squares <= 1.0
+    if not within.any():
+        message = "the rotation of the certificate brings no pair within its bound: none is fitted"
+        raise UndecidedError(message)
     return TruncatedRegistration(
         problem=problem,
         cost=float(np.minimum(squares, 1.0).sum()),
@@ -311,8 +315,7 @@ def _fit(
 def _of_rows(problem: TruncatedProblem, rows: NDArray[np.bool_]) -> RegistrationProblem:
     """The least squares over some pairs; equal bounds weigh 1."""
     if not rows.any():
-        message = "no rotation was found that brings a pair within its bound: give wider bounds"
-        raise UndecidedError(message)
+        raise UndecidedError(nothing_turned(problem))
     bounds, points = problem.bounds[rows], problem.points
     return RegistrationProblem(
         problem.source[rows],

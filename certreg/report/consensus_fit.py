@@ -40,9 +40,7 @@ def fit_causes(fit: AnyFit) -> list[str]:
 
 def fit_remedies(fit: AnyFit) -> list[str]:
     """What may help where something is said against it."""
-    return (
-        spring_remedies(fit) if isinstance(fit, SpringRegistration) else remedies(fit, sigma=False)
-    )
+    return spring_remedies(fit) if isinstance(fit, SpringRegistration) else remedies(fit)
 
 
 def fit_overview(fit: AnyFit) -> Overview:

@@ -43,16 +43,13 @@ def causes(registration: Registration) -> list[str]:
     return [] if words is None else [f"{words[0].upper()}{words[1:]}."]
 
 
-def remedies(registration: Registration, *, sigma: bool = True) -> list[str]:
-    """A sentence for each warning of the fit, and a rotation that is hardly fixed, or not.
-
-    sigma: whether one can be given.
-    """
+def remedies(registration: Registration) -> list[str]:
+    """A sentence for each warning of the fit, and a rotation that is hardly fixed, or not."""
     problem = registration.problem
     told = [one.remedy for one in registration.fit.warnings]
     if registration.equilibria.nearly_ambiguous:
         other = problem.scaled or problem.rotation_only  # of these no noise rules a pose out
-        helpful = sigma and not (other or problem.noise_given or told)  # nor where pairs are wrong
+        helpful = not (other or problem.noise_given or told)  # nor where pairs are wrong
         told.append(f"{GIVE_SIGMA if helpful else ''}{TELL_APART}")
     elif registration.equilibria.classification.unique and is_loose(registration):
         told.append(FIX_TURN)

@@ -142,13 +142,13 @@ def test_targets_near_each_other_are_met_by_a_source_that_shrinks():
 def test_pairs_that_repeat_one_source_point_have_no_scale():
     rng = np.random.default_rng(4)
     source, target = np.zeros((6, 3)), np.zeros((6, 3))
-    target[4:] = rng.uniform(5, 9, (2, 3))
+    source[4:], target[4:] = rng.uniform(5, 9, (2, 2, 3))
 
     with pytest.raises(InvalidProblemError) as refused:
-        certified(source, target, 0.1)
+        certified(source, target, 0.1, weights=[1.0] * 4 + [0.0] * 2)
     assert str(refused.value) == (
-        "most pairs, 4, are met where all source points are one: they have no scale; leave pairs "
-        "that repeat a point out"
+        "most pairs, 4 that weigh, are met where all source points are one: they have no scale; "
+        "leave pairs that repeat a point out"
     )
 
 

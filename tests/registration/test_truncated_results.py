@@ -166,7 +166,7 @@ def test_no_pair_within_is_undecided():
 
     with pytest.raises(
         UndecidedError,
-        match="no rotation was found that brings a pair within its bound: give wider bounds",
+        match="no rotation brings a pair within its bound: the two points of each are at ",
     ):
         certified(x, 3.0 * x, 0.01)
 

@@ -237,5 +237,5 @@ def test_a_certificate_whose_rotation_meets_nothing_has_no_report(tmp_path: Path
     path = tmp_path / "far.json"
     replace(kept, body=replace(kept.body, quaternion=(-x, w, -z, y), claims=claims)).save(path)
 
-    with pytest.raises(UndecidedError, match="brings a pair within its bound"):
+    with pytest.raises(UndecidedError, match="brings no pair within its bound: none is fitted"):
         report_of(path)

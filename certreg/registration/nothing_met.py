@@ -1,0 +1,48 @@
+"""Why no motion was found that brings enough pairs within their bounds, and what may help."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from certreg.certificate import consistent_pairs
+from certreg.native import triangles
+from certreg.problem import LEAST_PAIRS
+from certreg.registration.headlines import at_least
+
+if TYPE_CHECKING:
+    from certreg.problem import ConsensusProblem, TruncatedProblem
+
+ROUNDING = 2.0**-48  # of the sum of two lengths: their difference errs by less
+
+
+def nothing_met(problem: ConsensusProblem, motion: str) -> str:
+    """Of a motion that shall meet three pairs; motion: in words."""
+    if problem.problem.scaled or triangles(consistent_pairs(problem), (1 << problem.n) - 1).any():
+        return (
+            f"no {motion} was found that brings {LEAST_PAIRS} pairs within their bounds: all may "
+            "be wrong; if right ones may be farther off, give wider bounds, else more --effort"
+        )
+    return (
+        f"no {motion} brings {LEAST_PAIRS} pairs within their bounds: no three keep their "
+        "distances from each other. All may be wrong; if one cloud is in another unit, give "
+        "--scale asymmetric; if right pairs may be farther off, wider bounds"
+    )
+
+
+def nothing_turned(problem: TruncatedProblem) -> str:
+    """Of a rotation that shall have a pair within its bound."""
+    sizes = [np.hypot.reduce(points, axis=1) for points in (problem.source, problem.target)]
+    apart = np.abs(sizes[0] - sizes[1])
+    if (apart - problem.bounds <= ROUNDING * (sizes[0] + sizes[1])).any():
+        return (
+            "no rotation was found that brings a pair within its bound: give more --effort, or "
+            "wider bounds if right pairs may be farther off"
+        )
+    return (
+        "no rotation brings a pair within its bound: the two points of each are at distances from "
+        f"the origin that differ by {at_least(float(apart.min()))} or more. If a translation "
+        "is to be found, leave --rotation-only and --objective truncated out; if the clouds differ "
+        "in scale, bring them to one unit; if right pairs may be that far off, give wider bounds"
+    )
