@@ -9,7 +9,7 @@ from __future__ import annotations
 import logging
 import time
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
@@ -40,7 +40,7 @@ from certreg.results import Presented, presenter
 
 if TYPE_CHECKING:
     import os
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable, Iterable, Iterator
     from pathlib import Path
 
     from numpy.typing import NDArray
@@ -50,9 +50,11 @@ if TYPE_CHECKING:
     from certreg.problem import ConsensusProblem
     from certreg.registration.result import Registration
     from certreg.registration.spring_result import SpringRegistration
+    from certreg.relaxation import Candidate, ScaledCandidate
     from certreg.results import Verdict
 
 LOG = logging.getLogger(__name__)
+Proved = TypeVar("Proved", bound=Consensus)
 CONSENSUS_PARTS = 3  # of certify: consensus, fit, checker
 SECOND_EFFORT = 0.3  # of the search among the other pairs: a hint, nothing of it is proved
 
@@ -208,14 +210,14 @@ class Ways:
     """How pairs are labelled by motions of one kind.
 
     motion: in words. search: what is proved of a problem, with an effort; None: nothing.
-    certificate: of a problem, what was found, the certificate of the fit, about. others: numbers of
-    pairs that motions were seen to meet, of points and bounds, with an effort. result: its class.
+    certificate: of a problem, what was found, the certificate of the fit, about. candidates: of
+    points and bounds, with an effort: motions with their inliers. result: its class.
     """
 
     motion: str
     search: Callable[[ConsensusProblem, float], Consensus | None]
     certificate: Callable[..., Certificate[Any]]
-    others: Callable[..., Iterator[int]]
+    candidates: Callable[..., Iterator[Candidate | ScaledCandidate]]
     result: type[ConsensusRegistration]
 
 
@@ -295,15 +297,11 @@ def _search(problem: ConsensusProblem, effort: float) -> Consensus | None:
     return proved_consensus(problem, ConsensusProver(problem, effort=effort), effort)
 
 
-def _others(*points: Any, effort: float) -> Iterator[int]:
-    return (len(candidate.inliers) for candidate in candidates(*points, effort=effort))
-
-
 RIGID = Ways(
     motion="rigid motion",
     search=_search,
     certificate=consensus_certificate,
-    others=_others,
+    candidates=candidates,
     result=ConsensusRegistration,
 )
 
@@ -311,22 +309,31 @@ RIGID = Ways(
 def proved_consensus(
     problem: ConsensusProblem, prover: ConsensusProver, effort: float
 ) -> Consensus | None:
-    """Of all candidates the one of which most is proved; no more are sought once none has more."""
-    block, graph, best = problem.problem.block(slice(None)), prover.consistent, None
+    """Of all candidates the one of which most is proved, by rigid motions."""
+    block, graph = problem.problem.block(slice(None)), prover.consistent
     x, y = block.source, block.target
-    for candidate in candidates(x, y, problem.bounds, effort=effort, consistent=graph):
-        found = prover.prove(candidate.rotation, candidate.translation, whole=False)
+    best = most_proved(
+        prover.prove(one.rotation, one.translation, whole=False)
+        for one in candidates(x, y, problem.bounds, effort=effort, consistent=graph)
+    )
+    return best if best is None or best.decided else prover.witnessed(best.witness)
+
+
+def most_proved(tried: Iterable[Proved | None]) -> Proved | None:
+    """Of all that is proved with candidates the most; none is tried once none can have more."""
+    best = None
+    for found in tried:
         if found is not None and (best is None or found.worth > best.worth):
             best = found
             LOG.info(
                 "%d of %d pairs within their bounds, at most %d (proved); searching on ...",
                 len(best.met),
-                problem.n,
+                len(best.labels),
                 best.upper,
             )
         if best is not None and best.upper == len(best.met):
             break
-    return best if best is None or best.decided else prover.witnessed(best.witness)
+    return best
 
 
 def _fit(
@@ -350,5 +357,6 @@ def _second(problem: ConsensusProblem, found: Consensus, ways: Ways, effort: flo
         return None
     block = problem.problem.block(slice(None))
     rest = block.source[others], block.target[others], problem.bounds[others]
-    most = max(ways.others(*rest, effort=SECOND_EFFORT * effort), default=0)
+    motions = ways.candidates(*rest, effort=SECOND_EFFORT * effort)
+    most = max((len(one.inliers) for one in motions), default=0)
     return most if most >= LEAST_PAIRS else None

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging
 import math
 from dataclasses import dataclass
 from decimal import ROUND_FLOOR
@@ -20,12 +19,12 @@ from certreg.errors import InvalidProblemError
 from certreg.exact import double_above, double_below
 from certreg.geometry import Similarity
 from certreg.problem import Scale
-from certreg.registration.consensus import ConsensusRegistration, Ways, restated
+from certreg.registration.consensus import ConsensusRegistration, Ways, most_proved, restated
 from certreg.relaxation import scaled_candidates
 from certreg.verify import rounded
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Sequence
 
     from certreg.certificate import Certificate, ConsensusSimilarityBody
     from certreg.problem import ConsensusProblem
@@ -33,7 +32,6 @@ if TYPE_CHECKING:
 
 DIGITS = 7  # of a scale, in words
 NAMED_RANGES = 3  # of scales, in a sentence
-LOG = logging.getLogger("certreg.registration.consensus")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -110,21 +108,13 @@ def ranges_words(some: Sequence[tuple[float, float]]) -> str:
 
 
 def _search(problem: ConsensusProblem, effort: float) -> ScaledConsensus | None:
-    """Of all candidates the one of which most is proved; no more are sought once none has more."""
-    block, best = problem.problem.block(slice(None)), None
-    prover = ScaledProver(problem, effort=effort)
-    for one in scaled_candidates(block.source, block.target, problem.bounds, effort=effort):
-        found = prover.prove(one.scale, one.rotation, one.translation, whole=False)
-        if found is not None and (best is None or found.worth > best.worth):
-            best = found
-            LOG.info(
-                "%d of %d pairs within their bounds, at most %d (proved); searching on ...",
-                len(best.met),
-                problem.n,
-                best.upper,
-            )
-        if best is not None and best.upper == len(best.met):
-            break
+    """Of all candidates the one of which most is proved."""
+    block, prover = problem.problem.block(slice(None)), ScaledProver(problem, effort=effort)
+    x, y = block.source, block.target
+    best = most_proved(
+        prover.prove(one.scale, one.rotation, one.translation, whole=False)
+        for one in scaled_candidates(x, y, problem.bounds, effort=effort)
+    )
     if best is not None:
         _require_spread(problem, best)
     return best if best is None or best.decided else prover.witnessed(best.witness)
@@ -145,10 +135,6 @@ def _require_spread(problem: ConsensusProblem, found: ScaledConsensus) -> None:
             raise InvalidProblemError(message, array=name, row=weighty[0])
 
 
-def _others(*points: Any, effort: float) -> Iterator[int]:
-    return (len(candidate.inliers) for candidate in scaled_candidates(*points, effort=effort))
-
-
 def restated_scaled_consensus(
     problem: ConsensusProblem, certificate: Certificate[ConsensusSimilarityBody], verdict: Verdict
 ) -> ConsensusRegistration:
@@ -161,6 +147,6 @@ SCALED = Ways(
     motion="motion with a scale",
     search=_search,
     certificate=scaled_consensus_certificate,
-    others=_others,
+    candidates=scaled_candidates,
     result=ScaledConsensusRegistration,
 )

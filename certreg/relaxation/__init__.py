@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from certreg.relaxation.refining import refined as refined
     from certreg.relaxation.rotation_boxes import BoxSearch as BoxSearch
     from certreg.relaxation.rotation_boxes import search_boxes as search_boxes
+    from certreg.relaxation.scaled_search import ScaledCandidate as ScaledCandidate
     from certreg.relaxation.scaled_search import scaled_candidates as scaled_candidates
     from certreg.relaxation.shor import Relaxation as Relaxation
     from certreg.relaxation.shor import relax as relax
@@ -48,7 +49,7 @@ __getattr__ = lazy_face(
             "BoxSearch",
             "search_boxes",
         ),
-        "scaled_search": ("scaled_candidates",),
+        "scaled_search": ("ScaledCandidate", "scaled_candidates"),
         "shor": (
             "Relaxation",
             "relax",
