@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.native import BitRows, enumeration, rows_of, thinned
+from certreg.native import BitRows, enumeration, greedy_clique, rows_of, thinned, triangles
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -48,6 +48,17 @@ def _lengths(points: NDArray[np.float64], rows: slice) -> NDArray[np.float64]:
 def core(near: BitRows, degree: int) -> int:
     """The rows, as bits, that are left once none has fewer neighbours left than `degree`."""
     return thinned(near, (1 << len(near)) - 1, degree + 1, 0).alive
+
+
+def greedy_cliques(near: BitRows, alive: int) -> Iterator[Rows]:
+    """Large cliques, begun at rows of most triangles that are in no clique so far."""
+    rows = np.array(list(rows_of(alive)), dtype=np.int64)
+    covered = np.zeros(len(near), dtype=bool)
+    for seed in rows[np.argsort(-triangles(near, alive)[rows], kind="stable")].tolist():
+        if not covered[seed]:
+            clique = greedy_clique(near, alive, seed)
+            covered[clique] = True
+            yield clique
 
 
 @dataclass(slots=True, eq=False)

@@ -12,12 +12,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from itertools import islice
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.native import greedy_clique, rows_of, triangles
-from certreg.relaxation.cliques import CliqueSearch, consistency, core
+from certreg.native import rows_of
+from certreg.relaxation.cliques import CliqueSearch, consistency, core, greedy_cliques
 from certreg.relaxation.edge_rows import best_that_fits, exchanged, grown, held, widened
 from certreg.relaxation.paired_rows import fitted, paired_rows, poses_of_triples, squared_ratios
 from certreg.relaxation.truncated_squares import Candidate, candidate_of, truncated_fit
@@ -109,21 +110,12 @@ class _Search:
         return found
 
     def of_greedy_cliques(self, near: BitRows) -> Iterator[Held]:
-        """From large cliques, begun at rows of most triangles that are in no clique so far."""
+        """From large cliques."""
         alive = core(near, self.best)
-        rows = np.array(list(rows_of(alive)), dtype=np.int64)
-        order = rows[np.argsort(-triangles(near, alive)[rows], kind="stable")]
-        covered = np.zeros(len(near), dtype=bool)
-        left = math.ceil(CLIQUES * self.effort)
-        for seed in order.tolist():
-            if left <= 0 or len(rows) <= self.best:
-                return
-            if covered[seed]:
-                continue
-            left -= 1
-            clique = greedy_clique(near, alive, seed)
-            covered[clique] = True
+        for clique in islice(greedy_cliques(near, alive), math.ceil(CLIQUES * self.effort)):
             yield from self.followed(self.fit_of(clique))
+            if alive.bit_count() <= self.best:
+                return
 
     def of_all_cliques(self, near: BitRows, enumeration: CliqueSearch) -> Iterator[Held]:
         """From every clique of one row more than the best set, until none fits."""

@@ -10,12 +10,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from itertools import islice
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.native import BitRows, greedy_clique, rows_of, triangles
-from certreg.relaxation.cliques import core
+from certreg.native import BitRows
+from certreg.relaxation.cliques import core, greedy_cliques
 from certreg.relaxation.consensus_search import candidates
 from certreg.relaxation.edge_rows import Held, widened
 from certreg.relaxation.paired_rows import Poses
@@ -135,21 +136,13 @@ class _Search:
     def of_cliques(self, near: BitRows) -> Iterator[Similar]:
         """From large cliques of rows that agree."""
         alive = core(near, self.best)
-        rows = np.array(list(rows_of(alive)), dtype=np.int64)
-        covered = np.zeros(len(near), dtype=bool)
-        left = CLIQUES
-        for seed in rows[np.argsort(-triangles(near, alive)[rows], kind="stable")].tolist():
-            if left <= 0 or len(rows) <= self.best:
-                return
-            if covered[seed]:
-                continue
-            left -= 1
-            clique = greedy_clique(near, alive, seed)
-            covered[clique] = True
+        for clique in islice(greedy_cliques(near, alive), CLIQUES):
             if len(clique) >= max(LEAST_ROWS, self.best):
                 weights = np.zeros(len(self.rows.bounds))
                 weights[clique] = self.rows.precisions[clique]
                 yield from self.followed(self.rows.fitted(weights))
+            if alive.bit_count() <= self.best:
+                return
 
     def of_rigid_motions(self, scale: float) -> Iterator[Similar]:
         """From all that the search of rigid motions finds at a scale."""

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from certreg.relaxation.paired_rows import FAR, Poses, fitted, paired_rows
-from certreg.relaxation.truncated_squares import GROWTH, MOST_STEPS
+from certreg.relaxation.truncated_squares import graduated
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -108,25 +108,13 @@ class SimilarRows:
         return Similar(scale, pose.rotations, shift)
 
     def truncated_fit(self) -> Similar:
-        """By graduated non-convexity, as of rigid motions: weights fall from 1 to 0."""
-        weights = np.ones(len(self.bounds))
-        found = self.fitted(self.precisions, symmetric=True)
-        ratios = self.ratios(found)
-        largest = float(ratios.max())
-        if largest <= 1.0:
-            return found
-        m = 1.0 / (2.0 * largest - 1.0)
-        for _ in range(MOST_STEPS):
-            weights = np.sqrt(m * (m + 1.0) / np.maximum(ratios, m / (m + 1.0))) - m
-            np.clip(weights, 0.0, 1.0, out=weights)
-            if not weights.any():
-                break
-            found = self.fitted(weights * self.precisions, symmetric=True)
-            if not ((weights > 0.0) & (weights < 1.0)).any():
-                break
-            ratios = self.ratios(found)
-            m *= GROWTH
-        return found
+        """By graduated non-convexity, as of rigid motions."""
+        precisions = self.precisions
+        return graduated(
+            lambda shares: self.fitted(shares * precisions, symmetric=True),
+            self.ratios,
+            len(precisions),
+        )
 
     def ranges(self, share: float) -> tuple[Reals, Reals]:
         """(N, N): between which scales two rows agree, with such a share of their bounds."""

@@ -9,17 +9,20 @@ than four of five pairs are wrong. Source: [Yang2020GNC].
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
 from certreg.relaxation.paired_rows import fitted, paired_rows, squared_ratios
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from numpy.typing import NDArray
 
     from certreg.relaxation.paired_rows import PairedRows, Poses, Reals
 
+Motion = TypeVar("Motion")
 GROWTH = 1.4  # of the control parameter in each step, as [Yang2020GNC] has it
 MOST_STEPS = 2000  # 40 are usual; the largest residuals, of 1e120 bounds, take 1650
 
@@ -54,25 +57,35 @@ def candidate_of(pairs: PairedRows, pose: Poses, ratios: Reals) -> Candidate:
 
 
 def truncated_fit(pairs: PairedRows) -> Poses:
-    """One pose: of least squares of the rows that have not been given up in the end.
+    """One pose: of least squares of the rows that have not been given up in the end."""
+    precisions = pairs.precisions
+    return graduated(
+        lambda shares: fitted(pairs, shares * precisions),
+        lambda pose: squared_ratios(pairs, pose),
+        len(pairs),
+    )
 
-    Weights of rows fall from 1 to 0 between r^2 = m / (m + 1) and (m + 1) / m, and m grows.
+
+def graduated(fit: Callable[[Reals], Motion], ratios: Callable[[Motion], Reals], n: int) -> Motion:
+    """The motion that graduated non-convexity finds for n rows.
+
+    fit: the motion of least squares, of shares (n,) of the weights. ratios: (|r| / bound)^2 of each
+    row there, (n,). Shares fall from 1 to 0 between r^2 = m / (m + 1) and (m + 1) / m, and m grows.
     """
-    precisions = 1.0 / (pairs.bounds * pairs.bounds)
-    pose = fitted(pairs, precisions)
-    ratios = squared_ratios(pairs, pose)
-    largest = float(ratios.max())
+    found = fit(np.ones(n))
+    squares = ratios(found)
+    largest = float(squares.max())
     if largest <= 1.0:
-        return pose
+        return found
     m = 1.0 / (2.0 * largest - 1.0)
     for _ in range(MOST_STEPS):
-        weights = np.sqrt(m * (m + 1.0) / np.maximum(ratios, m / (m + 1.0))) - m
-        np.clip(weights, 0.0, 1.0, out=weights)
-        if not weights.any():  # no row is near: the pose of before is all there is
-            return pose
-        pose = fitted(pairs, weights * precisions)
-        if not ((weights > 0.0) & (weights < 1.0)).any():
-            return pose
-        ratios = squared_ratios(pairs, pose)
+        shares = np.sqrt(m * (m + 1.0) / np.maximum(squares, m / (m + 1.0))) - m
+        np.clip(shares, 0.0, 1.0, out=shares)
+        if not shares.any():  # no row is near: the motion of before is all there is
+            return found
+        found = fit(shares)
+        if not ((shares > 0.0) & (shares < 1.0)).any():
+            return found
+        squares = ratios(found)
         m *= GROWTH
-    return pose
+    return found
