@@ -113,10 +113,15 @@ class ConsensusProver:
         if not sure:
             upper = stager.upper(stages, first, whole=whole)
             sure = stager.inliers(stages, first) if whole else 0
-        labels = "".join(
-            INLIER if sure >> i & 1 else UNDECIDED if first >> i & 1 else OUTLIER for i in range(n)
-        )
+        labels = labels_of(n, sure, first)
         return Consensus(witness, tuple(met), tuple(stages), labels, upper)
+
+
+def labels_of(n: int, sure: int, left: int) -> str:
+    """Of n rows: inliers those that are sure, outliers those that are not left; both as bits."""
+    return "".join(
+        INLIER if sure >> i & 1 else UNDECIDED if left >> i & 1 else OUTLIER for i in range(n)
+    )
 
 
 def witness_of(rotation: NDArray[np.float64], translation: NDArray[np.float64]) -> Witness:
@@ -179,18 +184,29 @@ def _reach(
     They have 2 p^T K p >= c, c = S - B. The pose of general springs is no eigenvector of K:
     `turn_about` allows for that.
     """
-    rows = list(met)
-    points, weights = PointRows.of(problem), problem.problem.weights[rows]
-    x, y = (p[rows] - p[rows[0]] for p in (points.source, points.target))
-    w = (weights / weights.max())[:, None]
-    x, y = (p - (w * p).sum(axis=0) / w.sum() for p in (x, y))
+    points = PointRows.of(problem)
+    x, y, w = centred(points.source, points.target, problem.problem.weights, met)
     spread = float((w * (x * x + y * y)).sum())
-    c = spread - float((w[:, 0] * points.bounds[rows] ** 2).sum())
+    c = spread - float((w[:, 0] * points.bounds[[*met]] ** 2).sum())
     K = davenport_stack(((w * y).T @ x)[None])[0]
     if problem.factors is None:
         return reach_of(K, c, spread, quaternion)
     u = np.array(quaternion, dtype=float)
     return turn_about(c / spread, 2.0 * K / spread, u / np.linalg.norm(u))
+
+
+def centred(
+    source: NDArray[np.float64],
+    target: NDArray[np.float64],
+    weights: NDArray[np.float64],
+    met: tuple[int, ...],
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """Rows of both clouds about their weighted means, (K, 3), and weights (K, 1), at most 1."""
+    rows = list(met)
+    w = (weights[rows] / weights[rows].max())[:, None]
+    x, y = (p[rows] - p[rows[0]] for p in (source, target))
+    x, y = (p - (w * p).sum(axis=0) / w.sum() for p in (x, y))
+    return x, y, w
 
 
 def reach_of(

@@ -15,11 +15,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.certificate.consensus import INLIER, OUTLIER, UNDECIDED, Reach, Stage
+from certreg.certificate.consensus import Reach, Stage
 from certreg.certificate.envelope import Certificate
 from certreg.certificate.producing_consensus import (
     ANGLE_BITS,
     Consensus,
+    centred,
+    labels_of,
     reach_of,
     unheld,
     witness_of,
@@ -127,9 +129,7 @@ class ScaledProver:
                 sure, union = sure & own, union | part.left
             end = None if part.scales.high is None else _dyadic(part.scales.high)
             pieces.append(Piece(end=end, stages=tuple(part.stages), state=state))
-        labels = "".join(
-            INLIER if sure >> i & 1 else UNDECIDED if union >> i & 1 else OUTLIER for i in range(n)
-        )
+        labels = labels_of(n, sure, union)
         return ScaledConsensus(witness, tuple(met), (), labels, upper, tuple(pieces))
 
     def _parts(self, met: list[int], scale: Fraction) -> list[_Thinned]:
@@ -257,13 +257,10 @@ def _bounded(
     s is between the roots. Where c > 0, they have 2 p^T K p >= 2 sqrt(c X). Doubles, rounded
     outwards: the checker decides.
     """
-    pairs, rows = ScaledPairs(problem), list(found.met)
-    w = problem.of_rows(rows).weights
-    w = (w / w.max())[:, None]
-    x, y = (p[rows] - p[rows[0]] for p in (pairs.source, pairs.target))
-    x, y = (p - (w * p).sum(axis=0) / w.sum() for p in (x, y))
+    pairs = ScaledPairs(problem)
+    x, y, w = centred(pairs.source, pairs.target, problem.problem.weights, found.met)
     X, Y = (float((w * p * p).sum()) for p in (x, y))
-    c = Y - float((w[:, 0] * pairs.bounds[rows] ** 2).sum())
+    c = Y - float((w[:, 0] * pairs.bounds[[*found.met]] ** 2).sum())
     K = davenport_stack(((w * y).T @ x)[None])[0]
     level = float(np.linalg.eigvalsh(K)[-1])
     middle, half = level / X, math.sqrt(max(level * level - c * X, 0.0)) / X

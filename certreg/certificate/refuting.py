@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 
     from certreg.problem import ConsensusProblem
 
+    Reals = NDArray[np.float64]
+
 # What follows stands in native/lawson.c, too.
 ROUNDS = 100  # of reweighting: five are usual, more where the least largest residual is near 1
 WEIGHT_MAX = 65535  # integers, so that a group takes few bytes; 255 miss refutations of one percent
@@ -118,13 +120,18 @@ class PointRows:
         total, load = weights.sum(axis=1)[:, None, None], weights[:, :, None]
         x = x - (load * x).sum(axis=1, keepdims=True) / total
         y = y - (load * y).sum(axis=1, keepdims=True) / total
-        spread = (load * (x * x + y * y)).sum(axis=(1, 2))
         values, vectors = np.linalg.eigh(davenport_stack(np.swapaxes(load * y, 1, 2) @ x))
+        level = np.maximum(values[:, 3], 0.0)
+        scale, squares = self._scaled(x, y, load, level)
         bound = (weights * self.bounds[picked] ** 2).sum(axis=1)
-        good = spread - 2.0 * values[:, 3] - bound > MARGIN * (spread + bound)
+        good = squares - 2.0 * scale * level - bound > MARGIN * (squares + bound)
         rotations = rotation_matrices(np.ascontiguousarray(vectors[:, :, 3]))
-        off = y - x @ np.swapaxes(rotations, 1, 2)
+        off = y - scale[:, None, None] * (x @ np.swapaxes(rotations, 1, 2))
         return good, (off * off).sum(axis=2)
+
+    def _scaled(self, x: Reals, y: Reals, load: Reals, level: Reals) -> tuple[Reals, Reals]:
+        """(G,) scales of the best motions, and (G,) the squares of both clouds at them."""
+        return np.ones_like(level), (load * (x * x + y * y)).sum(axis=(1, 2))
 
 
 def _whole(weights: NDArray[np.float64]) -> NDArray[np.float64]:

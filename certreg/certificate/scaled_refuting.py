@@ -11,15 +11,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.certificate.refuting import MARGIN, PointRows, davenport_stack
-from certreg.geometry import rotation_matrices
+from certreg.certificate.refuting import PointRows
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from numpy.typing import NDArray
-
     from certreg.certificate.consensus import Group
+    from certreg.certificate.refuting import Reals
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,24 +31,10 @@ class ScaledRows(PointRows):
         """As of a rigid motion, in NumPy: the compiled code knows no scale."""
         return self._refutation(row, rows)
 
-    def _tried(
-        self, picked: NDArray[np.int64], weights: NDArray[np.float64]
-    ) -> tuple[NDArray[np.bool_], NDArray[np.float64]]:
-        """(G,) whether weights (G, m) refute, and (G, m) squared residuals at the best motions."""
-        first = picked[0]
-        x, y = self.source[picked] - self.source[first], self.target[picked] - self.target[first]
-        total, load = weights.sum(axis=1)[:, None, None], weights[:, :, None]
-        x = x - (load * x).sum(axis=1, keepdims=True) / total
-        y = y - (load * y).sum(axis=1, keepdims=True) / total
+    def _scaled(self, x: Reals, y: Reals, load: Reals, level: Reals) -> tuple[Reals, Reals]:
+        """Of a rigid motion the scale is 1; here it is the best of the range."""
         here, there = ((load * p * p).sum(axis=(1, 2)) for p in (x, y))
-        values, vectors = np.linalg.eigh(davenport_stack(np.swapaxes(load * y, 1, 2) @ x))
-        level = np.maximum(values[:, 3], 0.0)
         with np.errstate(divide="ignore", invalid="ignore"):
             best = np.where(here > 0.0, level / here, self.low)
         scale = np.clip(best, self.low, self.high)
-        bound = (weights * self.bounds[picked] ** 2).sum(axis=1)
-        least = scale * scale * here + there - 2.0 * scale * level
-        good = least - bound > MARGIN * (scale * scale * here + there + bound)
-        rotations = rotation_matrices(np.ascontiguousarray(vectors[:, :, 3]))
-        off = y - scale[:, None, None] * (x @ np.swapaxes(rotations, 1, 2))
-        return good, (off * off).sum(axis=2)
+        return scale, scale * scale * here + there
