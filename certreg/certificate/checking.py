@@ -11,6 +11,7 @@ from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
 from certreg import problem as problems  # whose names load NumPy, which most here do without
+from certreg.certificate.differing import told_apart
 from certreg.certificate.envelope import certificate_bytes
 from certreg.errors import InvalidProblemError, RefusedCertificateError
 from certreg.io import write_atomically
@@ -85,7 +86,11 @@ def verify(
     if max_residual is not None or objective is not None:
         problem = bounded_clouds(problem, max_residual, objective)
     if problem is None or isinstance(problem, Clouds) or problem.n <= INLINE_MAX:
-        return as_verdict(check(content, _bound(problem), limits))
+        clouds = _bound(problem)
+        outcome = check(content, clouds, limits)
+        if clouds is not None and not outcome.verified:
+            outcome = replace(outcome, reason=told_apart(outcome.reason, content, clouds))
+        return as_verdict(outcome)
     from certreg.certificate.blockwise import check_in_blocks  # loads NumPy, for large ones alone
 
     return as_verdict(check_in_blocks(content, problem, limits))

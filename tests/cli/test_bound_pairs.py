@@ -18,11 +18,20 @@ if TYPE_CHECKING:
 RNG = np.random.default_rng(4)
 X, N = RNG.normal(size=(2, 12, 3))
 Y = X + RNG.uniform(-0.02, 0.02, X.shape)
-OTHER_WEIGHTS = "REFUSED: the certified bounds or weights are others, or not given: as for certify"
-OTHER_SPRINGS = "REFUSED: the certified bounds or springs are others, or not given: as for certify"
+OTHER_BOUND = "REFUSED: the certified bound is 0.05, given is 0.06: give --max-residual 0.05\n"
+ONE_BOUND = (
+    "REFUSED: the certified bound of row 4 (from 0) is {}, given is {} (1 of 12 bounds differ): "
+    "give --max-residual {}\n"
+)
 PLANES = ("--normals", "n.npy")
 TURNS = ("--rotation-only", "--objective", "truncated")
-NO_BOUND = "REFUSED: the certificate has --max-residual: give the same"
+NO_BOUND = (
+    "REFUSED: the certificate was made with --max-residual 0.05, given is none: give "
+    "--max-residual 0.05\n"
+)
+TURNED = (
+    "REFUSED: the certificate was made with --rotation-only --objective truncated --max-residual"
+)
 
 
 @pytest.fixture(scope="module")
@@ -31,12 +40,22 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     write_csv(place / "x.csv", X.tolist())
     write_csv(place / "y.csv", Y.tolist())
     np.save(place / "n.npy", N)
-    (place / "bounds.txt").write_text("0.05\n" * 12, "utf-8")
+    for name, fifth in (("bounds.txt", 0.05), ("others.txt", 0.06)):
+        text = "".join(f"{fifth if row == 4 else 0.05}\n" for row in range(12))
+        (place / name).write_text(text, "utf-8")
     (place / "weights.txt").write_text("2\n" * 12, "utf-8")
+    (place / "unequal.txt").write_text("1\n2\n" * 6, "utf-8")
+    np.save(place / "m.npy", np.where(np.arange(12)[:, np.newaxis] == 7, -2.0 * N, N))
     clouds = place / "x.csv", place / "y.csv", "--max-residual", "0.05"
     run("certify", *clouds, "--out", place / "points")
     run("certify", *clouds, "--normals", place / "n.npy", "--out", place / "planes")
     run("certify", *clouds, *TURNS, "--out", place / "turns")
+    run("certify", *clouds, "--sigma", "0.01", "--out", place / "noisy")
+    run("certify", *clouds, "--weights", place / "weights.txt", "--out", place / "weighed")
+    run("certify", *clouds, "--weights", place / "unequal.txt", "--out", place / "unequal")
+    run("certify", *clouds, "--scale", "symmetric", "--out", place / "sizes")
+    run("certify", *clouds[:3], place / "others.txt", "--out", place / "others")
+    run("certify", *clouds[:2], "--out", place / "all")
     return place
 
 
@@ -47,19 +66,86 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     [
         ("points", ("--max-residual", "0.05"), "VERIFIED"),
         ("points", ("--max-residual", "bounds.txt"), "VERIFIED"),
-        ("points", ("--max-residual", "0.06"), OTHER_WEIGHTS),
-        ("points", ("--max-residual", "0.05", "--weights", "weights.txt"), OTHER_WEIGHTS),
+        ("points", ("--max-residual", "0.06"), OTHER_BOUND),
+        ("points", ("--max-residual", "others.txt"), ONE_BOUND.format(0.05, 0.06, 0.05)),
+        (
+            "others",
+            ("--max-residual", "0.05"),
+            ONE_BOUND.format(0.06, 0.05, "FILE, as for certify"),
+        ),
+        (
+            "points",
+            ("--max-residual", "0.05", "--weights", "weights.txt"),
+            "REFUSED: the certified weight is 1.0, given is 2.0: leave --sigma and --weights out\n",
+        ),
+        (
+            "points",
+            ("--max-residual", "0.05", "--weights", "unequal.txt"),
+            "the certified weight of row 1 (from 0) is 1.0, given is 2.0 (6 of 12 weights differ)",
+        ),
+        (
+            "noisy",
+            ("--max-residual", "0.05", "--sigma", "0.02"),
+            "REFUSED: the certified weight is 10000.0, given is 2500.0: give --sigma 0.01\n",
+        ),
+        (
+            "weighed",
+            ("--max-residual", "0.05"),
+            "weight is 2.0, given is 1.0: give --sigma or --weights, as for certify\n",
+        ),
+        (
+            "unequal",
+            ("--max-residual", "0.05"),
+            "(6 of 12 weights differ): give --weights FILE, as for certify\n",
+        ),
+        (
+            "points",
+            ("--max-residual", "0.05", "--normals", "n.npy"),
+            "REFUSED: the certificate has no springs, some are given: leave them out\n",
+        ),
         ("points", (), NO_BOUND),
-        ("points", ("--max-residual", "0.05", *TURNS), "REFUSED: the certificate has --max-resid"),
+        (
+            "points",
+            ("--max-residual", "0.05", *TURNS),
+            "0.05, given is --rotation-only --objective truncated --max-residual: leave --rotat",
+        ),
+        (
+            "others",
+            (),
+            "made with --max-residual FILE, given is none: give --max-residual FILE\n",
+        ),
+        (
+            "sizes",
+            ("--max-residual", "0.05", "--scale", "asymmetric"),
+            "give --scale symmetric, leave --scale asymmetric out\n",
+        ),
+        (
+            "sizes",
+            ("--max-residual", "0.06", "--scale", "symmetric"),
+            OTHER_BOUND,
+        ),
+        (
+            "all",
+            ("--max-residual", "0.05"),
+            "made with no such option, given is --max-residual: leave --max-residual out\n",
+        ),
         ("planes", ("--max-residual", "0.05", *PLANES), "VERIFIED"),
-        ("planes", ("--max-residual", "0.06", *PLANES), OTHER_SPRINGS),
-        ("planes", ("--max-residual", "0.05", "--directions", "n.npy"), OTHER_SPRINGS),
-        ("planes", ("--max-residual", "0.05"), "REFUSED: the certificate is about another number"),
+        ("planes", ("--max-residual", "0.06", *PLANES), OTHER_BOUND),
+        (
+            "planes",
+            ("--max-residual", "0.05", "--normals", "m.npy"),
+            "of row 7 (from 0) is not the given one (1 of 12 springs differ): give --springs KIND",
+        ),
+        (
+            "planes",
+            ("--max-residual", "0.05"),
+            "REFUSED: the certificate has a spring for each pair, none is given: give --springs K",
+        ),
         ("planes", PLANES, NO_BOUND),
         ("turns", ("--max-residual", "0.05", *TURNS), "VERIFIED"),
-        ("turns", ("--max-residual", "0.06", *TURNS), "REFUSED: the certified bounds are other on"),
-        ("turns", ("--max-residual", "0.05"), "REFUSED: the certificate has --rotation-only --obj"),
-        ("turns", TURNS[:1], "REFUSED: the certificate has --rotation-only --objective truncated"),
+        ("turns", ("--max-residual", "0.06", *TURNS), OTHER_BOUND),
+        ("turns", ("--max-residual", "0.05"), f"{TURNED} 0.05, given is --max-residual: give --ro"),
+        ("turns", TURNS[:1], f"{TURNED} 0.05, given is --rotation-only: give --objective truncat"),
     ],
 )
 def test_bounds_are_what_a_certificate_is_about(
@@ -71,6 +157,16 @@ def test_bounds_are_what_a_certificate_is_about(
 
     assert found.code == (said != "VERIFIED")
     assert said in found.out
+
+
+def test_of_other_points_nothing_else_is_told(folder: Path):
+    path, bound = folder / "points" / "certificate.json", ("--max-residual", "0.05")
+    found = run("verify", path, folder / "y.csv", folder / "x.csv", *bound)
+    assert found.out == "REFUSED: the certificate is about other points\n"
+    few = (folder / "x.csv").read_text("utf-8").splitlines()[:11]
+    (folder / "few.csv").write_text("\n".join(few), "utf-8")
+    found = run("verify", path, folder / "few.csv", folder / "few.csv", *bound)
+    assert found.out == "REFUSED: the certificate is about 12 pairs, given are 11\n"
 
 
 @pytest.mark.parametrize(
@@ -103,7 +199,7 @@ def test_a_report_is_made_beside_the_same_clouds_alone(folder: Path):
     assert run(*asked, *given, "0.05", "--out", folder / "r.html").code == 0
     refused = run(*asked, *given, "0.06", "--out", folder / "r.html")
     assert refused.code == 1
-    assert OTHER_SPRINGS in refused.err
+    assert OTHER_BOUND.strip() in refused.err
 
 
 @pytest.mark.slow

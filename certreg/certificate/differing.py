@@ -1,0 +1,131 @@
+"""Why clouds are not what a certificate of wrong pairs is about: what differs, and what to type.
+
+The checker refuses by itself, whatever is said here; it has no words to spare for a remedy.
+"""
+
+from __future__ import annotations
+
+import base64
+import re
+import sys
+from array import array
+from fractions import Fraction
+from typing import TYPE_CHECKING
+
+from certreg.verify import CONSENSUS, SPRUNG, TRUNCATED, ConsensusSimilarityStatement, parse
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from certreg.verify import Clouds, Statement
+
+WEIGHED = (("weight", 1), ("bound", 1))
+COLUMNS = {  # of the doubles behind the points, and how many of each a pair has
+    CONSENSUS: WEIGHED,
+    TRUNCATED: WEIGHED,
+    **dict.fromkeys(ConsensusSimilarityStatement.prefixes.values(), WEIGHED),
+    SPRUNG: (("bound", 1), ("spring", 6)),
+}
+OPTIONS = re.compile(r"--\w[\w-]*(?: (?!--)\S+)?")
+BOUND, TRUNCATING = "--max-residual", "--objective truncated"
+BINDING = ("the certificate has ", "the certified ", "the certificate is about another number")
+SPRINGS = "--springs KIND, --normals FILE or others"
+
+
+def told_apart(reason: str, certificate: bytes, clouds: Clouds) -> str:
+    """The reason of a refusal, in words that name what differs where pairs have bounds."""
+    if not reason.startswith(BINDING):
+        return reason
+    statement = parse(certificate)
+    if statement.prefix in COLUMNS and statement.data is not None:
+        return next(_differences(statement, clouds), reason)
+    bounded = BOUND in _options(clouds.model)
+    return _other_options(statement, clouds, None) if bounded else reason
+
+
+def _differences(statement: Statement, clouds: Clouds) -> Iterator[str]:
+    """In words, that of the options first, then of the numbers of pairs, then of these."""
+    own = _columns(statement)
+    if clouds.model != statement.model:
+        yield _other_options(statement, clouds, own["bound"])
+    n, given = statement.n, len(clouds.source) // 3
+    if given != n:
+        yield f"the certificate is about {n} pairs, given are {given}"
+    numbers: array[float] = clouds.weights or array("d")
+    theirs: dict[str, Sequence[float]] = {}
+    if len(numbers) != sum(map(len, own.values())):
+        has = "a spring for each pair, none is" if "spring" in own else "no springs, some are"
+        ask = f"give {SPRINGS}, as for certify" if "spring" in own else "leave them out"
+        yield f"the certificate has {has} given: {ask}"
+        return
+    for name, values in own.items():
+        theirs[name], numbers = numbers[: len(values)], numbers[len(values) :]
+    for name in ("bound", "weight", "spring"):
+        if name in own and own[name] != theirs[name]:
+            yield _other_values(name, own[name], theirs[name], n)
+
+
+def _columns(statement: Statement) -> dict[str, Sequence[float]]:
+    """The bounds, and the weights or springs, that a certificate holds."""
+    columns = COLUMNS[statement.prefix]
+    doubles = array("d")
+    held = base64.b64decode(statement.data or "")
+    doubles.frombytes(held[-8 * statement.n * sum(size for _, size in columns) :])
+    if sys.byteorder == "big":
+        doubles.byteswap()
+    found: dict[str, Sequence[float]] = {}
+    for name, size in columns:
+        found[name], doubles = doubles[: size * statement.n], doubles[size * statement.n :]
+    return found
+
+
+def _other_options(statement: Statement, clouds: Clouds, bounds: Sequence[float] | None) -> str:
+    """What the certificate is with, what was given, and what to add or to leave out."""
+    own, given = (_options(model) for model in (statement.model, clouds.model))
+    value = f"{bounds[0]!r}" if bounds and _alike(bounds) else "FILE"
+    certified = [f"{BOUND} {value}" if one == BOUND else one for one in own]
+    more = [one for one, plain in zip(certified, own, strict=True) if plain not in given]
+    less = [one for one in given if one not in own]
+    todo = [f"give {' '.join(more)}"] * bool(more) + [f"leave {' '.join(less)} out"] * bool(less)
+    made, was = " ".join(certified) or "no such option", " ".join(given) or "none"
+    return f"the certificate was made with {made}, given is {was}: {', '.join(todo)}"
+
+
+def _options(model: str) -> list[str]:
+    """The options of a model; the bound is told of truncated squares, too."""
+    found = OPTIONS.findall(model)
+    return [*found, BOUND] if TRUNCATING in found else found
+
+
+def _other_values(name: str, own: Sequence[float], given: Sequence[float], n: int) -> str:
+    """Which is the first that differs, how many do, and what to give."""
+    size = len(own) // n
+    parts = [slice(size * i, size * i + size) for i in range(n)]
+    rows = [i for i, part in enumerate(parts) if own[part] != given[part]]
+    row, others = rows[0], f" ({len(rows)} of {n} {name}s differ)"
+    if name == "spring":
+        told = f"the certified spring of row {row} (from 0) is not the given one{others}"
+        return f"{told}: give {SPRINGS}, as for certify"
+    place = "" if _alike(own) and _alike(given) else f" of row {row} (from 0)"
+    told = f"the certified {name}{place} is {own[row]!r}, given is {given[row]!r}"
+    if name == "bound":
+        remedy = f"give {BOUND} {own[0]!r}" if _alike(own) else f"give {BOUND} FILE, as for certify"
+    else:
+        remedy = _weight_remedy(own)
+    return f"{told}{others if place else ''}: {remedy}"
+
+
+def _weight_remedy(weights: Sequence[float]) -> str:
+    """The option by which all pairs get such a weight, where there is one."""
+    w = weights[0]
+    if not _alike(weights):
+        return "give --weights FILE, as for certify"
+    if w == 1.0:
+        return "leave --sigma and --weights out"
+    sigma = float(f"{w**-0.5:.6g}") if 1e-300 < w < 1e300 else 1.0
+    exact = float(1 / Fraction(sigma) ** 2) == w
+    return f"give --sigma {sigma!r}" if exact else "give --sigma or --weights, as for certify"
+
+
+def _alike(values: Sequence[float]) -> bool:
+    return all(value == values[0] for value in values)
