@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from certreg.cli.options import CLOUD, bound_clouds, cloud_options
+from certreg.cli.options import CLOUD, bound_clouds, certificate_argument, cloud_options
 from certreg.cli.progress import note
 from certreg.cli.wrong_pairs import consensus_options
 from certreg.errors import InvalidFileError
-from certreg.geometry import why_no_rotation
+from certreg.geometry import GivenPose, Similarity, why_no_rotation
 from certreg.io import (
     read_cloud,
     read_inliers,
@@ -37,6 +37,7 @@ from certreg.report import (
     REPORT,
     assessment_document,
     assessment_summary,
+    certified_pose,
     dumps,
     html_page,
     printable,
@@ -156,14 +157,8 @@ def apply(result: Path, cloud: Path, *, out: Path, line: int | None, scaled: boo
     What is no rotation (a reflection, a scaling) is refused; a scale that stands beside the
     rotation, as in a result of --scale, is applied.
     """
-    pose = read_result_pose(result, line)
+    pose, told = _pose_to_apply(result, line)
     pose = pose.scaled_apart() if scaled else pose
-    if pose.translation is None:
-        message = (
-            f"{shown(result)}: holds a rotation alone: give the result or the pose file that "
-            "certify --out wrote beside it"
-        )
-        raise InvalidFileError(message, path=result)
     fault = why_no_rotation(pose.turn)
     if fault is not None:
         similar = " (--scaled moves by a similarity)" if "scales by" in fault else ""
@@ -175,10 +170,27 @@ def apply(result: Path, cloud: Path, *, out: Path, line: int | None, scaled: boo
         left = f"columns not moved and not written: {printable(', '.join(points.ignored))}"
         click.echo(f"note: {printable(cloud)}: {left}", err=True)
     write_cloud(out, points.points, points.labels, move=pose.apply)
-    told = _header_words(out, labelled=points.labels is not None)
-    click.echo(f"{len(points.points)} points written to {printable(out)}{scale}{told}")
-    click.echo(f"The pose is as {printable(result)} has it, unchecked: certreg assess judges it.")
+    header = _header_words(out, labelled=points.labels is not None)
+    click.echo(f"{len(points.points)} points written to {printable(out)}{scale}{header}")
+    click.echo(told)
     return DONE
+
+
+def _pose_to_apply(result: Path, line: int | None) -> tuple[GivenPose, str]:
+    """The pose in a file, and a sentence on what it is worth.
+
+    A certificate holds a rotation alone: the translation is that of the points in it.
+    """
+    pose = read_result_pose(result, line)
+    if pose.translation is not None:
+        return (
+            pose,
+            f"The pose is as {printable(result)} has it, unchecked: certreg assess judges it.",
+        )
+    found = certified_pose(result)
+    scale = found.scale if isinstance(found, Similarity) else None
+    given = GivenPose(turn=found.quaternion_wxyz, translation=found.translation, scale=scale)
+    return given, f"The pose is computed anew from {printable(result)}, which the checker accepts."
 
 
 def _header_words(out: Path, *, labelled: bool) -> str:
@@ -189,7 +201,7 @@ def _header_words(out: Path, *, labelled: bool) -> str:
 
 
 @click.command(epilog="Exit code 0 when the report was written, 1 if the checker refuses, else 2.")
-@click.argument("certificate", type=CLOUD)
+@certificate_argument
 @bound_clouds(lightly=False)
 @click.option("--out", type=CLOUD, help="File to write; default: report.html beside CERTIFICATE.")
 def report(
@@ -200,9 +212,10 @@ def report(
 ) -> int:
     """One HTML file that shows the registration and its proof, for any browser, offline.
 
-    CERTIFICATE is checked first. All else is computed anew: the motion with the damping and the
-    integrator that it names. More than a million points are not in it: give SOURCE and TARGET.
-    Where they are given it must be about exactly these, as for `certreg verify`.
+    CERTIFICATE, a file or the folder that certify --out wrote, is checked first. All else is
+    computed anew: the motion with the damping and the integrator that it names. More than a million
+    points are not in it: give SOURCE and TARGET. Where they are given it must be about exactly
+    these, as for `certreg verify`.
     """
     place = certificate.with_name(REPORT) if out is None else out
     if place.exists() and certificate.exists() and place.samefile(certificate):

@@ -45,9 +45,28 @@ OPTIMAL = "optimal"  # the damping of the fastest decay
 SIGMA_OR_WEIGHTS = "--sigma and --weights exclude each other: give one"
 PATIENCE = 1.0  # seconds before a long run says that it is at work
 SPRING_FILES = ("normals", "directions", "covariances", "information", "factors")
+CERTIFICATE = "certificate.json"  # as `certify --out` calls it
 RIGID = {"scale": "none", "rotation_only": False}
 CLOUD = click.Path(dir_okay=False, path_type=Path)
 FOLDER = click.Path(file_okay=False, path_type=Path)
+
+
+def certificate_argument(command: Callable[..., Any]) -> Callable[..., Any]:
+    """CERTIFICATE: a file, or a folder that `certify --out` wrote."""
+
+    def file_of(context: click.Context, parameter: click.Parameter, value: Path) -> Path:
+        if not value.is_dir():
+            return value
+        if not (value / CERTIFICATE).is_file():
+            message = (
+                f"{printable(value)}: a folder without {CERTIFICATE}: give a folder that certify "
+                "--out wrote, or the file of a certificate"
+            )
+            raise click.BadParameter(message, context, parameter)
+        return value / CERTIFICATE
+
+    place = click.Path(path_type=Path)
+    return click.argument("certificate", type=place, callback=file_of)(command)
 
 
 def pairing_options(command: Callable[..., Any]) -> Callable[..., Any]:

@@ -9,7 +9,7 @@ import click
 from certreg.certificate import verify as checked
 from certreg.certificate import verify_lines, verify_with_coq
 from certreg.cli.numbers import NUMBER
-from certreg.cli.options import CLOUD, bound_clouds
+from certreg.cli.options import CLOUD, bound_clouds, certificate_argument
 from certreg.registration import DONE, REFUSED
 
 if TYPE_CHECKING:
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 @click.command()
-@click.argument("certificate", type=CLOUD)
+@certificate_argument
 @bound_clouds(lightly=True)
 @click.option(
     "--max-angle",
@@ -47,10 +47,11 @@ def verify(
 ) -> int:
     """Re-check a certificate in exact arithmetic: VERIFIED, or REFUSED with the reason.
 
-    With SOURCE and TARGET it must also be about exactly those points, paired and weighted as they
-    were: of weight 1 without --sigma, --weights or --any-weight. With --coq, Coq's kernel
-    checks it instead, by a checker that is proved correct. Of a .jsonl file, with a certificate a
-    line, the refused lines are told, and how many of them are verified.
+    CERTIFICATE is a file, or the folder that certify --out wrote. With SOURCE and TARGET it must
+    also be about exactly those points, paired and weighted as they were: of weight 1 without
+    --sigma, --weights or --any-weight. With --coq, Coq's kernel checks it instead, by a checker
+    that is proved correct. Of a .jsonl file, with a certificate a line, the refused lines are told,
+    and how many of them are verified.
     """
     if out is not None and not coq:
         message = "--out goes with --coq"

@@ -15,6 +15,8 @@ from certreg.verify import FORMAT, RefusalError, parse, shown
 
 if TYPE_CHECKING:
     from certreg.io.pose_values import PoseSource
+
+QUATERNION = 4  # entries
 SCALE = 64  # bits: the root of the norm is then right beyond a double
 
 
@@ -49,11 +51,21 @@ def pose_of_certificate(source: PoseSource, content: bytes) -> GivenPose:
     except RefusalError as error:
         message = f"is neither a pose file nor a well-formed certificate ({shown(error)})"
         raise source.refusal(message) from error
-    q: tuple[int, ...] = getattr(statement, "pose", (0,))  # that of a count holds none
-    if not any(q):
+    q = getattr(statement, "pose", None) or _pose_of_fit(getattr(statement, "fit", None))
+    if not any(q):  # that of a count holds none
         raise source.refusal("is a certificate that holds no pose: give a pose or a result")
     norm = math.isqrt(sum(entry * entry for entry in q) << 2 * SCALE)
     return GivenPose(turn=np.array([(entry << SCALE) / norm for entry in q]), translation=None)
+
+
+def _pose_of_fit(fit: Any) -> tuple[int, ...]:
+    """Of the least squares that a certificate of wrong pairs holds, as nobody has checked it."""
+    fields = cast("dict[str, Any]", fit) if isinstance(fit, dict) else {}
+    proof = fields.get("proof", fields)
+    pose = cast("dict[str, Any]", proof).get("pose") if isinstance(proof, dict) else None
+    entries = cast("list[Any]", pose) if isinstance(pose, list) else []
+    right = len(entries) == QUATERNION and all(type(entry) is int for entry in entries)
+    return tuple(entries) if right else (0,)
 
 
 def _pose_of_fields(source: PoseSource, fields: dict[str, Any]) -> GivenPose:

@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from certreg.report.methods import enumeration_summary as enumeration_summary
     from certreg.report.pages import html_page as html_page
     from certreg.report.presenting import PRESENTER as PRESENTER
+    from certreg.report.reload import certified_pose as certified_pose
     from certreg.report.reload import report_of as report_of
     from certreg.report.scaled_summary import registration_summary as registration_summary
     from certreg.report.spring_equilibria import (
@@ -82,7 +83,7 @@ __getattr__ = lazy_face(
         "methods": ("enumeration_summary",),
         "pages": ("html_page",),
         "presenting": ("PRESENTER",),
-        "reload": ("report_of",),
+        "reload": ("certified_pose", "report_of"),
         "scaled_summary": ("registration_summary",),
         "spring_equilibria": (
             "spring_enumeration_summary",

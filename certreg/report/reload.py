@@ -64,6 +64,7 @@ if TYPE_CHECKING:
     import os
     from collections.abc import Callable
 
+    from certreg.geometry import Pose
     from certreg.registration import Registration, Solution
     from certreg.report.any_report import AnyReport
     from certreg.results import Verdict
@@ -165,6 +166,23 @@ def report_of(
         name=file.name,
         weak=_weaker(given, registration.bounds),
     )
+
+
+def certified_pose(certificate: str | os.PathLike[str]) -> Pose | Similarity:
+    """The pose of a certificate that holds its points, as `certify` gave it, computed anew.
+
+    Raises InvalidFileError for other files, RefusedCertificateError where the checker refuses.
+    """
+    file = Path(certificate)
+    with reading(file) as stream:
+        loaded = _loaded(stream.read(FILE_MAX + 1))
+    if loaded is not None and loaded.data is None:
+        message = (
+            f"{shown(file)}: holds a rotation alone, and no points: give the result or the pose "
+            "file that certify --out wrote beside it"
+        )
+        raise InvalidFileError(message, path=file)
+    return report_of(file).registration.pose
 
 
 def _as_proved(solution: Solution, given: IsotropicBody | SimilarityBody) -> Solution:

@@ -6,12 +6,14 @@ import io
 import json
 import math
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from commands import checked
 from strategies import random_problem
 
+import certreg
 from certreg.certificate import count_certificate, produce
 from certreg.errors import InvalidFileError
 from certreg.geometry import ROTATION_TOLERANCE
@@ -209,6 +211,23 @@ def test_a_certificate_is_a_rotation_alone_however_many_points_it_carries():
     spoilt = content.replace(b'"kind": "isotropic"', b'"kind": "other"')
     with pytest.raises(InvalidFileError, match="neither a pose file nor a well-formed certificate"):
         parse_pose(io.BytesIO(spoilt), Path("certificate.json"))
+
+
+def test_a_certificate_of_wrong_pairs_holds_the_rotation_of_its_least_squares():
+    problem = random_problem(np.random.default_rng(4), n=8, noise=0.001)
+    normals = np.eye(3)[np.arange(8) % 3]
+    stated: tuple[dict[str, Any], ...] = ({}, {"normals": normals}, {"scale": "asymmetric"})
+    for more in stated:
+        clouds = problem.source, problem.target
+        made: Any = certreg.certify(*clouds, max_residual=0.05, **more)
+        content = made.certificate.to_json()
+        pose = parse_pose(io.BytesIO(content), Path("certificate.json"))
+        assert pose.translation is None
+        assert np.allclose(pose.rotation, made.pose.rotation, rtol=0, atol=1e-12)
+        for fit in (None, {"pose": [1, 2, 3]}, {"pose": [1.0, 0, 0, 0]}, {"proof": [1]}):
+            spoilt = json.dumps({**json.loads(content), "fit": fit}).encode()
+            with pytest.raises(InvalidFileError, match="is a certificate that holds no pose"):
+                parse_pose(io.BytesIO(spoilt), Path("certificate.json"))
 
 
 def test_a_certificate_of_a_count_holds_no_pose():

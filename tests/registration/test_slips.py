@@ -401,9 +401,6 @@ def test_a_certificate_and_a_line_of_a_trajectory_are_judged(tmp_path):
     assert "Only a rotation was given" in certificate.out
     assert "Only a rotation" not in chosen.out
     assert certreg("assess", *files, "--pose", kitti).code == 2
-    refused = certreg("apply", tmp_path / "certificate.json", files[0], "--out", tmp_path / "a.csv")
-    assert refused.code == 2
-    assert "holds a rotation alone: give the result or the pose file" in refused.err
 
 
 @pytest.mark.parametrize("scale", [1000.0, 0.015625])
