@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from certreg.registration.any_registration import AnyRegistration
 
 DONE, REFUSED, MISUSED, NOT_UNIQUE, NOT_CERTIFIED = 0, 1, 2, 3, 4
+DIGITS = 6  # of an RMSE, in words
 INTERRUPTED = 130  # as shells have it: 128 and the number of the signal, 2
 PRECEDENCE = (MISUSED, REFUSED, NOT_CERTIFIED, NOT_UNIQUE, DONE)
 
@@ -51,9 +52,15 @@ class FitDemands:
         if self.require_fit and warned:
             words.append("the fit has warnings")
         if self.max_rmse is not None and (rmse is None or rmse > self.max_rmse):
-            size = "beyond doubles" if rmse is None else f"{rmse!r}"
+            size = "beyond doubles" if rmse is None else _told_above(rmse, self.max_rmse)
             words.append(f"the RMSE is {size}, more than {self.max_rmse!r}")
         return words
+
+
+def _told_above(value: float, limit: float) -> str:
+    """A value above a limit in six digits, or in more where these are not above it."""
+    told = (f"{value:.{digits}g}" for digits in range(DIGITS, 17))
+    return next((words for words in told if float(words) > limit), f"{value!r}")
 
 
 NOTHING_ASKED = FitDemands()

@@ -10,6 +10,7 @@ from certreg.registration import are_words, simulate_breaking
 from certreg.report.any_report import AnyReport, head_of, pairs_words
 from certreg.report.breaking import breaking_course
 from certreg.report.consensus_fit import (
+    fit_causes,
     fit_overview,
     fit_remedies,
     fit_theorems,
@@ -17,7 +18,8 @@ from certreg.report.consensus_fit import (
     kinds_words,
 )
 from certreg.report.consensus_picture import pairs_picture, residual_chart
-from certreg.report.consensus_summary import HARDER, TOLD_SECOND, counted_labels, reach_degrees
+from certreg.report.consensus_reach import reach_degrees, why_unbounded
+from certreg.report.consensus_summary import HARDER, TOLD_SECOND, counted_labels, warnings_of
 from certreg.report.overview import Fact, Overview
 from certreg.report.scaled_consensus import scale_sentences
 from certreg.report.summary import number
@@ -76,9 +78,9 @@ class ConsensusReport(AnyReport[Any]):
         picture = pairs_picture(result)
         head = head_of(
             result.headline,
-            further=[WEAK_FIT] if self.weak else [],
-            todo=[*[f"{HARDER}."] * undecided, *_spring_remedies(result)],
-            warnings=[*result.problem.notes, *(one.text for one in result.fit.fit.warnings)],
+            further=[*[WEAK_FIT] * self.weak, *fit_causes(result.fit)],
+            todo=[*[f"{HARDER}."] * undecided, *fit_remedies(result.fit)],
+            warnings=warnings_of(result),
         )
         return {
             **head,
@@ -113,15 +115,12 @@ def _overview(result: ConsensusRegistration) -> Overview:
             words=f"in every motion that brings {found} within",
         ),
     ]
-    if reach is not None:
-        words = f"from all motions that bring these {found} within, at most"
-        facts.append(Fact(name="Angle", value=f"{number(reach)}°", words=words))
+    if reach is None:
+        facts.append(Fact(name="Angle", value="not bounded", words=why_unbounded(result)))
+    else:
+        words = f"from this rotation to that of any motion that brings these {found} within"
+        facts.append(Fact(name="Angle", value=f"≤ {reach}°", words=words))
     return replace(own, proved=(*facts, *own.proved))
-
-
-def _spring_remedies(result: ConsensusRegistration) -> list[str]:
-    """What may help where springs leave a pose undetermined, or hardly determined."""
-    return [] if result.problem.factors is None else fit_remedies(result.fit)
 
 
 def _residual_words(result: ConsensusRegistration) -> Iterator[str]:
@@ -215,8 +214,8 @@ def _known(result: ConsensusRegistration) -> Iterator[Sentence]:
         yield Sentence(words=words, guarantee=exact, theorems=rules)
     if (reach := reach_degrees(result)) is not None:
         yield Sentence(
-            words=f"Every motion that brings these {found} within has its rotation within "
-            f"{number(reach)} degrees of that of the least squares.",
+            words=f"The rotation of every motion that brings these {found} within is at most "
+            f"{reach} degrees from that of the least squares.",
             guarantee=exact,
             theorems=("angle_of_consensus",),
         )

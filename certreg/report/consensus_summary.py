@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING
 
-from certreg.exact import double_above
-from certreg.report.consensus_fit import fit_remedies, fit_verdict, kinds_words, rmse_words
+from certreg.report.consensus_fit import (
+    fit_causes,
+    fit_remedies,
+    fit_verdict,
+    kinds_words,
+    rmse_words,
+)
+from certreg.report.consensus_reach import reach_line
 from certreg.report.remedies import ADVICE
 from certreg.report.scaled_consensus import scale_lines, witness_scale_lines
 from certreg.report.summary import number
@@ -31,7 +36,6 @@ def consensus_summary(result: ConsensusRegistration) -> str:
     lines = [
         result.headline,
         *([f"{ADVICE}{HARDER}."] if undecided else []),
-        *(f"{ADVICE}{words}" for words in fit_remedies(fit)),
         "",
         f"  correspondences   {result.problem.n}",
         f"  within bounds     {found} found, at most {result.upper} (proved)",
@@ -39,17 +43,24 @@ def consensus_summary(result: ConsensusRegistration) -> str:
         *_second(result),
         *([] if kinds is None else [f"  springs           {kinds}"]),
         f"  least squares     of these {found}: {verdict}",
-        *(f"                    {words}" for words in further),
+        *(f"                    {words}" for words in (*further, *fit_causes(fit))),
+        *(f"                    {ADVICE}{words}" for words in fit_remedies(fit)),
         *scale_lines(result),
         f"  rotation (wxyz)   {' '.join(map(repr, pose.quaternion_wxyz.tolist()))}",
         f"  translation       {' '.join(map(repr, pose.translation.tolist()))}",
         f"  RMSE              {rmse}  ({rmse_words(result)})",
         f"  largest residual  {number(largest)}",
         *_broken(result),
-        *_reach(result),
-        *(f"  warning           {words}" for words in result.problem.notes),
+        reach_line(result),
+        *(f"  warning           {words}" for words in warnings_of(result, verdict)),
     ]
     return "\n".join(lines)
+
+
+def warnings_of(result: ConsensusRegistration, said: str = "") -> list[str]:
+    """What is true of the data and of the least squares, and should not be overlooked."""
+    told = (one.text for one in result.fit.fit.warnings)
+    return [*result.problem.notes, *(words for words in told if words not in said)]
 
 
 def counted_labels(labels: Sequence[str]) -> str:
@@ -83,20 +94,3 @@ def _broken(result: ConsensusRegistration) -> list[str]:
         f"    its translation {' '.join(map(repr, witness.translation.tolist()))}",
         *witness_scale_lines(result),
     ]
-
-
-def _reach(result: ConsensusRegistration) -> list[str]:
-    degrees = reach_degrees(result)
-    if degrees is None:
-        return []
-    turn = f"within {number(degrees)} degrees of this rotation (proved)"
-    return [f"  other motions     that bring these {result.lower} within: {turn}"]
-
-
-def reach_degrees(result: ConsensusRegistration) -> float | None:
-    """A bound on the angle to the rotations of all motions that meet these pairs; None: none."""
-    reach = result.certificate.body.reach
-    if reach is None:
-        return None
-    sine = math.sqrt(double_above(reach.sin2_half_angle.value))
-    return math.degrees(2.0 * math.asin(min(1.0, sine))) * (1.0 + 1e-12)

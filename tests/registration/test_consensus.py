@@ -67,9 +67,8 @@ def test_every_label_is_proved_and_said():
     assert "  within bounds     14 found, at most 14 (proved)\n" in text
     assert "  labels            14 inliers, 6 outliers, 0 undecided\n" in text
     assert "  least squares     of these 14: CERTIFIED" in text
-    assert "within: within " in text
-    assert " degrees of this rotation (proved)" in text
-    assert "  other motions     that bring these 14 within: within " in text
+    assert " degrees from this rotation to that of any motion that meets these 14" in text
+    assert "  proved angle      at most " in text
     assert "  largest residual  0.0" in text
 
 

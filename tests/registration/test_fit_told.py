@@ -146,7 +146,11 @@ def test_demands_are_met_exactly_up_to_themselves(poor, good):
     assert code(good, max_rmse=float(np.nextafter(rmse, 0.0))) == 4
     assert code(replace(good, rmse=None), max_rmse=1e308) == 4
     demands = FitDemands(require_fit=True, max_rmse=rmse / 2)
-    assert demands.unmet(good) == [f"the RMSE is {rmse!r}, more than {rmse / 2!r}"]
+    assert demands.unmet(good) == [f"the RMSE is {rmse:.6g}, more than {rmse / 2!r}"]
+    for limit in (np.nextafter(rmse, 0.0), rmse * (1.0 - 1e-9), rmse * (1.0 - 1e-5)):
+        (words,) = FitDemands(max_rmse=float(limit)).unmet(good)
+        told = float(words.split()[3].removesuffix(","))
+        assert limit < told == pytest.approx(rmse, rel=1e-5)
     assert demands.unmet(replace(poor, rmse=None)) == [
         "the fit has warnings",
         f"the RMSE is beyond doubles, more than {rmse / 2!r}",

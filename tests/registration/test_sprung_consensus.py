@@ -115,7 +115,7 @@ def test_what_is_said_names_the_springs_and_what_is_bounded():
     assert (
         f"  least squares     of these {count}: CERTIFIED: the global optimum, and unique" in text
     )
-    assert "other motions     that bring these" in text
+    assert "  proved angle      at most " in text
     assert result()._repr_html_()
     assert "24 pairs, each with a bound and a spring" in str(result().verdict)
 

@@ -1,0 +1,53 @@
+"""How far motions that meet the same pairs may turn from the pose, or why that is not bounded."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from certreg.exact import double_above
+from certreg.registration import at_most
+
+if TYPE_CHECKING:
+    from certreg.registration import ConsensusRegistration
+
+DIGITS = 7  # of the angle, rounded up
+ON_LINE = 1e-9  # of the size of a cloud: nearer to a line its points are said to be on it
+
+
+def reach_degrees(result: ConsensusRegistration) -> str | None:
+    """A bound on the angle to the rotations of all motions that meet these pairs; None: none."""
+    reach = result.certificate.body.reach
+    if reach is None:
+        return None
+    sine = math.sqrt(double_above(reach.sin2_half_angle.value))
+    return at_most(math.degrees(2.0 * math.asin(min(1.0, sine))) * (1.0 + 1e-12), DIGITS)
+
+
+def why_unbounded(result: ConsensusRegistration) -> str:
+    """Why no such bound is proved: mostly the pairs are too near to a line for their bounds."""
+    rows = result.inliers
+    points = result.problem.problem.block(slice(None)).target[rows]
+    sizes = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
+    width, widest = math.hypot(*sizes[1:]) / math.sqrt(len(rows)), result.problem.bounds[rows].max()
+    if width <= ON_LINE * sizes[0]:
+        return "these pairs lie on a line, and turns about it are not ruled out"
+    if width <= widest:
+        return (
+            f"these pairs lie {width:.2g} from a line (root mean square), beside bounds of "
+            f"{widest:.2g}: turns about it are not ruled out"
+        )
+    return "for bounds as wide as these no angle below 180 degrees is proved"
+
+
+def reach_line(result: ConsensusRegistration) -> str:
+    """In the terminal."""
+    degrees = reach_degrees(result)
+    if degrees is None:
+        return f"  proved angle      not bounded: {why_unbounded(result)}"
+    return (
+        f"  proved angle      at most {degrees} degrees from this rotation to that of any motion "
+        f"that meets these {result.lower}"
+    )

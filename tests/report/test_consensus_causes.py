@@ -1,0 +1,90 @@
+"""Beside the labels: a cause for each remedy, and why an angle is not bounded."""
+
+from __future__ import annotations
+
+import html
+import re
+from dataclasses import replace
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+import pytest
+from strategies import random_rotation
+
+import certreg
+from certreg.exact import double_above
+from certreg.registration.ambiguity import NEARLY_AMBIGUOUS
+from certreg.report.consensus_page import ConsensusReport
+from certreg.report.consensus_reach import reach_degrees
+
+BOUND = 0.05
+
+
+def on_line(noise: float, **options: Any) -> Any:
+    """Twelve pairs on a line, four of them wrong."""
+    rng = np.random.default_rng(5)
+    along = [0.25, 0.0, 0.0] if not noise else [0.1, 0.2, 0.3]  # on it exactly, and all but
+    source = np.outer(np.arange(-6.0, 6.0), along)
+    target = source @ random_rotation(rng).T + noise * rng.standard_normal((12, 3))
+    target[8:] += rng.uniform(1.0, 2.0, (4, 3))
+    return certreg.certify(source, target, max_residual=BOUND, **options)
+
+
+def page_of(found: Any) -> str:
+    text = re.sub(r"(?s)<(style|svg)>?.*?</\1>", " ", ConsensusReport.of(found).html().decode())
+    return " ".join(html.unescape(re.sub(r"<[^>]*>", " ", text)).split())
+
+
+@pytest.mark.parametrize("model", [{}, {"scale": "asymmetric"}])
+def test_on_a_line_the_angle_is_told_to_be_unbounded_and_a_cause_stands_before_the_remedy(model):
+    found = on_line(0.005, **model)
+    text, page = str(found), page_of(found)
+    why = re.findall(r"proved angle +not bounded: (.*)", text)[0]
+
+    assert re.fullmatch(
+        r"these pairs lie 0\.00\d+ from a line \(root mean square\), beside bounds of 0\.05: turns "
+        "about it are not ruled out",
+        why,
+    )
+    assert f"Angle not bounded {why}" in page
+    for told in (text, page):
+        assert told.index(NEARLY_AMBIGUOUS) < told.index("What to do: ")
+
+
+def test_an_exact_line_is_called_one():
+    found = on_line(0.0)
+    text, page = str(found), page_of(found)
+
+    cause = "Not unique: the source points are collinear: turning the body about its own line"
+    assert "not bounded: these pairs lie on a line, and turns about it are not ruled out" in text
+    for told in (text, page):
+        assert told.index(cause) < told.index("What to do: ")
+
+
+def test_where_a_cloud_is_wide_no_line_is_blamed():
+    found = certified_cube()
+    body = replace(found.certificate.body, reach=None)
+    bare = replace(found, certificate=replace(found.certificate, body=body))
+
+    assert "not bounded: for bounds as wide as these no angle below 180 degrees is" in str(bare)
+    assert "Angle not bounded for bounds as wide as these" in page_of(bare)
+
+
+def test_the_angle_that_is_told_is_no_less_than_the_one_that_is_proved():
+    found = certified_cube()
+    told, reach = reach_degrees(found), found.certificate.body.reach
+
+    assert told is not None
+    half = np.radians(float(told)) / 2.0
+    assert np.sin(half) ** 2 >= double_above(reach.sin2_half_angle.value)
+    assert f"at most {told} degrees from this rotation to that of any motion" in str(found)
+    assert f"≤ {told}°" in page_of(found)
+    assert Fraction(told) < 45
+
+
+def certified_cube() -> Any:
+    rng = np.random.default_rng(6)
+    source = rng.uniform(-1.0, 1.0, (12, 3))
+    target = source[:, [1, 2, 0]] + rng.uniform(-0.01, 0.01, (12, 3))
+    return certreg.certify(source, target, max_residual=BOUND)
