@@ -80,8 +80,13 @@ EXAMPLES = {
 }
 
 
-def wrong_pairs(*, second: bool) -> ConsensusRegistration:
-    """Twenty pairs of which eight are wrong; or of which ten have moved on their own."""
+def wrong_pairs(
+    *, second: bool = False, size: float = 1.0, scale: str = "none"
+) -> ConsensusRegistration:
+    """Twenty pairs of which eight are wrong; or of which ten have moved on their own.
+
+    size: of the source, which a free scale has to make good for.
+    """
     random = np.random.default_rng(7)
     source = random.uniform(size=(20, 3))
     target = source[:, [1, 2, 0]] + random.uniform(-0.005, 0.005, (20, 3))
@@ -90,12 +95,13 @@ def wrong_pairs(*, second: bool) -> ConsensusRegistration:
     else:
         target[12:] = random.uniform(-0.3, 1.3, (8, 3))
     about = {"source": "source", "target": "target"}
-    result = certify(source, target, max_residual=0.03, about=about)
+    result = certify(size * source, target, max_residual=0.03, scale=scale, about=about)
     return cast("ConsensusRegistration", result)
 
 
 WRONG = {
-    "wrong-pairs": lambda: wrong_pairs(second=False),
+    "wrong-pairs": wrong_pairs,
+    "unknown-scale": lambda: wrong_pairs(size=0.4, scale="asymmetric"),
     "two-bodies": lambda: wrong_pairs(second=True),
 }
 
