@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, NoReturn, Protocol, TypeVar
 
 if TYPE_CHECKING:
     import os
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable, Iterable, Mapping
     from pathlib import Path
 
 T = TypeVar("T")
@@ -173,8 +173,8 @@ class Verdict(Brief):
         One of three: what is not proved is not false.
     words
         The reason.
-    theorems
-        The sentences that were established; empty unless `ruling` is PROVED.
+    tell
+        Writes `theorems`, the sentences that were established; none unless `ruling` is PROVED.
 
     Examples
     --------
@@ -184,7 +184,12 @@ class Verdict(Brief):
 
     ruling: Ruling
     words: str
-    theorems: tuple[str, ...] = ()
+    tell: Callable[[], Iterable[str]] = field(default=tuple, compare=False, repr=False)
+
+    @property
+    def theorems(self) -> tuple[str, ...]:
+        """The sentences that were established, written when they are read."""
+        return tuple(self.tell())
 
     @property
     def proved(self) -> bool:

@@ -132,18 +132,21 @@ def pose_bounds(
     body: IsotropicBody | SimilarityBody,
     pose: ExactPose,
     *,
+    shifted: Fraction | None = None,
     energy: Fraction | None = None,
 ) -> PoseBounds:
     """Bounds on a pose; they hold if the checker accepts the certificate for these data.
 
-    energy: the pose's, `pose_energy`, where it is known already. Every optimum takes the source's
-    centroid to that of the target, whatever its rotation: so the shift is exact but for rounding.
-    The energy of the symmetric scale is a root, bounded from below: see `Scaling.slack`.
+    shifted, energy: of the pose, `translation_energy` and `pose_energy`, where they are known.
+    Every optimum takes the source's centroid to that of the target, whatever its rotation: so the
+    shift is exact but for rounding. The energy of the symmetric scale is a root, bounded from
+    below: see `Scaling.slack`.
     """
-    energy = pose_energy(objective, pose) if energy is None else energy
+    if shifted is None:
+        shifted = objective.translation_energy(pose.quaternion, pose.translation, pose.scale)
+    energy = pose_energy(objective, pose, shifted) if energy is None else energy
     above, range_squared = energy - objective.energy(body.quaternion), objective.least_range_squared
     flat = not range_squared  # then the certified rotation has the minimum itself
-    shifted = objective.translation_energy(pose.quaternion, pose.translation, pose.scale)
     slack = Fraction(0) if objective.scaling is None else objective.scaling.slack
     return PoseBounds(
         least_gap=max(Fraction(0), above - slack),
@@ -171,11 +174,18 @@ def flat_energy(moments: ExactMoments) -> Fraction:
     return moments.total_weight * sum((c * c for c in centroids), start=Fraction(0))
 
 
-def pose_energy(objective: Isotropic | Springs, pose: ExactPose) -> Fraction:
-    """The objective at exactly this pose: sum w |y - R x - t|^2, of a free scale its own."""
+def pose_energy(
+    objective: Isotropic | Springs, pose: ExactPose, shifted: Fraction | None = None
+) -> Fraction:
+    """The objective at exactly this pose: sum w |y - R x - t|^2, of a free scale its own.
+
+    shifted: its `translation_energy`, where that is known.
+    """
     q = pose.quaternion
     if isinstance(objective, Isotropic):
-        return objective.energy_at(q, pose.translation, pose.scale)
+        if shifted is None:
+            shifted = objective.translation_energy(q, pose.translation, pose.scale)
+        return objective.energy_at(q, shifted, pose.scale)
     return objective.energy(q) + objective.translation_energy(q, pose.translation)
 
 

@@ -6,8 +6,9 @@ import hashlib
 import os
 import sys
 from array import array
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from certreg import problem as problems  # whose names load NumPy, which most here do without
@@ -19,6 +20,7 @@ from certreg.results import Ruling, Shown, Verdict
 from certreg.verify import INLINE_MAX, LIMITS, Clouds, Outcome, check, main
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
     from pathlib import Path
 
     from certreg.certificate.envelope import Certificate, CertificateBody
@@ -34,12 +36,17 @@ PYTHON_POINTS = 2048
 
 @dataclass(frozen=True, slots=True, kw_only=True, repr=False)
 class CertificateVerdict(Verdict, Shown):
-    """The checker's answer, and in `worth` the exact numbers that it proved of the pose.
+    """The checker's answer; weigh: finds `worth`, the exact numbers that it proved of the pose.
 
     None: nothing is proved, or the certificate is of a kind that names no pose.
     """
 
-    worth: Worth | None = None
+    weigh: Callable[[], Worth | None] = field(default=type(None), compare=False, repr=False)
+
+    @property
+    def worth(self) -> Worth | None:
+        """What is proved of the pose, in numbers, found when it is read."""
+        return self.weigh()
 
 
 def verify(
@@ -168,18 +175,21 @@ def check_own(
     what does not fit there goes by NumPy, in matrices of limbs. Only where both err alike, in one
     integer, would a wrong certificate pass; and `certreg verify` adds up anew, always.
 
-    That few points in the file are those of the problem is seen from their digest, to which the
-    checker binds them: it is taken anew.
+    That few points in the file are those of the problem is certain where it is this problem that
+    the file is written from; else it is seen from their digest, to which the checker binds them.
+
+    Theorems and numbers are written and found when they are read.
     """
     if problem.n <= PYTHON_POINTS:
-        content = certificate.line()
-        same = hashlib.sha256(problem.data_bytes()).hexdigest() == certificate.digest
-        if same and certificate.inline is not None:
-            return as_verdict(check(content))
-        return verify(content, problem)
+        inline, content = certificate.inline, certificate.line()
+        same = inline is problem or (
+            inline is not None
+            and hashlib.sha256(problem.data_bytes()).hexdigest() == certificate.digest
+        )
+        return _verdict(check(content)) if same else verify(content, problem)
     from certreg.certificate.blockwise import check_on_sums  # as above
 
-    return as_verdict(check_on_sums(replace(certificate, inline=None).line(), problem))
+    return _verdict(check_on_sums(replace(certificate, inline=None).line(), problem))
 
 
 def check_own_consensus(certificate: Certificate[CertificateBody]) -> CertificateVerdict:
@@ -188,14 +198,22 @@ def check_own_consensus(certificate: Certificate[CertificateBody]) -> Certificat
 
 
 def as_verdict(outcome: Outcome) -> CertificateVerdict:
+    """The checker's outcome, three-valued, of which no points are kept: they may be many."""
+    tell, weigh = partial(tuple, outcome.theorems), partial(_itself, outcome.worth)
+    return replace(_verdict(outcome), tell=tell, weigh=weigh)
+
+
+def _itself(worth: Worth | None) -> Worth | None:
+    return worth
+
+
+def _verdict(outcome: Outcome) -> CertificateVerdict:
     """The checker's outcome, three-valued."""
     if not outcome.verified:
         return CertificateVerdict(ruling=Ruling.REFUTED, words=outcome.reason)
+    words = "every claim of the certificate is proved"
     return CertificateVerdict(
-        ruling=Ruling.PROVED,
-        words="every claim of the certificate is proved",
-        theorems=outcome.theorems,
-        worth=outcome.worth,
+        ruling=Ruling.PROVED, words=words, tell=outcome.tell, weigh=outcome.weigh
     )
 
 

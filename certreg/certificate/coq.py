@@ -18,6 +18,7 @@ import struct
 import subprocess
 import tempfile
 from dataclasses import dataclass
+from functools import partial
 from importlib.resources import files
 from math import isfinite
 from pathlib import Path
@@ -246,7 +247,9 @@ def _proved(assumed: tuple[str, ...], problem: CoqProblem) -> Verdict:
         f"It assumes only axioms of Coq's library of the reals: {', '.join(assumed) or 'none'}.",
         f"Not proved: {left}that the file was copied rightly, and LaSalle's theorem.",
     )
-    return Verdict(ruling=Ruling.PROVED, words="Coq accepted the theorem", theorems=theorems)
+    return Verdict(
+        ruling=Ruling.PROVED, words="Coq accepted the theorem", tell=partial(tuple, theorems)
+    )
 
 
 def _refuted(done: subprocess.CompletedProcess[str]) -> Verdict:

@@ -56,6 +56,7 @@ BOUND_BITS = 32  # mantissa of mu and delta: short numbers, at most 2^-31 wasted
 GROWTH_BITS = 16  # delta grows by 2^16 after a refused attempt
 LEAST_BITS = 8192  # delta is at least 2^-8192 of K: exponents stay in bounds
 LEADING_BITS = 256  # twice those of a pose: delta, about its residual's square, is seen in them
+SEPARATING_BITS = 64  # what a separation is rounded by is seen in them
 ATTEMPTS = 8  # 8 * 16 bits: far beyond any rounding of the first guess
 
 # Of a multiplier; steps are relative to the size of K.
@@ -161,7 +162,8 @@ def _radius(
         return None
     g = dyadic_below(SAFE * objective.eigenvalue_difference(0, 1), RADIUS_BITS)
     most = 16 * objective.size + g.value  # so much along the quaternion is enough
-    if not proves_optimality(objective, objective.quaternions[0], most, most - g.value):
+    q = objective.quaternions[0]
+    if not proves_optimality(objective, q, most, most - g.value, bits=SEPARATING_BITS):
         return None
     return isotropic_radius(
         objective.moments, separation=g, sin2_half_angle=sin2_half_angle.value, degrees=degrees
@@ -204,17 +206,22 @@ def enclosed(
 
 
 def proves_optimality(
-    objective: Isotropic, q: Sequence[int], mu: Fraction, delta: Fraction
+    objective: Isotropic,
+    q: Sequence[int],
+    mu: Fraction,
+    delta: Fraction,
+    *,
+    bits: int = LEADING_BITS,
 ) -> bool:
     """Whether (v + delta - mu) I - K + mu q q^T / |q|^2 is positive definite, exactly.
 
-    False means not proved, not disproved.
+    bits: that are looked at first. False means not proved, not disproved.
     """
     davenport, unit = objective.davenport, objective.moments.cross_unit
     norm = squared_norm(q)
-    mu_unit, delta_unit = mu / unit, delta / unit
-    clear = math.lcm(mu_unit.denominator, delta_unit.denominator)
-    lift, lead = int(mu_unit * clear), int(delta_unit * clear)
+    common = math.lcm(mu.denominator, delta.denominator)
+    times, clear = common * unit.denominator, common * unit.numerator  # of what is over the unit
+    lift, lead = (x.numerator * (times // x.denominator) for x in (mu, delta))
     diagonal = quadratic_form(davenport, q) * clear + (lead - lift) * norm
     scaled = norm * clear
     along = [lift * entry for entry in q]
@@ -224,16 +231,16 @@ def proves_optimality(
     ]
     for i, row in enumerate(rows):
         row[i] += diagonal
-    return _leading_bits_tell(rows) or is_positive_definite(rows)  # it reads the upper triangle
+    return _bits_tell(rows, bits) or is_positive_definite(rows)  # it reads the upper triangle
 
 
-def _leading_bits_tell(rows: Sequence[Sequence[int]]) -> bool:
-    """Whether a symmetric 4x4 matrix is seen to be positive definite by its leading bits alone.
+def _bits_tell(rows: Sequence[Sequence[int]], bits: int) -> bool:
+    """Whether a symmetric 4x4 matrix is seen to be positive definite by so many leading bits.
 
     It is 2^s B + E, 0 <= E_ij < 2^s, so |p^T E p| <= 4 2^s |p|^2: B - 4 I > 0 is enough.
     False means not seen.
     """
-    s = max([row[i].bit_length() for i, row in enumerate(rows)]) - LEADING_BITS
+    s = max([row[i].bit_length() for i, row in enumerate(rows)]) - bits
     if s <= 0:
         return False
     leading = [[entry >> s for entry in row] for row in rows]

@@ -32,6 +32,7 @@ from certreg.exact import (
     power_of_two,
     rational_root_above,
 )
+from certreg.problem import trace
 from certreg.results import Brief
 
 if TYPE_CHECKING:
@@ -82,13 +83,13 @@ def isotropic_radius(
     None where even points that stay are not proved to keep the optimum within that angle.
     """
     s, sine = sines(degrees)
-    own = 2 * rational_root_above(sin2_half_angle / (1 - sin2_half_angle))  # > 2 tan: > the angle
+    n, d = sin2_half_angle.as_integer_ratio()
+    own = 2 * rational_root_above(Fraction(n, d - n))  # > 2 tan: more than the angle
     most = SAFE * separation.value * (sine - own) / 2  # of beta
     if most <= 0:
         return None
     source, target = (
-        rational_root_above(Fraction(sum(scatter[k][k] for k in range(3))))
-        * power_of_two(moments.weight_exponent + e)
+        rational_root_above(trace(scatter)) * power_of_two(moments.weight_exponent + e)
         for scatter, e in (
             (moments.source_scatter, moments.source_exponent),
             (moments.target_scatter, moments.target_exponent),

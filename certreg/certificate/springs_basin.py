@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import partial
 from typing import TYPE_CHECKING
 
 from certreg.exact import rank
@@ -84,7 +85,7 @@ def basin_of_springs(objective: Springs, barrier: Barrier, state: SpringState) -
         return Verdict(
             ruling=Ruling.PROVED,
             words=f"Proved: {THEOREM[0].lower()}{THEOREM[1:]}",
-            theorems=(THEOREM,),
+            tell=partial(tuple, (THEOREM,)),
         )
     if barrier.upper is not None and energy >= barrier.upper:
         return Verdict(ruling=Ruling.REFUTED, words=ABOVE)

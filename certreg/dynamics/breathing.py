@@ -296,7 +296,9 @@ def never_collapses(objective: Isotropic) -> bool:
     Proved, in rationals: it begins with less energy than Syy (derivations, breathing_confined).
     False means not proved, not disproved. Raises as `source_size`.
     """
-    released = objective.energy_at((1, 0, 0, 0), (Fraction(0),) * 3, Fraction(1))
+    still = (1, 0, 0, 0)
+    shifted = objective.translation_energy(still, (Fraction(0),) * 3)
+    released = objective.energy_at(still, shifted, Fraction(1))
     return released < objective.moments.spread - source_size(objective)
 
 

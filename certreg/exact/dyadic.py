@@ -175,7 +175,7 @@ def root_above(value: Fraction) -> float:
     return double_above(rational_root_above(value))
 
 
-def rational_root_above(value: Fraction) -> Fraction:
+def rational_root_above(value: Fraction | int) -> Fraction:
     """A number just above the square root of value (>= 0): by 2^-63 of it, at most."""
     if value == 0:
         return Fraction(0)

@@ -187,8 +187,8 @@ class Isotropic(Brief):
 
     def best_translation(self, q: Sequence[int]) -> Vector3[Fraction]:
         """The translation mean(y) - R(q) mean(x): the minimiser at fixed rotation."""
-        (x, y, z), unit = self._best_translation(q, self.best_scale(q))
-        return (x * unit, y * unit, z * unit)
+        (x, y, z), up, over = self._best_translation(q, self.best_scale(q))
+        return (Fraction(x * up, over), Fraction(y * up, over), Fraction(z * up, over))
 
     def best_scale(self, q: Sequence[int]) -> Fraction:
         """The scale that is best at fixed rotation; 1 where it is not free."""
@@ -198,13 +198,13 @@ class Isotropic(Brief):
         self, q: Sequence[int], scale: Fraction | Literal[1] = 1
     ) -> list[float]:
         """The same at a scale, each entry rounded once, and infinite beyond the doubles."""
-        entries, unit = self._best_translation(q, scale)
-        return [quotient_or_zero(e * unit.numerator, unit.denominator) for e in entries]
+        entries, up, over = self._best_translation(q, scale)
+        return [quotient_or_zero(entry * up, over) for entry in entries]
 
     def _best_translation(
         self, q: Sequence[int], scale: Fraction | Literal[1]
-    ) -> tuple[list[int], Fraction]:
-        """The same as integers, and what one of them is worth."""
+    ) -> tuple[list[int], int, int]:
+        """The same as integers; what one of them is worth is the quotient of the last two."""
         moments, norm = self.moments, squared_norm(q)
         stretch, over = scale.numerator, scale.denominator
         rotated = [dot(row, moments.source_sum) for row in rotation_matrix(q)]
@@ -214,7 +214,7 @@ class Isotropic(Brief):
             (end * norm * over << (b - common)) - (moved * stretch << (a - common))
             for end, moved in zip(moments.target_sum, rotated, strict=True)
         ]
-        return entries, power_of_two(common) / (moments.mass * norm * over)
+        return entries, 1 << max(common, 0), moments.mass * norm * over << max(-common, 0)
 
     def equilibrium_system(self, chart: Sequence[int]) -> PolynomialSystem:
         """K q = l q and chart . q = 1 in (w, x, y, z, l): four paths."""
@@ -251,11 +251,11 @@ class Isotropic(Brief):
         a, b = spread.denominator, alignment.denominator
         return Fraction(spread.numerator * b - 2 * alignment.numerator * a, a * b)
 
-    def energy_at(
-        self, q: Sequence[int], translation: Sequence[Fraction], scale: Fraction
-    ) -> Fraction:
-        """V at any pose: sum w |y - s R x - t|^2, over s for the symmetric scale, s > 0 there."""
-        shifted = self.translation_energy(q, translation, scale)
+    def energy_at(self, q: Sequence[int], shifted: Fraction, scale: Fraction) -> Fraction:
+        """V at any pose: sum w |y - s R x - t|^2, over s for the symmetric scale, s > 0 there.
+
+        shifted: the `translation_energy` of the pose.
+        """
         if self.scaling is None:
             return self.energy(q) + shifted
         return self.scaling.energy_at(self.alignment(q), scale, shifted)
@@ -271,9 +271,9 @@ class Isotropic(Brief):
         scale: Fraction | Literal[1] = 1,
     ) -> Fraction:
         """M |t - best t|^2, at a scale: what a translation adds to sum w |y - s R x - t|^2."""
-        best, unit = self._best_translation(q, scale)
-        over = math.lcm(unit.denominator, *[entry.denominator for entry in translation])
-        worth, weight = unit.numerator * (over // unit.denominator), self.moments.total_weight
+        best, up, down = self._best_translation(q, scale)
+        over = math.lcm(down, *[entry.denominator for entry in translation])
+        worth, weight = up * (over // down), self.moments.total_weight
         offset = [
             entry.numerator * (over // entry.denominator) - own * worth
             for entry, own in zip(translation, best, strict=True)

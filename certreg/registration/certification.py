@@ -98,7 +98,7 @@ def certified(  # noqa: PLR0913 - as above
     verdict = None
     if certificate is not None:
         with _timed(timings, "check"):
-            verdict = check_own(certificate, problem)
+            verdict = check_own(certificate, solution.problem)
         require_accepted(verdict)
         if not isinstance(solution.trajectory, Absent):
             require_sound_trajectory(solution.objective, certificate.body, solution.trajectory)
@@ -321,9 +321,10 @@ def _registration(
     timings: dict[str, float],
 ) -> Registration:
     pose, moments, certificate = solution.pose, solution.moments, solution.certificate
-    place = exact_pose(pose)
-    energy = pose_energy(solution.objective, place)
-    squares = solution.objective.squares(energy, place.scale)
+    objective, place = solution.objective, exact_pose(pose)
+    shifted = objective.translation_energy(place.quaternion, place.translation, place.scale)
+    energy = pose_energy(objective, place, shifted)
+    squares = objective.squares(energy, place.scale)
     return Registration(
         problem=solution.problem,
         solution=solution,
@@ -332,7 +333,7 @@ def _registration(
         bounds=(
             None
             if certificate is None
-            else pose_bounds(solution.objective, certificate.body, place, energy=energy)
+            else pose_bounds(objective, certificate.body, place, shifted=shifted, energy=energy)
         ),
         limits=Limits(),
         verdict=verdict,

@@ -153,21 +153,22 @@ def findings(registration: Registration, pose: ExactPose, cost: Fraction) -> Fin
     angles = [objective.angle_to(i, q) for i in range(len(objective.classification.pattern))]
     if solution.certificate is None:
         raise UndecidedError(UNDECIDED, method="certificate")
-    bounds = pose_bounds(objective, solution.certificate.body, pose)
+    shifted = objective.translation_energy(q, pose.translation, pose.scale)
+    energy, body = pose_energy(objective, pose, shifted), solution.certificate.body
+    bounds = pose_bounds(objective, body, pose, shifted=shifted, energy=energy)
     if bounds.angle_upper is not None:  # proved from more bits than a computed angle has
         angles[0] = min(angles[0], bounds.angle_upper)
-    energy = pose_energy(objective, pose)
     return Findings(
         registration=registration,
         bounds=bounds,
         rounding_cost=cost,
         energy=energy,
         squares=objective.squares(energy, pose.scale),
-        translation_energy=objective.translation_energy(q, pose.translation, pose.scale),
+        translation_energy=shifted,
         energy_range=_energy_range(solution),
         angles=angles,
         nearest=min(range(len(angles)), key=angles.__getitem__),
-        parts=gap_parts(objective, solution.certificate.body.gap, pose),
+        parts=gap_parts(objective, body.gap, pose),
     )
 
 

@@ -78,10 +78,10 @@ def gap_parts(objective: Isotropic, gap: Fraction, pose: ExactPose) -> GapParts 
     scaling, q = objective.scaling, pose.quaternion
     if scaling is None:
         return None
-    shifted = objective.translation_energy(q, pose.translation, pose.scale)
-    shifted /= pose.scale if scaling.symmetric else 1
+    apart = objective.translation_energy(q, pose.translation, pose.scale)
+    shifted = apart / (pose.scale if scaling.symmetric else 1)
     turned = objective.energy(q)  # of a symmetric scale up to the slack below the true one
-    centred = objective.energy_at(q, pose.translation, pose.scale) - shifted
+    centred = objective.energy_at(q, apart, pose.scale) - shifted
     return GapParts(
         rotation=max(Fraction(0), turned - objective.energy(objective.quaternions[0])) + gap,
         scale=max(Fraction(0), centred - turned),

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import json
 import math
+import pickle
 from dataclasses import replace
 from fractions import Fraction
 from typing import Any
@@ -24,7 +25,7 @@ from certreg.certificate.bounds import (
     pose_energy,
     sin2_half_angle_between,
 )
-from certreg.certificate.checking import check_own
+from certreg.certificate.checking import CertificateVerdict, check_own
 from certreg.certificate.producing import count_certificate, produce, proves_optimality
 from certreg.equilibrium import by_eigenspaces
 from certreg.errors import InvalidFileError, InvalidProblemError
@@ -200,8 +201,9 @@ def test_leading_bits_tell_only_what_the_whole_matrix_is(along):
     ]
 
     assert is_positive_definite(rows) == (along > 1)
-    assert producing._leading_bits_tell(rows) == (along > 4)
-    assert not producing._leading_bits_tell([[4 * (i == j) for j in range(4)] for i in range(4)])
+    assert producing._bits_tell(rows, producing.LEADING_BITS) == (along > 4)
+    least = [[4 * (i == j) for j in range(4)] for i in range(4)]
+    assert not producing._bits_tell(least, producing.LEADING_BITS)
 
 
 @pytest.mark.parametrize("index", [1, 2, 3])
@@ -325,6 +327,18 @@ def test_bounds_that_are_asked_for_are_compared_with_those_proved():
     count = count_certificate(problem)
     assert count is not None
     assert certreg.verify(count.to_json()).worth is None
+
+
+def test_what_an_own_certificate_proves_is_written_when_it_is_read_and_goes_into_a_pickle():
+    registration = certreg.certify(strategies.random_problem(np.random.default_rng(0)))
+    own, told = registration.verdict, certreg.verify(checked(registration.certificate).to_json())
+    assert own is not None
+
+    assert own.theorems == told.theorems != ()
+    for verdict in (own, told, pickle.loads(pickle.dumps(registration)).verdict):  # noqa: S301
+        assert isinstance(verdict, CertificateVerdict)
+        assert (verdict.ruling, verdict.words) == (told.ruling, told.words)
+        assert (verdict.theorems, verdict.worth) == (told.theorems, told.worth)
 
 
 def test_a_certificate_of_another_problem_is_refused():
