@@ -121,18 +121,26 @@ def rows_of(pairs: Pairs) -> list[list[int]]:
 
 
 def reach(rows: list[list[int]], q: list[int]) -> dict[str, list[int]]:
-    """The least power of two that is proved, and the number that proves it."""
+    """Of rigid motions."""
     squares, bound, K = weighed(rows, [row[6] for row in rows])
-    norm = sum(c * c for c in q)
+    return least_reach(K, squares - bound, squares, q)
+
+
+def least_reach(K: list[list[int]], c: int, size: int, q: list[int]) -> dict[str, list[int]]:
+    """The least power of two that is proved, and the number that proves it.
+
+    Of motions p with 2 p^T K p >= c; the number is in shares of size.
+    """
+    norm = sum(k * k for k in q)
     found = {"sin2_half_angle": [1, 0], "tau": [1, 0]}
     for k in range(1, 20):
         for j in range(-4, 20):
             # s = 2^-k, tau = 2^-j: all times 2^(k + j + 4), which makes integers of both.
             scale, s_less, tau = 1 << k + j + 4, (1 << k) - 1, 16 << k
-            level = ((squares - bound) * scale - 16 * s_less * squares) * norm
+            level = (c * scale - 16 * s_less * size) * norm
             A = [
                 [
-                    tau * squares * a * b - 2 * norm * scale * K[i][h] + level * (i == h)
+                    tau * size * a * b - 2 * norm * scale * K[i][h] + level * (i == h)
                     for h, b in enumerate(q)
                 ]
                 for i, a in enumerate(q)

@@ -4,19 +4,17 @@ from __future__ import annotations
 
 import copy
 import struct
-from fractions import Fraction
 from itertools import chain
 from math import isqrt
 from typing import Any
 
 import similarity
-from consensus import BODY, ELSEWHERE, SHIFT, TURN, WRONG, bare, claim, witness
+from consensus import BODY, ELSEWHERE, SHIFT, TURN, WRONG, bare, claim, least_reach, witness
 from envelope import ABOUT, FORMAT, Certificate, Points, Vectors, of_another_digest, stated
 
 from certreg.verify import (
     ConsensusSimilarityStatement,
     bounded_rows,
-    definite,
     scaled_refuted,
     weighed_parts,
 )
@@ -114,23 +112,8 @@ def bounded(
     middle = isqrt(y * one * one // x)
     low = max((k for k in range(middle) if k and refuted(0, k)), default=0)
     high = next(k for k in range(max(middle, 1), 64 * one) if refuted(k, None))
-    level, size, norm = 2 * isqrt(max(c, 0) * x), isqrt(x * y), sum(k * k for k in q)
-    reach: dict[str, Any] = {}
-    for k in range(1, 20):
-        for j in range(-4, 20):
-            s, tau = Fraction(1, 2**k), Fraction(2) ** -j
-            least = (level - tau * size * (1 - s)) * norm
-            A = [
-                [
-                    int(one**3 * (tau * size * a * b - 2 * norm * K[i][h] + least * (i == h)))
-                    for h, b in enumerate(q)
-                ]
-                for i, a in enumerate(q)
-            ]
-            if c > 0 and definite(A):
-                reach = {"reach": {"sin2_half_angle": [1, -k], "tau": [1, -j]}}
-                break
-    return [low, -BITS], [high, -BITS], reach
+    near = {"reach": least_reach(K, 2 * isqrt(c * x), isqrt(x * y), q)} if c > 0 else {}
+    return [low, -BITS], [high, -BITS], near
 
 
 def accepted() -> dict[str, Certificate]:
