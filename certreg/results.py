@@ -138,6 +138,52 @@ class Presented(Shown):
         return presenter().document(self)
 
 
+class Saved(Presented):
+    """A result that can be written to files."""
+
+    __slots__ = ()
+
+    def save(self, folder: str | os.PathLike[str]) -> Path | None:
+        """Write what `certify --out` writes.
+
+        Parameters
+        ----------
+        folder
+            Made if it is missing.
+
+        Returns
+        -------
+        Path | None
+            Of the certificate; None where there is none.
+
+        Raises
+        ------
+        InvalidFileError
+            Where the files cannot be written.
+        """
+        return presenter().save(self, folder)
+
+    def report(self, path: str | os.PathLike[str]) -> Path:
+        """Write one HTML file that shows the result and what is proved of it, offline.
+
+        Parameters
+        ----------
+        path
+            Of the file; it is written whole or not at all.
+
+        Returns
+        -------
+        Path
+            Of the file.
+
+        Raises
+        ------
+        InvalidFileError
+            Where there is no certificate, or the file cannot be written.
+        """
+        return presenter().report(self, path)
+
+
 class Guarantee(enum.IntEnum):
     """How a result is known. The guarantee of a combination is the `min` of its parts.
 

@@ -11,12 +11,10 @@ import numpy as np
 
 from certreg.registration.robustness import NONE_PROVED, Robustness
 from certreg.registration.row_names import RowNames
-from certreg.results import Explained, Optimality, Presented, present, presenter
+from certreg.results import Explained, Optimality, Saved, present, presenter
 
 if TYPE_CHECKING:
-    import os
     from collections.abc import Iterator
-    from pathlib import Path
 
     from numpy.typing import NDArray
 
@@ -86,7 +84,7 @@ class AnySolution(Explained, ABC):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class AnyRegistration(Explained, Presented, ABC):
+class AnyRegistration(Explained, Saved, ABC):
     """A pose of a problem, and what the checker has accepted of it.
 
     What depends on the springs is said by `Registration`, of one weight per pair, and by
@@ -197,46 +195,6 @@ class AnyRegistration(Explained, Presented, ABC):
     @abstractmethod
     def worst_residuals(self, count: int) -> list[Residual]:
         """The rows that fit worst, at most so many, the worst first."""
-
-    def report(self, path: str | os.PathLike[str]) -> Path:
-        """Write one HTML file that shows the registration and its proof, offline.
-
-        Parameters
-        ----------
-        path
-            Of the file; it is written whole or not at all.
-
-        Returns
-        -------
-        Path
-            Of the file.
-
-        Raises
-        ------
-        InvalidFileError
-            Where there is no certificate, or the file cannot be written.
-        """
-        return presenter().report(self, path)
-
-    def save(self, folder: str | os.PathLike[str]) -> Path | None:
-        """Write what `certify --out` writes.
-
-        Parameters
-        ----------
-        folder
-            Made if it is missing.
-
-        Returns
-        -------
-        Path | None
-            Of the certificate; None where there is none.
-
-        Raises
-        ------
-        InvalidFileError
-            Where the files cannot be written.
-        """
-        return presenter().save(self, folder)
 
     def plot(self, axes: Any = None) -> Any:
         """The clouds at the pose, drawn by Matplotlib.

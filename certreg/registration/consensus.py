@@ -36,12 +36,10 @@ from certreg.registration.fit_of_pairs import USUAL, FitSettings, fitted
 from certreg.registration.nothing_met import nothing_met
 from certreg.registration.row_names import RowNames
 from certreg.relaxation import candidates
-from certreg.results import Presented, presenter
+from certreg.results import Saved
 
 if TYPE_CHECKING:
-    import os
     from collections.abc import Callable, Iterable, Iterator
-    from pathlib import Path
 
     from numpy.typing import NDArray
 
@@ -60,7 +58,7 @@ SECOND_EFFORT = 0.3  # of the search among the other pairs: a hint, nothing of i
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class ConsensusRegistration(Presented):
+class ConsensusRegistration(Saved):
     """The pose of the pairs that are met, and what is proved of every pair.
 
     Attributes
@@ -163,46 +161,6 @@ class ConsensusRegistration(Presented):
         """0: all labels proved; 3: the maximum, but not the labels; 4: less; or that of the fit."""
         own = NOT_UNIQUE if self.upper == self.lower else NOT_CERTIFIED
         return worst([DONE if self.labels_unique else own, code_of_registration(self.fit)])
-
-    def save(self, folder: str | os.PathLike[str]) -> Path | None:
-        """Write what `certify --out` writes.
-
-        Parameters
-        ----------
-        folder
-            Made if it is missing.
-
-        Returns
-        -------
-        Path | None
-            Of the certificate.
-
-        Raises
-        ------
-        InvalidFileError
-            Where the files cannot be written.
-        """
-        return presenter().save(self, folder)
-
-    def report(self, path: str | os.PathLike[str]) -> Path:
-        """Write one HTML file that shows the pairs and what is proved of them, offline.
-
-        Parameters
-        ----------
-        path
-            Of the file; it is written whole or not at all.
-
-        Returns
-        -------
-        Path
-            Of the file.
-
-        Raises
-        ------
-        InvalidFileError
-            Where the file cannot be written.
-        """
-        return presenter().report(self, path)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -26,12 +26,10 @@ from certreg.registration.pair_angles import angles_between
 from certreg.registration.result import Registration
 from certreg.registration.row_names import RowNames
 from certreg.relaxation import search_boxes
-from certreg.results import Presented, presenter
+from certreg.results import Saved
 
 if TYPE_CHECKING:
-    import os
     from collections.abc import Callable
-    from pathlib import Path
 
     from numpy.typing import NDArray
 
@@ -46,7 +44,7 @@ NAMED_ROWS = 5  # of the undecided ones, in a sentence
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class TruncatedRegistration(Presented):
+class TruncatedRegistration(Saved):
     """The rotation of least truncated cost, and what is proved of it and of every pair.
 
     Attributes
@@ -174,46 +172,6 @@ class TruncatedRegistration(Presented):
     def exit_code(self) -> int:
         """0: labels and one rotation proved; 3: the labels alone; 4: less."""
         return (DONE if self.unique else NOT_UNIQUE) if self.certified else NOT_CERTIFIED
-
-    def save(self, folder: str | os.PathLike[str]) -> Path | None:
-        """Write what `certify --out` writes.
-
-        Parameters
-        ----------
-        folder
-            Made if it is missing.
-
-        Returns
-        -------
-        Path | None
-            Of the certificate.
-
-        Raises
-        ------
-        InvalidFileError
-            Where the files cannot be written.
-        """
-        return presenter().save(self, folder)
-
-    def report(self, path: str | os.PathLike[str]) -> Path:
-        """Write one HTML file that shows the pairs and what is proved of them, offline.
-
-        Parameters
-        ----------
-        path
-            Of the file; it is written whole or not at all.
-
-        Returns
-        -------
-        Path
-            Of the file.
-
-        Raises
-        ------
-        InvalidFileError
-            Where the file cannot be written, or there is no certificate to report.
-        """
-        return presenter().report(self, path)
 
 
 def checked_objective(objective: Any, max_residual: Any) -> str | None:
