@@ -3,8 +3,9 @@
 It is a .csv file whose header names what each row gives. `source` and `target` are files of
 clouds, relative to the list; `name` (or `label`) is what the results call the pair, else pair-1,
 pair-2, ...; `sigma`, `weights`, `pairs`, `match`, `damping`, `scale`, `springs` (several kinds with
-blanks between them) and the files of springs are as the options of `certreg certify`,
-`rotation_only` is yes or no; a field is empty where there is nothing to say.
+blanks between them), the files of springs, `max_residual`, `objective` and `effort` are as the
+options of `certreg certify`, `rotation_only` is yes or no; a field is empty where there is nothing
+to say.
 """
 
 from __future__ import annotations
@@ -26,7 +27,8 @@ if TYPE_CHECKING:
 NEEDED = ("source", "target")
 SPRING_FILES = ("normals", "directions", "covariances", "information", "factors")
 MODEL = ("scale", "rotation_only")
-OF_A_PAIR = ("name", "sigma", "weights", "pairs", "match", "damping", *MODEL)
+BOUNDS = ("max_residual", "objective", "effort")
+OF_A_PAIR = ("name", "sigma", "weights", "pairs", "match", "damping", *MODEL, *BOUNDS)
 COLUMNS = (*NEEDED, *OF_A_PAIR, "springs", *SPRING_FILES)
 LIKENESS = 0.75  # of difflib, from 0 to 1: a name so like one that is read was meant to be it
 MAX_LIST_BYTES = 1 << 30

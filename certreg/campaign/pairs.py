@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 
 from certreg import __version__
 from certreg.campaign.listing import NEEDED, SPRING_FILES
+from certreg.campaign.row_bounds import asked_of_bounds, bounds_file, fault_of_bounds
 from certreg.campaign.runner import contents
 from certreg.campaign.store import Manifest, current_versions, digest_of
 from certreg.campaign.table import Block, Column, write_table
@@ -36,14 +37,16 @@ from certreg.registration import (
     MISUSED,
     NOT_CERTIFIED,
     REFUSED,
+    ConsensusRegistration,
     FitDemands,
+    TruncatedRegistration,
     certify,
     code_of_error,
     code_of_registration,
     optimally_damped,
     worst,
 )
-from certreg.report import result_document
+from certreg.report import result_document, wrong_pairs_document
 from certreg.results import Limits
 from certreg.verify import shown
 
@@ -94,6 +97,10 @@ PAIR_COLUMNS = (
     ),
     Column("hardly_determined", int, "", LOOSE_WORDS),
     Column("pattern", str, "", "multiplicities of the eigenvalues: 1 1 1 1 is four equilibria"),
+    Column("inliers", int, "pairs", "proved: within in every best motion; empty without bounds"),
+    Column("outliers", int, "pairs", "proved: within in no best motion"),
+    Column("undecided", int, "pairs", "neither is proved"),
+    Column("most_within", int, "pairs", "proved: no motion brings more within; not of truncated"),
     Column("certificate", str, "", "file, from the folder of the table"),
     Column("error", str, "", "why there is no result"),
 )
@@ -105,7 +112,8 @@ class PairCampaign:
 
     limits: what must be proved of a pose to call it certified. demands: on its fit; they change
         exit codes alone, which no shard holds, and may be others when the campaign goes on.
-    defaults: of the columns `scale` and `rotation_only`, for rows that say nothing there.
+    defaults: of the columns `scale`, `rotation_only` and those of wrong pairs, for rows that say
+        nothing there.
     """
 
     listing: Listing
@@ -263,6 +271,7 @@ def _row(entry: dict[str, Any]) -> dict[str, Any]:
         "n": entry["n"],
         "rmse": entry["rmse"],
         **_fit_and_pose(entry["fit"], entry["pose"]),
+        **_labels(entry),
         "gap_bound": optimality["gap_bound"],
         "gap_share": optimality["gap_share"],
         "angle_bound_rad": optimality["angle_bound_rad"],
@@ -272,6 +281,17 @@ def _row(entry: dict[str, Any]) -> dict[str, Any]:
         "pattern": "" if equilibria is None else " ".join(map(str, equilibria["pattern"])),
         "certificate": entry["certificate"],
     }
+
+
+def _labels(entry: dict[str, Any]) -> dict[str, int | None]:
+    """How many labels of each kind are proved, where pairs have bounds."""
+    consensus, truncated = entry.get("consensus"), entry.get("truncated")
+    told: dict[str, Any] = consensus or truncated or {}
+    if not told:
+        return {}
+    kinds = {"inliers": "inlier", "outliers": "outlier", "undecided": "undecided"}
+    counts = {column: told["labels"].count(word) for column, word in kinds.items()}
+    return {**counts, "most_within": told.get("upper")}
 
 
 def _fit_and_pose(fit: dict[str, Any], pose: dict[str, Any]) -> dict[str, Any]:
@@ -291,7 +311,8 @@ def _entry(row: PairRow, folder: Path, limits: Limits) -> tuple[dict[str, Any], 
     try:
         problem, pair = _problem(row, folder)
         about = {"certreg": __version__, "name": row.name, **pair.about}
-        registration = certify(problem, about=about, **asdict(limits))
+        asked = asked_of_bounds(row, folder, pair)
+        registration: Any = certify(problem, about=about, **asdict(limits), **asked)
     except CertregError as error:
         return _error(row, error, code_of_error(error)), None
     except MemoryError:
@@ -300,22 +321,31 @@ def _entry(row: PairRow, folder: Path, limits: Limits) -> tuple[dict[str, Any], 
     except Exception as error:  # noqa: BLE001 - a defect met by one pair must not cost the others
         words = CertregError(f"a defect of certreg ({type(error).__name__}: {shown(error)})")
         return _error(row, words, REFUSED), None
-    document = result_document(registration, notes=pair.notes)
+    document, code = _told(registration, pair)
     document["timings_ms"] = {}  # a run that was interrupted gives the same bytes
     head = {
         "schema": document["schema"],
         "name": row.name,
         "place": str(row.place),
-        "exit_code": code_of_registration(registration),
+        "exit_code": code,
     }
     head |= {"inputs": inputs}
     certificate = registration.certificate
     return head | document, None if certificate is None else certificate.to_json()
 
 
+def _told(registration: Any, pair: Pair) -> tuple[dict[str, Any], int]:
+    """The document of a registration, and what `certreg certify` would end with."""
+    if isinstance(registration, ConsensusRegistration | TruncatedRegistration):
+        return wrong_pairs_document(registration, notes=pair.notes), registration.exit_code
+    return result_document(registration, notes=pair.notes), code_of_registration(registration)
+
+
 def _inputs(row: PairRow, folder: Path) -> dict[str, str | None]:
     """The SHA-256 of each file that a row names; None where it cannot be read twice."""
     names = [row.fields[field] for field in FILES if field in row.fields]
+    bounds = bounds_file(row)
+    names += [] if bounds is None else [bounds]
     return {name: digest_of(folder / name) for name in names}
 
 
@@ -333,6 +363,7 @@ def _problem(row: PairRow, folder: Path) -> tuple[RegistrationProblem, Pair]:
         fault = f"scale is '{shown(fields['scale'])}': write none, asymmetric or symmetric"
     if fields.get("rotation_only", "no") not in {"yes", "no"}:
         fault = f"rotation_only is '{shown(fields['rotation_only'])}': write yes or no"
+    fault = fault or fault_of_bounds(row)
     if fault is not None:
         raise row.place.refusal(fault)
     pairs, damping = fields.get("pairs"), fields.get("damping", OPTIMAL)
@@ -353,7 +384,8 @@ def _problem(row: PairRow, folder: Path) -> tuple[RegistrationProblem, Pair]:
     problem = problem.modelled(
         fields.get("scale", Scale.NONE), rotation_only=fields.get("rotation_only") == "yes"
     )
-    damped = "damping" in fields and damping == OPTIMAL
+    # Of wrong pairs it is that of the pairs within, which `certify` takes by itself.
+    damped = "damping" in fields and damping == OPTIMAL and "max_residual" not in fields
     return optimally_damped(problem) if damped else problem, pair
 
 

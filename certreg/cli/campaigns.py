@@ -31,6 +31,7 @@ from certreg.cli.options import (
     model_options,
 )
 from certreg.cli.progress import Progress
+from certreg.cli.wrong_pairs import consensus_options
 from certreg.errors import InvalidFileError
 from certreg.registration import worst
 from certreg.report import printable
@@ -40,6 +41,7 @@ if TYPE_CHECKING:
     from collections.abc import Generator
     from pathlib import Path
 
+    from certreg.cli.wrong_pairs import WrongPairs
     from certreg.registration import FitDemands
 
 REMEDY = '; "remedy" beside it says what to do'
@@ -55,6 +57,7 @@ REMEDY = '; "remedy" beside it says what to do'
 @click.option("--out", type=FOLDER, help="Folder for results, certificates and a table.")
 @click.option("--parquet", is_flag=True, help="With --out: the table as Parquet, too.")
 @model_options
+@consensus_options
 @limit_options
 @fit_options
 def batch(
@@ -64,6 +67,7 @@ def batch(
     out: Path | None,
     parquet: bool,
     model: dict[str, Any],
+    wrong: WrongPairs | None,
     max_gap: float,
     max_angle: float,
     demands: FitDemands,
@@ -71,8 +75,9 @@ def batch(
     """Certify the pairs listed in MANIFEST, a .csv file: one line of JSON for each.
 
     Columns source and target name the clouds, relative to MANIFEST; name, sigma, weights, pairs,
-    match, damping, scale and rotation_only (yes or no) are optional; --scale and --rotation-only
-    are for rows that say nothing there. A pair that cannot be registered gives an error in its
+    match, damping, scale, rotation_only (yes or no), max_residual, objective and effort are
+    optional; --scale, --rotation-only, --max-residual (a number), --objective and --effort are for
+    rows that say nothing there. A pair that cannot be registered gives an error in its
     place. With --out, run the same command again to go on with what was interrupted, mended or
     changed.
     """
@@ -86,6 +91,8 @@ def batch(
     limits = Limits(max_gap=max_gap, max_angle=max_angle)
     only = "yes" if model["rotation_only"] else "no"
     defaults = {"scale": str(model["scale"]), "rotation_only": only}
+    if wrong is not None:
+        defaults |= wrong.columns()
     campaign = PairCampaign(
         listing=listing,
         certificates=out is not None,

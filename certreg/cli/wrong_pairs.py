@@ -15,6 +15,7 @@ import click
 
 # Of this wing names are asked where they are needed: they load NumPy.
 from certreg import io
+from certreg import problem as problems
 from certreg.cli.numbers import NUMBER
 from certreg.errors import InvalidProblemError
 from certreg.report import printable
@@ -118,6 +119,20 @@ class WrongPairs:
             message = f"--max-residual {printable(self.max_residual)}: neither a number nor a file"
             raise click.UsageError(message)
         return io.read_bounds(Path(self.max_residual), pair)
+
+    def columns(self) -> dict[str, str]:
+        """The same as columns of a list of pairs, of which each has its own rows."""
+        number = _number(self.max_residual)
+        if number is None:
+            message = (
+                f"--max-residual {printable(self.max_residual)}: give a number; files of bounds go "
+                "in a column max_residual of MANIFEST, one for each pair"
+            )
+            raise click.UsageError(message)
+        problems.checked_bounds(number, 1)
+        told = {"max_residual": repr(number), "objective": self.objective}
+        told["effort"] = None if self.effort == 1.0 else repr(problems.checked_effort(self.effort))
+        return {name: value for name, value in told.items() if value is not None}
 
 
 def _number(text: str) -> float | None:
