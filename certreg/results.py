@@ -21,6 +21,7 @@ MAX_ANGLE = 1e-5  # radians: half a millimetre at fifty metres
 REPR_LENGTH = 200  # characters of a repr at most
 PART_LENGTH = 40  # of them for one text
 MANTISSA = 53  # bits of an integer that is written out
+SHOWN = "shown"  # of a field's metadata: what is shown in its place
 
 
 class Brief:
@@ -37,9 +38,9 @@ class Brief:
     def __repr__(self) -> str:
         name, parts = type(self).__name__, list[str]()
         for one in fields(self) if is_dataclass(self) else ():
-            value = getattr(self, one.name)
+            value = getattr(self, shown := one.metadata.get(SHOWN, one.name))
             if value is not None and one.repr:
-                parts.append(f"{one.name}={_short(value)}")
+                parts.append(f"{shown}={_short(value)}")
         text = f"{name}({', '.join(parts)})"
         while len(text) > REPR_LENGTH:
             parts.pop()
@@ -230,7 +231,9 @@ class Verdict(Brief):
 
     ruling: Ruling
     words: str
-    tell: Callable[[], Iterable[str]] = field(default=tuple, compare=False, repr=False)
+    tell: Callable[[], Iterable[str]] = field(
+        default=tuple, compare=False, metadata={SHOWN: "theorems"}
+    )
 
     @property
     def theorems(self) -> tuple[str, ...]:

@@ -16,7 +16,7 @@ from certreg.certificate.differing import told_apart
 from certreg.certificate.envelope import certificate_bytes
 from certreg.errors import InvalidProblemError, RefusedCertificateError
 from certreg.io import write_atomically
-from certreg.results import Ruling, Shown, Verdict
+from certreg.results import SHOWN, Ruling, Shown, Verdict
 from certreg.verify import INLINE_MAX, LIMITS, Clouds, Outcome, check, main
 
 if TYPE_CHECKING:
@@ -41,7 +41,9 @@ class CertificateVerdict(Verdict, Shown):
     None: nothing is proved, or the certificate is of a kind that names no pose.
     """
 
-    weigh: Callable[[], Worth | None] = field(default=type(None), compare=False, repr=False)
+    weigh: Callable[[], Worth | None] = field(
+        default=type(None), compare=False, metadata={SHOWN: "worth"}
+    )
 
     @property
     def worth(self) -> Worth | None:
