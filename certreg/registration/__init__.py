@@ -73,6 +73,7 @@ if TYPE_CHECKING:
     from certreg.registration.fit import FitRow as FitRow
     from certreg.registration.fit import fit_of as fit_of
     from certreg.registration.fit import silent_tests as silent_tests
+    from certreg.registration.fit_of_pairs import BY_NAME as BY_NAME
     from certreg.registration.freedom import Freedom as Freedom
     from certreg.registration.headlines import DEGREE_SLACK as DEGREE_SLACK
     from certreg.registration.headlines import HARDLY_DETERMINED as HARDLY_DETERMINED
@@ -257,6 +258,7 @@ __getattr__ = lazy_face(
             "fit_of",
             "silent_tests",
         ),
+        "fit_of_pairs": ("BY_NAME",),
         "freedom": ("Freedom",),
         "headlines": (
             "DEGREE_SLACK",

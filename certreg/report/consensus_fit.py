@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from certreg.registration import SpringRegistration
 from certreg.report.overview import Overview
 from certreg.report.remedies import causes, remedies
+from certreg.report.robustness import robustness_words
 from certreg.report.similarity_overview import similarity_overview
 from certreg.report.spring_overview import spring_overview
 from certreg.report.spring_summary import (
@@ -16,7 +17,11 @@ from certreg.report.spring_summary import (
     springs_words,
 )
 from certreg.report.spring_words import RESTS_ON
-from certreg.report.summary import explained_words, verdict_words
+from certreg.report.summary import (
+    explained_words,
+    method_lines,
+    verdict_words,
+)
 
 if TYPE_CHECKING:
     from certreg.registration import ConsensusRegistration, Registration
@@ -41,6 +46,14 @@ def fit_causes(fit: AnyFit) -> list[str]:
 def fit_remedies(fit: AnyFit) -> list[str]:
     """What may help where something is said against it."""
     return spring_remedies(fit) if isinstance(fit, SpringRegistration) else remedies(fit)
+
+
+def further_lines(fit: AnyFit) -> list[str]:
+    """How far its points may be off, and what other methods say of it, where one was named."""
+    lines: list[str] = []
+    if fit.robustness is not None:
+        lines.append(f"  robustness        of the least squares: {robustness_words(fit)}")
+    return lines if isinstance(fit, SpringRegistration) else lines + method_lines(fit)
 
 
 def fit_overview(fit: AnyFit) -> Overview:

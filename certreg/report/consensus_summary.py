@@ -8,13 +8,14 @@ from certreg.report.consensus_fit import (
     fit_causes,
     fit_remedies,
     fit_verdict,
+    further_lines,
     kinds_words,
     rmse_words,
 )
 from certreg.report.consensus_reach import reach_line
 from certreg.report.remedies import ADVICE
 from certreg.report.scaled_consensus import scale_lines, witness_scale_lines
-from certreg.report.summary import number
+from certreg.report.summary import number, uncertainty_lines
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -48,10 +49,12 @@ def consensus_summary(result: ConsensusRegistration) -> str:
         *scale_lines(result),
         f"  rotation (wxyz)   {' '.join(map(repr, pose.quaternion_wxyz.tolist()))}",
         f"  translation       {' '.join(map(repr, pose.translation.tolist()))}",
+        *uncertainty_lines(fit),
         f"  RMSE              {rmse}  ({rmse_words(result)})",
         f"  largest residual  {number(largest)}",
         *_broken(result),
         reach_line(result),
+        *further_lines(fit),
         *(f"  warning           {words}" for words in warnings_of(result, verdict)),
     ]
     return "\n".join(lines)

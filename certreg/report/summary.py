@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from certreg.certificate import flat_energy
 from certreg.exact import nearest_double
 from certreg.registration import (
+    BY_NAME,
     HARDLY_DETERMINED,
     NOT_ASKED,
     FitCode,
@@ -42,6 +43,7 @@ if TYPE_CHECKING:
     from certreg.dynamics import Trajectory
     from certreg.equilibrium import Component, EquilibriumSet
     from certreg.registration import (
+        AnyRegistration,
         Fit,
         Registration,
         SimulatedRegistration,
@@ -100,7 +102,7 @@ def untested_lines(fit: Fit) -> list[str]:
     return [] if fit.untested is None else [f"                    {fit.untested}"]
 
 
-def uncertainty_lines(registration: Registration) -> list[str]:
+def uncertainty_lines(registration: AnyRegistration) -> list[str]:
     """The rows of `uncertainty_rows`, in ASCII."""
     plain = ([part.replace("±", "+/-") for part in row] for row in uncertainty_rows(registration))
     return [f"  {name:<17} {words}" for name, words in plain]
@@ -296,7 +298,7 @@ def method_lines(registration: Registration) -> list[str]:
     lines += [
         f"  {name:16}  left out: {part.reason}"
         for name, part in left_out.items()
-        if isinstance(part, Absent) and part != NOT_ASKED
+        if isinstance(part, Absent) and part not in {NOT_ASKED, BY_NAME}
     ]
     return lines
 

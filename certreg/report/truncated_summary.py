@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from certreg.registration import DONE, at_most
 from certreg.report.cards import Card
-from certreg.report.consensus_fit import fit_causes, fit_remedies
+from certreg.report.consensus_fit import fit_causes, fit_remedies, further_lines
 from certreg.report.consensus_summary import counted_labels
 from certreg.report.remedies import ADVICE
 from certreg.report.summary import MEANS, UNMET, number
@@ -23,8 +23,11 @@ def truncated_summary(result: TruncatedRegistration) -> str:
     """The result of `certify` with truncated squares, readable."""
     facts = [f"  {name:<17} {value}" for name, value in truncated_facts(result)]
     advice = [f"{ADVICE}{words}" for words in truncated_remedies(result)]
+    further = further_lines(result.fit)
     warned = [f"  {'warning':<17} {one.text}" for one in result.fit.fit.warnings]
-    return "\n".join([result.headline, *truncated_causes(result), *advice, "", *facts, *warned])
+    return "\n".join(
+        [result.headline, *truncated_causes(result), *advice, "", *facts, *further, *warned]
+    )
 
 
 def truncated_causes(result: TruncatedRegistration) -> list[str]:

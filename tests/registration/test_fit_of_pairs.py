@@ -107,12 +107,16 @@ def test_a_problem_of_some_pairs_keeps_all_but_the_others():
 
 
 def test_relaxation_and_simulation_are_taken_where_they_are_named(solvers):
+    assert "relaxation (SDP)" not in str(certified())
     plain = certified().to_dict()
     assert plain["relaxation"] is plain["simulation"] is None
     assert plain["reasons"]["relaxation"].startswith(LEFT_OUT)
     assert plain["reasons"]["simulation"].startswith(LEFT_OUT)
     for simulation in ("midpoint", SimulationSettings(step=0.01)):
-        told = certified(relaxation="SCS", simulation=simulation).to_dict()
+        named = certified(relaxation="SCS", simulation=simulation)
+        assert "  relaxation (SDP)  rank 1, " in str(named)
+        assert "  simulation        " in str(named)
+        told = named.to_dict()
         assert told["relaxation"]["solver"] == "CLARABEL"
         assert told["relaxation"]["angle_to_pose_deg"] < 1e-3
         assert told["simulation"]["converged"]
@@ -137,6 +141,20 @@ def test_so_it_is_of_truncated_squares(solvers):
     assert told["consensus"] is None
     assert "`truncated`" in told["reasons"]["consensus"]
     assert "no bound" not in str(told["reasons"])
+
+
+@pytest.mark.parametrize("springs", [{}, {"normals": NORMALS}])
+def test_how_sure_the_pose_is_is_told(springs: dict[str, Any]):
+    given, unknown = str(certified(sigma=SIGMA, **springs)), str(certified(**springs))
+    for text in (given, unknown):
+        assert all(f"\n  {name} +/- " in text for name in ("centre", "rotation", "translation"))
+        assert (
+            "\n  robustness        of the least squares: no optimum turns by more than 5 d" in text
+        )
+    assert "from the residuals" not in given
+    assert "\n  chi-squared       " in given
+    assert "from the residuals" in unknown
+    assert "chi-squared" not in unknown
 
 
 def test_rows_of_the_fit_are_called_as_in_the_clouds():
