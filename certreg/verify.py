@@ -2118,7 +2118,7 @@ def squared(v: Sequence[int]) -> int:
 # --- part: thinning -----------------------------------------------------------------------------
 # Pairs i, each with a bound b_i > 0, that one motion may meet together: |y_i - R x_i - t| <= b_i.
 
-LOOKS_MAX = 1 << 26  # at pairs, groups and turns, in all stages: a minute
+LOOKS_MAX = 1 << 24  # at rows, groups and turns, in all stages: ten seconds of 4,096 rows
 Steps = list[Any]
 
 
@@ -2143,7 +2143,7 @@ class Thinning:
         A step [e, [T, L], ...] strikes e, [[e, f], [T, L], ...] neighbours e and f: none of these
         motions meets both, so they are neighbours no longer.
         """
-        alive, last = self._linked(self.alive), len(self.rows) - 1
+        alive, last = self._linked(self.alive, self.alive), len(self.rows) - 1
         for step in listed(steps):
             head, *groups = listed(step) or [None]
             met = [whole(i, last) for i in (listed(head, 2) if head.__class__ is list else [head])]
@@ -2155,7 +2155,8 @@ class Thinning:
             require(self._apart(met, alive, groups, who), "row {} is not struck", who)
             for i, j in (met, met[::-1]) if pair else ():
                 self.near[i] &= ~(1 << j)
-            alive = self._linked(alive if pair else alive & ~(1 << met[0]))
+            fewer = 1 << met[0] | 1 << met[1] if pair else self.near[met[0]]
+            alive = self._linked(alive if pair else alive & ~(1 << met[0]), fewer)
         return alive
 
     def _apart(self, met: list[int], alive: int, groups: Steps, who: str) -> bool:
@@ -2181,6 +2182,7 @@ class Thinning:
             require(refuted, "a group of row {} is not refuted", who)
             sets, union = [*sets, mask], union | mask
         most = room + len(sets) - union.bit_count()
+        self._look(beside.bit_count())
         others = colours(beside & ~union, self.near, most)
         if others <= most and not self._hit(sets, union.bit_count() + others - room - 1):
             return True
@@ -2195,7 +2197,7 @@ class Thinning:
 
     def _no_turn(self, e: int, f: int, beside: int) -> bool:
         """Whether `turned` leaves too few of the rows beside e and f, whatever the turn."""
-        self._look(4 * QUARTER * beside.bit_count())
+        self._look(2 * QUARTER * beside.bit_count())
         for mask in {*turned(self.rows, e, f, beside)}:
             self._look(mask.bit_count())
             if colours(mask, self.near, self.K - 3) > self.K - 3:
@@ -2227,14 +2229,18 @@ class Thinning:
         self.looks[0] -= count
         require(self.looks[0] >= 0, "the stages take more than {} looks", LOOKS_MAX)
 
-    def _linked(self, alive: int) -> int:
-        """Less those with fewer than K - 1 neighbours, until none is left that has so few."""
-        while True:
-            self._look(alive.bit_count())
-            few = [i for i in ones(alive) if (self.near[i] & alive).bit_count() < self.K - 1]
-            if not few:
-                return alive
-            alive &= ~sum(1 << i for i in few)
+    def _linked(self, alive: int, fewer: int) -> int:
+        """Less those with fewer than K - 1 neighbours, until none is left that has so few.
+
+        fewer: those that have lost a neighbour; all, at first.
+        """
+        while fewer := fewer & alive:
+            self._look(fewer.bit_count())
+            few = [i for i in ones(fewer) if (self.near[i] & alive).bit_count() < self.K - 1]
+            alive, fewer = alive & ~sum(1 << i for i in few), 0
+            for i in few:
+                fewer |= self.near[i]
+        return alive
 
 
 def listed(value: Any, count: int | None = None) -> list[Any]:
@@ -2369,7 +2375,8 @@ def graphs(rows: Matrix, ends: list[int]) -> Iterator[list[int]]:
 # --- part: labels -------------------------------------------------------------------------------
 # For kinds that claim of pairs with bounds which of them the motions meet that meet most.
 
-ROWS_MAX = 4096  # bounds the time: half a minute for all pairs of pairs
+ROWS_MAX = 4096  # bounds the time: each two are held against each other
+ROWS_BITS = 1 << 20  # of the largest number, times the rows: fifteen seconds, seven where 70 do
 LEAST = 3  # pairs to meet: any two are met by some motion, or refuted at once
 Document = dict[str, Any]
 TYPES.update(Steps=list, Document=dict)
@@ -2496,6 +2503,8 @@ def bounded_rows(doubles: bytes | memoryview, n: int, width: int = 8) -> tuple[M
     """A row x1, x2, x3, y1, y2, y3, w, b of integers for each pair, and e: all times 2^e."""
     require(n <= ROWS_MAX, "more than {} pairs", ROWS_MAX)
     (k,), e = _integers(doubles, [0], width * n, EXPONENT_MAX)
+    size = max(map(abs, k)).bit_length()
+    require(size * n <= ROWS_BITS, "the data hold numbers of too many sizes for {} pairs", n)
     columns = [k[3 * n * c + i : 3 * n * (c + 1) : 3] for c in (0, 1) for i in (0, 1, 2)]
     others = [k[7 * n + i :: width - 7] for i in range(width - 7)]
     return [list(row) for row in zip(*columns, k[6 * n : 7 * n], *others)], e

@@ -202,13 +202,20 @@ def graph(n: int, edges: Iterable[tuple[int, int]]) -> list[int]:
     return near
 
 
-def left(near: list[int], K: int, steps: Any = (), rows: Any = None, alive: int = -1) -> Any:
+def left(
+    near: list[int],
+    K: int,
+    steps: Any = (),
+    rows: Any = None,
+    alive: int = -1,
+    looks: int = MANY,
+) -> Any:
     """Asks what is left of all rows, or how they are refused."""
     n = len(near)
 
     def ask(checker: Any) -> str:
         try:
-            thin = checker.Thinning(rows or [[0] * 8] * n, near, alive & ((1 << n) - 1), K, [MANY])
+            thin = checker.Thinning(rows or [[0] * 8] * n, near, alive & ((1 << n) - 1), K, [looks])
             return repr(thin.after(list(steps)))
         except checker.RefusalError as error:
             return f"REFUSED: {error}"
@@ -236,6 +243,8 @@ def graph_cases() -> Iterator[Case]:
         yield Case(f"cycle {K}", left(CYCLE, K), f"{answer}$")
     for K, answer in ((1, 31), (2, 31), (3, 0)):
         yield Case(f"path {K}", left(PATH, K), f"{answer}$")
+    paths = graph(6, [(0, 1), (1, 2), (3, 4), (4, 5)])
+    yield Case("two paths, from all ends at once", left(paths, 3), "0$")
     yield Case("part of a cycle", left(CYCLE, 3, alive=15), "0$")
     yield Case("nothing struck", left(CYCLE, 2, alive=15), "15$")
     for K, answer in ((4, STRUCK), (5, "126$"), (6, "0$")):
@@ -248,6 +257,13 @@ def graph_cases() -> Iterator[Case]:
         counted = min(4, most + 1)
         ask = value_of(lambda checker, m=most: checker.colours(0b111111110, CROWN, m))
         yield Case(f"colours at most {most}", ask, f"{counted}$")
+    for looks, answer in ((20, "126$"), (19, "REFUSED: the stages take more than")):
+        # all seven rows; six neighbours, coloured; no group; six with one less
+        ask = left(OCTAHEDRON, 5, [[0]], looks=looks)
+        yield Case(f"octahedron, {looks} looks", ask, answer)
+    for looks, answer in ((8, "0$"), (7, "REFUSED: the stages take more than")):
+        # five rows, two ends fall; two beside, they fall; the middle, which falls
+        yield Case(f"path, {looks} looks", left(PATH, 3, looks=looks), answer)
     none = value_of(lambda checker: (checker.colours(0, CROWN, 0), checker.colours(2, CROWN, 0)))
     yield Case("colours of none", none, r"\(0, 1\)$")
     ninth = [near | 1 << 7 for near in OCTAHEDRON]
@@ -611,6 +627,11 @@ def size_cases() -> Iterator[Case]:
     for limits, answer in (
         ({"ROWS_MAX": 12}, "VERIFIED"),
         ({"ROWS_MAX": 11}, "REFUSED: more than 11 pairs$"),
+        ({"ROWS_BITS": 12 * BITS}, "VERIFIED"),
+        (
+            {"ROWS_BITS": 12 * BITS - 1},
+            "REFUSED: the data hold numbers of too many sizes for 12 pairs$",
+        ),
         ({"LEAST": 6}, "VERIFIED"),
         ({"LEAST": 7}, "REFUSED: the witness meets 6 pairs: 7 needed$"),
         ({"LOOKS_MAX": LOOKS}, "VERIFIED"),
@@ -618,7 +639,18 @@ def size_cases() -> Iterator[Case]:
     ):
         yield Case(f"sizes {limits}", outcome_of(good, **limits), answer)
     limits = value_of(lambda checker: (checker.ROWS_MAX, checker.LEAST, checker.LOOKS_MAX))
-    yield Case("limits", limits, r"\(4096, 3, 67108864\)$")
+    yield Case("limits", limits, r"\(4096, 3, 16777216\)$")
+    bits = value_of(lambda checker: checker.ROWS_BITS)
+    yield Case("limit of numbers", bits, "1048576$")
+    for least, most in ((-9, 5), (-5, 9)):  # 9 over 2^-55: 59 bits, times three rows
+        points = [[0.0, 0, 0], [most, 0, 0], [0, least, 0]]
+        few = Stated(points, points, [0.125] * 3).document("iii", 3)
+        for allowed, answer in (
+            (177, "VERIFIED"),
+            (176, "REFUSED: the data hold numbers of too m"),
+        ):
+            ask = outcome_of(few, ROWS_BITS=allowed)
+            yield Case(f"numbers from {least} to {most}, {allowed} bits", ask, answer)
     deep = document_of() | {"fit": {"kind": "isotropic", "x": 0}}
     text = json.dumps(deep)
 
@@ -629,7 +661,8 @@ def size_cases() -> Iterator[Case]:
     yield Case("a fit of any depth", answers, r"\{False\}$")
 
 
-LOOKS = 69  # of the first vector
+LOOKS = 67  # of the first vector: twelve rows, then those that lose a neighbour, and four steps
+BITS = 56  # of its largest number
 
 
 # --- Reach, fit, words ----------------------------------------------------------------------------

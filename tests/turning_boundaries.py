@@ -250,6 +250,10 @@ def pair_cases() -> Iterator[Case]:
     yield Case("pair of a cycle, K = 2", thinned(CYCLE, 2, [[[0, 1]]]), near)
     cut = r"127 \[124, 120, 121, 103, 103, 31, 31\]$"
     yield Case("pair with the hub", thinned(HUB, 5, [[[0, 1]]]), cut)
+    for looks, answer in ((14, cut), (13, "REFUSED: the stages take more than")):
+        # all seven rows; four beside the two; no group; the two
+        ask = thinned(HUB, 5, [[[0, 1]]], looks=looks)
+        yield Case(f"pair with the hub, {looks} looks", ask, answer)
     yield Case("pair with the hub, turned", thinned(HUB, 5, [[[1, 0]]]), cut)
     yield Case("pair with the hub, K = 4", thinned(HUB, 4, [[[0, 1]]]), near)
     loose = thinned(HUB, 4, [[[0, 1]]], rigid=False)
@@ -322,7 +326,8 @@ def mirrored_cases() -> Iterator[Case]:
     yield Case("two mirrored, K = 5", thinned(complete(5), 5, step, both), r"0 \[28, 28, ")
     apart = edge_graph(5, [p for p in combinations(range(5), 2) if p != (3, 4)])
     yield Case("two mirrored, apart", thinned(apart, 4, step, both), r"\d+ \[28, 28, ")
-    least = 4 + 256 + 2 + 4 + 2  # all rows; two rows at 128 turns; a row of two sets; all rows; two
+    # All rows; two beside, coloured, then turned; a row of two sets; two with one less; two more
+    least = 4 + 2 + 128 + 2 + 2 + 2
     for looks, answer in ((least, r"0 \["), (least - 1, "REFUSED: the stages take more than ")):
         ask = thinned(complete(4), 4, step, mirrored(1), looks=looks)
         yield Case(f"mirrored, {looks} looks", ask, answer)
