@@ -18,6 +18,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 import sympy
@@ -285,7 +286,7 @@ def _verdict(
     words = f"{_checked(steps)}, {_count(len(controls), 'mutated statement')} refuted"
     if dropped:
         words += f", {_count(len(dropped), 'hypothesis')} needed"
-    return Verdict(ruling=Ruling.PROVED, words=words, theorems=(steps[-1].says,))
+    return Verdict(ruling=Ruling.PROVED, words=words, tell=partial(tuple, (steps[-1].says,)))
 
 
 def _complaint(
