@@ -118,11 +118,11 @@ def _require_model(points: RegistrationProblem) -> None:
     if not LEAST_PAIRS <= points.n <= MOST_PAIRS:
         message = f"{points.n} pairs: truncated squares take {LEAST_PAIRS} to {MOST_PAIRS} pairs"
         raise InvalidProblemError(message, array="source", value=points.n)
+    if points.noise_given:
+        message = "sigma is given: the bounds weigh the pairs here, leave sigma out"
+        raise InvalidProblemError(message, array="sigma")
     others = np.flatnonzero(np.asarray(points.weights) != 1.0)
     if len(others):
         row, value = int(others[0]), float(points.weights[others[0]])
-        message = (
-            f"weights[{row}] is {value}: the bounds weigh the pairs here, leave weights and sigma "
-            "out"
-        )
+        message = f"weights[{row}] is {value}: the bounds weigh the pairs here, leave weights out"
         raise InvalidProblemError(message, array="weights", row=row, value=value, limit=1.0)
