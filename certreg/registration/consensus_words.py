@@ -51,7 +51,7 @@ def headline(problem: ConsensusProblem, found: Consensus, names: RowNames) -> st
             f"only these {met}. {others_words(out)} in EVERY such motion."
         )
     open_rows = labels.undecided
-    rest = f"{len(open_rows)} undecided ({names.words(open_rows[:NAMED_ROWS], len(open_rows))})"
+    rest = f"{len(open_rows)} undecided ({names.counted(open_rows[:NAMED_ROWS], len(open_rows))})"
     sure = labels.count("inlier")
     kept = f", {_pairs(sure)} inliers" if sure > 1 else ", one pair an inlier" if sure else ""
     if found.upper == met:

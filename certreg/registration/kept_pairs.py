@@ -103,7 +103,7 @@ class KeptPairs(Presented):
         named = self.names.words(few[:NAMED_ROWS], len(few))
         return (
             f"REFUTED: no rigid motion brings all {kept} labelled inliers {within}, not even "
-            f"{named} together. {self._most()}"
+            f"{named} (from 0) together. {self._most()}"
         )
 
     def _compared(self) -> str:

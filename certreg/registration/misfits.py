@@ -339,7 +339,7 @@ def _outlier_words(rows: RowFit, names: RowNames) -> str | None:
         )
     does, them = ("does", "it") if k == 1 else ("do", "them")
     return (
-        f"{names.words(rows.far, k)}, counting from 0, {does} not fit the best pose of the others: "
+        f"{names.counted(rows.far, k)}, {does} not fit the best pose of the others: "
         f"without {them} {gone}"
     )
 

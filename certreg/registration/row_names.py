@@ -39,6 +39,10 @@ class RowNames:
         tail = f" and {more} {'other' if more == 1 else 'others'}" if more else ""
         return f"row{'' if count == 1 else 's'} {', '.join(named)}{tail}"
 
+    def counted(self, rows: Sequence[int], count: int) -> str:
+        """The same, and from where rows are counted."""
+        return f"{self.words(rows, count)}, counting from 0"
+
     def _word(self, row: int) -> str:
         number, label = row if self.rows is None else self.rows[row], self.label(row)
         return f"{number}" if label is None else f"{number} ({shown(label)})"

@@ -140,7 +140,7 @@ class TruncatedRegistration(Saved):
             return f"NOT PROVED: a rotation of truncated cost {self.cost:.6g} was found."
         if not self.certified:
             rows = [row for row, word in enumerate(self.labels) if word == "undecided"]
-            told = f" ({self.names.words(rows[:NAMED_ROWS], len(rows))})" if rows else ""
+            told = f" ({self.names.counted(rows[:NAMED_ROWS], len(rows))})" if rows else ""
             return (
                 f"PARTLY PROVED: the truncated cost {self.cost:.6g} is less than "
                 f"{at_most(self.gap, 2)} above the least. {self._within} at every optimum, {out} "

@@ -101,7 +101,7 @@ class TruncatedLabels(Presented):
         one = len(rows) == 1
         named = self.optimum.names.words(rows[:NAMED_ROWS], len(rows))
         word = "has the other label" if one else "have the other label"
-        return f"At every optimum {named} {word}: proved." + (
+        return f"At every optimum {named} (from 0) {word}: proved." + (
             "" if self.optimum.labels_unique else f" {self._open()}"
         )
 
@@ -109,7 +109,7 @@ class TruncatedLabels(Presented):
         """Of which pairs nothing is proved."""
         labels = self.optimum.labels
         rows = [row for row, word in enumerate(labels) if word == "undecided"]
-        named = self.optimum.names.words(rows[:NAMED_ROWS], len(rows))
+        named = self.optimum.names.counted(rows[:NAMED_ROWS], len(rows))
         verb = "is" if len(rows) == 1 else "are"
         return f"Of the {len(labels)} pairs {len(rows)} {verb} undecided ({named})."
 

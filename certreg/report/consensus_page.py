@@ -131,9 +131,9 @@ def _residual_words(result: ConsensusRegistration) -> Iterator[str]:
         if result.fit.unique is not True:
             yield f"Of the least squares: {fit_verdict(result.fit)[0]}"
     if result.broken:
-        rows = result.names.words(result.broken[:8], len(result.broken))
+        rows = result.names.counted(result.broken[:8], len(result.broken))
         yield (
-            f"It leaves {rows} beyond the bound, though one motion, the witness in the "
+            f"It leaves {rows}, beyond the bound, though one motion, the witness in the "
             "certificate, meets all of them."
         )
     yield f"The largest residual of a met pair is {largest}."

@@ -88,7 +88,7 @@ def _broken(result: ConsensusRegistration) -> list[str]:
     broken = result.broken
     if not broken:
         return []
-    rows = result.names.words(broken[:SHOWN_ROWS], len(broken))
+    rows = result.names.counted(broken[:SHOWN_ROWS], len(broken))
     witness = result.witness
     return [
         f"                    of {rows}: beyond the bound at the least-squares pose, though one",

@@ -107,7 +107,7 @@ def test_two_motions_are_not_one():
         assert result.headline.startswith(
             "MAXIMUM PROVED, LABELS NOT: no rigid motion brings more than 6 of the 12 pairs within "
             "0.001; which 6 is not proved. 0 pairs are outliers in every motion that brings 6; 12 "
-            "undecided (rows 0, 1, 2, 3, 4 and 7 others)."
+            "undecided (rows 0, 1, 2, 3, 4 and 7 others, counting from 0)."
         )
 
 
@@ -129,13 +129,13 @@ def test_partial_proofs_are_said_as_such():
     assert _headline(problem, partly) == (
         "PARTLY PROVED: 14 of 20 pairs found within 0.05; proved: not more than 16. 6 pairs are "
         "outliers, 2 pairs inliers in every motion that reaches 14; 12 undecided (rows 2, 3, 4, 5, "
-        "6 and 7 others)."
+        "6 and 7 others, counting from 0)."
     )
     one = replace(found, labels="i" + "?" * 18 + "o", upper=14)
     assert _headline(problem, one) == (
         "MAXIMUM PROVED, LABELS NOT: no rigid motion brings more than 14 of the 20 pairs within "
         "0.05; which 14 is not proved. 1 pair is an outlier, one pair an inlier in every motion "
-        "that brings 14; 18 undecided (rows 1, 2, 3, 4, 5 and 13 others)."
+        "that brings 14; 18 undecided (rows 1, 2, 3, 4, 5 and 13 others, counting from 0)."
     )
     none = replace(found, labels="?" * 20, upper=20)
     share = (
@@ -169,7 +169,9 @@ def test_a_least_squares_pose_that_breaks_its_own_consensus_is_told():
     assert result.lower == 8
     assert result.broken
     text = str(result)
-    assert "of row 0: beyond the bound at the least-squares pose, though one" in text
+    assert (
+        "of row 0, counting from 0: beyond the bound at the least-squares pose, though one" in text
+    )
     assert "motion brings all 8 within, the witness:" in text
     moved = source @ result.witness.rotation.T + result.witness.translation
     assert (np.linalg.norm(target - moved, axis=1) <= 0.1 + 1e-12).all()

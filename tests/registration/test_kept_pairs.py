@@ -54,7 +54,7 @@ def test_a_wrong_label_is_refuted_by_lengths():
     kept = judged(*wrong_pairs(1), [True] * 14 + [False] * 5 + [True])
     assert kept.headline == (
         "REFUTED: no rigid motion brings all 15 labelled inliers within 0.05, not even rows 0, 19 "
-        "together. The most pairs that one motion brings within are 14, proved."
+        "(from 0) together. The most pairs that one motion brings within are 14, proved."
     )
     assert kept.exit_code == 1
     assert kept.witness is None

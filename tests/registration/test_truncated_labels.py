@@ -98,11 +98,13 @@ def test_wrong_labels_are_refuted_by_one_matrix_and_named(right: TruncatedLabels
     kept = TruncatedLabels.of(right.optimum, (0, 1, 2, 4, 6, 8, 11))
     assert kept.headline == (
         "REFUTED: no optimum of the truncated cost has just these 7 pairs within 0.0554, by one "
-        "4x4 matrix. At every optimum row 0 has the other label: proved."
+        "4x4 matrix. At every optimum row 0 (from 0) has the other label: proved."
     )
     assert (kept.exit_code, kept.differing) == (1, (0,))
     fewer = TruncatedLabels.of(right.optimum, (0, 1, 2, 4))
-    assert "At every optimum rows 0, 6, 8, 11 have the other label: proved." in fewer.headline
+    assert (
+        "At every optimum rows 0, 6, 8, 11 (from 0) have the other label: proved." in fewer.headline
+    )
 
 
 @pytest.mark.slow
@@ -111,7 +113,7 @@ def test_the_matrix_disproves_where_nothing_is_proved_of_the_optimum(right: Trun
     kept = TruncatedLabels.of(nothing, (0, 1, 2))
     assert kept.headline.endswith(
         "by one 4x4 matrix. Which labels are wrong is not proved. Of the 12 pairs 12 are undecided "
-        "(rows 0, 1, 2, 3, 4, 5, 6, 7 and 4 others)."
+        "(rows 0, 1, 2, 3, 4, 5, 6, 7 and 4 others, counting from 0)."
     )
     assert kept.exit_code == 1
     document = kept.to_dict()
@@ -124,7 +126,7 @@ def test_a_proved_label_refutes_without_the_matrix(right: TruncatedLabels):
     kept = replace(right, rows=(0, *right.rows))
     assert kept.headline == (
         "REFUTED: no optimum of the truncated cost has just these 7 pairs within 0.0554. At every "
-        "optimum row 0 has the other label: proved."
+        "optimum row 0 (from 0) has the other label: proved."
     )
 
 
@@ -134,18 +136,22 @@ def test_one_of_two_optima_is_not_decided():
     kept = judged(source, target, [1, 1, 1, 0, 0, 1], 0.25)
     assert kept.headline == (
         "UNDECIDED: it is not proved that an optimum of the truncated cost has just these 4 pairs "
-        "within 0.25, nor that none has. Of the 6 pairs 4 are undecided (rows 0, 1, 3, 4)."
+        "within 0.25, nor that none has. Of the 6 pairs 4 are undecided (rows "
+        "0, 1, 3, 4, counting from 0)."
     )
     assert kept.exit_code == 4
     few = TruncatedLabels.of(kept.optimum, (0, 1))
     assert few.headline.endswith(
-        "At every optimum rows 2, 5 have the other label: proved. Of the 6 pairs 4 are undecided "
-        "(rows 0, 1, 3, 4)."
+        "At every optimum rows 2, 5 (from 0) have the other label: proved. Of the 6 pairs 4 are "
+        "undecided (rows 0, 1, 3, 4, counting from 0)."
     )
     single = replace(
         kept.optimum, labels=("undecided", *["inlier"] * 2, *["outlier"] * 2, "inlier")
     )
-    assert "Of the 6 pairs 1 is undecided (row 0)." in replace(kept, optimum=single).headline
+    assert (
+        "Of the 6 pairs 1 is undecided (row 0, counting from 0)."
+        in replace(kept, optimum=single).headline
+    )
 
 
 def errors(document: Any) -> list[str]:

@@ -135,7 +135,7 @@ def test_two_optima_leave_labels_undecided():
     assert result.headline.startswith("PARTLY PROVED: the truncated cost 2 is less than ")
     assert result.headline.endswith(
         " above the least. 2 of the 6 pairs are within their bounds at every optimum, 0 at none; "
-        "4 undecided (rows 0, 1, 3, 4)."
+        "4 undecided (rows 0, 1, 3, 4, counting from 0)."
     )
     assert (
         "give more --effort to search further, or other bounds if pairs are near to theirs"

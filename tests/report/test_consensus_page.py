@@ -93,8 +93,8 @@ def test_the_page_says_what_is_undecided_and_the_other_motion():
 def test_a_pose_that_breaks_its_own_consensus_is_said(monkeypatch):
     monkeypatch.setattr(type(result()), "broken", (1, 2))
     assert (
-        "It leaves rows 1, 2 beyond the bound, though one motion, the witness in the certificate, "
-        "meets all of them."
+        "It leaves rows 1, 2, counting from 0, beyond the bound, though one motion, the witness "
+        "in the certificate, meets all of them."
     ) in words_of(result())
 
 
