@@ -61,6 +61,18 @@ PLATE_STAGES: list[Any] = [[6, 7, [[6, [[0, 1, 2], [1, 1, 1, 1]], [[3, 4, 5], [1
 PLATE_GROUPS = [[0, 1, 2], [0, 3, 4], [1, 3, 5]]  # no row is in all: two are missed
 PLATE_SHARED: list[Any] = [[6, 7, [[6, *[[T, [1, 1, 1, 1]] for T in PLATE_GROUPS]]]]]
 PLATE_PARTED: list[Any] = [[6, 7, [[[6, 0]], [[1, 6]]]]]  # too few neighbours are left
+# A line, and a pair that is lifted off it: opposite ends, of two targets each, are refuted with it.
+# Two pairs hit all of these groups, which with two others that it goes with are enough; but no two
+# ends go together that are no group. Then the second targets of the ends fall.
+LINE: Points = [[900, 0, 0], [-900, 0, 0], [0, 300, 0], [700, 0, 0], [-700, 0, 0]]
+LIFTED: Points = [[0, 0, 0], LINE[0], LINE[1]]
+LIFTED_TO: Points = [[0, 30, 0], [900, 0, 25], [-900, 0, 25]]
+SIDES = [[0, 1], [1, 6], [6, 7], [7, 0]]
+SIDE_GROUPS: list[Any] = [[T, [2, 1, 1]] for T in SIDES]
+SECOND_ENDS: list[Any] = [[6, [[3, 4], [2, 2, 1]]], [7, [[4, 3], [2, 2, 1]]]]
+CLIQUES: list[Any] = [[5, 8, [[5, *SIDE_GROUPS], *SECOND_ENDS]]]
+PAIR_GROUPS: list[Any] = [[T, [2, 0, 1, 1]] for T in SIDES]
+CLIQUES_OF_TWO: list[Any] = [[5, 8, [[[5, 3], *PAIR_GROUPS]]]]
 SHARED_STAGES: list[Any] = [[6, 8, []], [7, 8, []], *[[6, i, []] for i in range(1, 6)]]
 
 
@@ -85,6 +97,11 @@ def far_off() -> Pairs:
 def mirrored() -> Pairs:
     """A plate, and a point above it that is below afterwards: all lengths are kept."""
     return paired([*PLATE, [0, 0, 2]], [*moved(PLATE), *moved([[0, 0, -2]])], 6, 0.5)
+
+
+def lifted() -> Pairs:
+    """Five are met; the lifted one, and two more targets of the ends of the line, are not."""
+    return paired([*LINE, *LIFTED], [*moved(LINE), *moved(LIFTED_TO)], 5, 10.0)
 
 
 def shared() -> Pairs:
@@ -167,6 +184,8 @@ def accepted() -> dict[str, Certificate]:
         "-two-groups": produced(mirrored(), PLATE_STAGES, "iiiiiio", 6),
         "-shared-groups": produced(mirrored(), PLATE_SHARED, "iiiiiio", 6),
         "-struck-together": bare(produced(mirrored(), PLATE_PARTED, "iiiiiio", 6)),
+        "-cliques": bare(produced(lifted(), CLIQUES, "iiiiiooo", 5)),
+        "-cliques-beside-two": bare(produced(lifted(), CLIQUES_OF_TWO, "?" * 8, 8)),
         "-undecided": produced(shared(), SHARED_STAGES, "?iiiii?o", 6),
         "-upper-alone": bare(produced(shared(), SHARED_STAGES[:2], "?" * 8, 6)),
         "-claims-less": bare(claim(good, labels="i?????o?????", upper=9)),
@@ -318,7 +337,19 @@ def of_pairs(made: dict[str, Certificate]) -> Vectors:
         "pair-of-one-row": [one, [[6, 6]]],
         "pair-with-a-group-not-refuted": [one, [[1, 6], [[2, 3], [1, 0, 1, 1]]]],
     }
-    return {name: (good | {"stages": [[6, 7, steps]]}, CLASS) for name, steps in lists.items()}
+    found = {name: (good | {"stages": [[6, 7, steps]]}, CLASS) for name, steps in lists.items()}
+    alone, two = made["-cliques"], made["-cliques-beside-two"]
+    return found | {
+        "cliques-of-a-group-less": (
+            alone | {"stages": [[5, 8, [[5, *SIDE_GROUPS[:3]], *SECOND_ENDS]]]},
+            CLASS,
+        ),
+        "cliques-without-groups": (alone | {"stages": [[5, 8, [[5], *SECOND_ENDS]]]}, CLASS),
+        "cliques-beside-two-of-a-group-less": (
+            two | {"stages": [[5, 8, [[[5, 3], *PAIR_GROUPS[1:]]]]]},
+            CLASS,
+        ),
+    }
 
 
 def of_fit(made: dict[str, Certificate]) -> Vectors:
