@@ -128,6 +128,7 @@ CHAPTERS = (
             "few_neighbours",
             "few_colours",
             "weighted_refutation",
+            "cliques_without_groups",
             "scaled_refutation",
             "consensus_labels",
             "angle_of_consensus",

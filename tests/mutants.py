@@ -1175,6 +1175,13 @@ MUTANTS = (
         ("weighted_refutation",),
     ),
     Mutant(
+        "a clique that holds a group",
+        CHECKER,
+        "rows &= ~sum({T for T in left if T & (T - 1) == 0})",
+        "rows &= -1",
+        ("cliques_without_groups",),
+    ),
+    Mutant(
         "bounds that are not squared",
         CHECKER,
         "bound += w * row[7] ** 2",

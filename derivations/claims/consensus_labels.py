@@ -58,7 +58,8 @@ SMALL, LARGEST = _too_few(strict=True), _most_by(1)
 def proof(*, strict: bool = True, below: int = 1, labels: str = "iiiioo") -> Proof:
     """Outliers; inliers; the bound; the checker."""
     yield nonnegative(
-        "Claims `few_neighbours`, `few_colours` and `weighted_refutation` strike no pair that is "
+        "Claims `few_neighbours`, `few_colours`, `weighted_refutation` and "
+        "`cliques_without_groups` strike no pair that is "
         r"within its bound under a motion with $m \ge K$ pairs within: all $m$ are in $C$, and "
         "the pairs outside are outliers in every such motion. The witness is such a motion. So "
         r"if $c$ is just $K$, then $m \le K$, so that $m = K$ is the maximum, and every such "
@@ -176,7 +177,7 @@ CLAIM = Claim(
     },
     not_claimed="That a pair which is not decided is in doubt: perhaps strikes would be found. "
     "That the targets are right: a maximum of wrong pairs is a maximum, too.",
-    needs=("few_neighbours", "few_colours", "weighted_refutation"),
+    needs=("few_neighbours", "few_colours", "weighted_refutation", "cliques_without_groups"),
     runs=("certreg.verify.ConsensusStatement.prove", "certreg.verify.LabelledStatement.met"),
     used_by=("certreg.certificate.producing_consensus.ConsensusProver",),
     not_in_coq="All of it: the checker in Coq reads no bounds of pairs.",
