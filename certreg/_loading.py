@@ -40,6 +40,31 @@ def found_late(module: str, name: str) -> Callable[[], Any]:
     return lambda: getattr(import_module(module), name)
 
 
+class LateModule:
+    """A module that is imported when one of its names is first asked for."""
+
+    def __init__(self, name: str) -> None:
+        self._name = name
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(import_module(self._name), name)
+
+
+def late(module: str) -> Any:
+    """A module of the same wing, imported when one of its names is first asked for.
+
+    For places that choose between kinds of problems or files, most of which a process never sees:
+
+        if TYPE_CHECKING:
+            from certreg.registration import truncated
+        else:
+            truncated = late("certreg.registration.truncated")
+
+    Of another wing the face is such a module already: `from certreg import report`.
+    """
+    return LateModule(module)
+
+
 @dataclass(frozen=True, slots=True)
 class Origin:
     """Where a library comes from.

@@ -11,17 +11,9 @@ import json
 import os
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar, Generic, Protocol, TypeVar, get_args
+from typing import TYPE_CHECKING, Any, ClassVar, Generic, Protocol, TypeVar
 
-from certreg.certificate.consensus import ConsensusBody
-from certreg.certificate.count import CountBody
-from certreg.certificate.isotropic import IsotropicBody
-from certreg.certificate.scaled_consensus import ConsensusSimilarityBody
-from certreg.certificate.similarity import SimilarityBody
-from certreg.certificate.springs_cones import SpringsConesBody
-from certreg.certificate.springs_list import SpringsListBody
-from certreg.certificate.springs_sos import SpringsSosBody
-from certreg.certificate.truncated import TruncatedRotationBody
+from certreg._loading import found_late
 from certreg.errors import InvalidFileError
 from certreg.io import write_atomically
 from certreg.results import Brief
@@ -48,18 +40,21 @@ class CertificateBody(Protocol):
         ...
 
 
-AnyBody = (
-    IsotropicBody
-    | SimilarityBody
-    | CountBody
-    | SpringsSosBody
-    | SpringsConesBody
-    | SpringsListBody
-    | ConsensusBody
-    | TruncatedRotationBody
-    | ConsensusSimilarityBody
-)
-KINDS: dict[str, type[AnyBody]] = {body.KIND: body for body in get_args(AnyBody)}
+BODIES = {  # by their kind: module of this wing, and class
+    "isotropic": ("isotropic", "IsotropicBody"),
+    "similarity": ("similarity", "SimilarityBody"),
+    "count": ("count", "CountBody"),
+    "springs-sos": ("springs_sos", "SpringsSosBody"),
+    "springs-cones": ("springs_cones", "SpringsConesBody"),
+    "springs-list": ("springs_list", "SpringsListBody"),
+    "consensus": ("consensus", "ConsensusBody"),
+    "truncated-rotation": ("truncated", "TruncatedRotationBody"),
+    "consensus-similarity": ("scaled_consensus", "ConsensusSimilarityBody"),
+}
+KINDS = {  # each is loaded where a certificate is of it
+    kind: found_late(f"certreg.certificate.{module}", body)
+    for kind, (module, body) in BODIES.items()
+}
 AnyBody_co = TypeVar("AnyBody_co", bound=CertificateBody, covariant=True)
 
 
@@ -124,7 +119,7 @@ class Certificate(Brief, Generic[AnyBody_co]):
             fields: dict[str, Any] = json.loads(content)
             text = fields["problem"]["data"]
             data = None if text is None else base64.b64decode(text, validate=True)
-            body = KINDS[fields["kind"]].from_fields(fields)
+            body: CertificateBody = KINDS[fields["kind"]]().from_fields(fields)
         except (RefusalError, ValueError, TypeError, MemoryError) as error:
             reason = str(error) or "not enough memory"
             message = f"{name}: is no certificate ({reason}): give a file that certreg wrote"

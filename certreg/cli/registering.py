@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, cast
 
 import click
 
-from certreg import __version__
+from certreg import __version__, dynamics, report
 from certreg.cli.options import (
     EXIT_CODES,
     FOLDER,
@@ -20,7 +20,6 @@ from certreg.cli.options import (
     limit_options,
 )
 from certreg.cli.wrong_pairs import consensus_options
-from certreg.dynamics import ONLY_MIDPOINT
 from certreg.registration import (
     DONE,
     NOT_CERTIFIED,
@@ -33,16 +32,7 @@ from certreg.registration import (
     worst,
 )
 from certreg.registration import certify as certified
-from certreg.report import (
-    REPORT,
-    dumps,
-    printable,
-    registration_summary,
-    result_document,
-    write_folder,
-    write_wrong_pairs,
-    wrong_pairs_document,
-)
+from certreg.report import printable
 from certreg.verify import shown
 
 if TYPE_CHECKING:
@@ -108,7 +98,7 @@ def certify(
         message = "--solver goes with the relaxation, which --no-relaxation leaves out"
         raise click.UsageError(message)
     if integrator not in {None, "midpoint"} and problem.scaled:
-        message = f"--integrator {integrator}: {ONLY_MIDPOINT}"
+        message = f"--integrator {integrator}: {dynamics.ONLY_MIDPOINT}"
         raise click.UsageError(message)
     about = {"certreg": __version__, **pair.about}
     asked: dict[str, Any] = {} if wrong is None else wrong.asked(pair)
@@ -125,15 +115,19 @@ def certify(
     if wrong is not None:
         chosen = cast("ConsensusRegistration | TruncatedRegistration", registration)
         return _told_of_consensus(chosen, pair.notes, demands, out, as_json=as_json)
-    path = None if out is None else write_folder(registration, out, notes=pair.notes)
+    path = None if out is None else report.write_folder(registration, out, notes=pair.notes)
     if as_json:
-        click.echo(dumps(result_document(registration, path and str(path), notes=pair.notes)))
+        click.echo(
+            report.dumps(report.result_document(registration, path and str(path), notes=pair.notes))
+        )
     else:
         click.echo(registration.summary())
         if path is not None:
             place = printable(path)
             click.echo(f"\nCertificate: {place}  (re-check it: certreg verify {place})")
-            click.echo(f"Report: {printable(path.with_name(REPORT))}  (open it in a browser)")
+            click.echo(
+                f"Report: {printable(path.with_name(report.REPORT))}  (open it in a browser)"
+            )
     for words in demands.unmet(registration):
         click.echo(f"certreg: {words}: exit code 4", err=True)
     return code_of_registration(registration, demands)
@@ -148,17 +142,19 @@ def _told_of_consensus(
     as_json: bool,
 ) -> int:
     """Writes and prints a registration with wrong pairs; the exit code."""
-    path = None if out is None else write_wrong_pairs(result, out, notes=notes)
+    path = None if out is None else report.write_wrong_pairs(result, out, notes=notes)
     if as_json:
         place = None if path is None else str(path)
-        click.echo(dumps(wrong_pairs_document(result, place, notes=notes)))
+        click.echo(report.dumps(report.wrong_pairs_document(result, place, notes=notes)))
     else:
         click.echo(result.summary())
         if path is not None:
             place = printable(path)
             click.echo(f"\nCertificate: {place}  (re-check it: certreg verify {place})")
-            if path.with_name(REPORT).exists():
-                click.echo(f"Report: {printable(path.with_name(REPORT))}  (open it in a browser)")
+            if path.with_name(report.REPORT).exists():
+                click.echo(
+                    f"Report: {printable(path.with_name(report.REPORT))}  (open it in a browser)"
+                )
     unmet = demands.unmet(result.fit)
     for words in unmet:
         click.echo(f"certreg: {words}: exit code 4", err=True)
@@ -178,14 +174,16 @@ def demo(out: Path) -> int:
     code = DONE
     for story in STORIES:
         registration = tell(story)
-        path = write_folder(registration, out / story.name)
-        click.echo(f"=== {story.title}\n\n{story.told}\n\n{registration_summary(registration)}\n")
+        path = report.write_folder(registration, out / story.name)
+        click.echo(
+            f"=== {story.title}\n\n{story.told}\n\n{report.registration_summary(registration)}\n"
+        )
         for difference in differences(story, registration):
             click.echo(f"NOT AS TOLD: {difference}", err=True)
             code = REFUSED
         click.echo(f"  certificate: {path}")
         if path is not None:
-            click.echo(f"  report:      {path.with_name(REPORT)}\n")
+            click.echo(f"  report:      {path.with_name(report.REPORT)}\n")
     click.echo("Every certificate above was accepted by the checker. Check them yourself:")
     certificate = shown(out / STORIES[0].name / "certificate.json")
     click.echo(f"  {_own_name()} verify {certificate}")

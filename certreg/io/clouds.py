@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
 
+from certreg._loading import found_late, late
 from certreg.errors import InvalidFileError
-from certreg.io.cif import parse_cif
 from certreg.io.labels import (
     Match,
     are_short,
@@ -19,20 +19,12 @@ from certreg.io.labels import (
     unused_labels_note,
 )
 from certreg.io.noise import noise_of_columns
-from certreg.io.npy import doubles, parse_array, read_array
-from certreg.io.npz import parse_npz
 from certreg.io.optional import unknown_format
-from certreg.io.pairs import read_pairs, repeated_rows_note
-from certreg.io.pcd import parse_pcd
-from certreg.io.ply import parse_ply
 from certreg.io.row_numbers import RowNumbers, require_same_rows
-from certreg.io.scans import parse_e57, parse_las
 from certreg.io.springs import NO_SPRINGS, read_springs
 from certreg.io.standard_input import is_standard_input, standard_input
-from certreg.io.stl import parse_stl
 from certreg.io.streams import reading
 from certreg.io.text import TEXT_FORMATS, notes_on, parse_points, read_numbers
-from certreg.io.trajectories import parse_kitti, parse_tum, rows_by_time
 from certreg.problem import (
     RegistrationProblem,
     first_row,
@@ -42,23 +34,31 @@ from certreg.verify import shown
 
 if TYPE_CHECKING:
     import os
-    from collections.abc import Iterator, Mapping, Sequence
+    from collections.abc import Callable, Iterator, Mapping, Sequence
 
     from numpy.typing import ArrayLike, NDArray
 
+    from certreg.io import npy, trajectories
+    from certreg.io import pairs as paired
     from certreg.io.parsed import Parsed
     from certreg.io.springs import SpringSource
 
-PARSERS = {
-    ".ply": parse_ply,
-    ".pcd": parse_pcd,
-    ".npz": parse_npz,
-    ".stl": parse_stl,
-    ".cif": parse_cif,
-    **dict.fromkeys((".las", ".laz"), parse_las),
-    ".e57": parse_e57,
-    ".tum": parse_tum,
-    ".kitti": parse_kitti,
+    Parser = Callable[[BinaryIO, Path], Parsed]
+else:  # for arrays in files, for a file of pairs, and for two of poses
+    npy = late("certreg.io.npy")
+    paired = late("certreg.io.pairs")
+    trajectories = late("certreg.io.trajectories")
+
+PARSERS: dict[str, Callable[[], Parser]] = {  # each is loaded where a file has its ending
+    ".ply": found_late("certreg.io.ply", "parse_ply"),
+    ".pcd": found_late("certreg.io.pcd", "parse_pcd"),
+    ".npz": found_late("certreg.io.npz", "parse_npz"),
+    ".stl": found_late("certreg.io.stl", "parse_stl"),
+    ".cif": found_late("certreg.io.cif", "parse_cif"),
+    **dict.fromkeys((".las", ".laz"), found_late("certreg.io.scans", "parse_las")),
+    ".e57": found_late("certreg.io.scans", "parse_e57"),
+    ".tum": found_late("certreg.io.trajectories", "parse_tum"),
+    ".kitti": found_late("certreg.io.trajectories", "parse_kitti"),
 }
 FORMATS = (*TEXT_FORMATS, ".npy", *PARSERS)
 
@@ -211,8 +211,8 @@ def parse_cloud(stream: BinaryIO, file: Path, *, noise: bool = True) -> Cloud:
             notes=text.notes,
         )
     if suffix in PARSERS:
-        return _of_parsed(PARSERS[suffix](stream, file), file, noise=noise)
-    points = parse_array(stream, file)
+        return _of_parsed(PARSERS[suffix]()(stream, file), file, noise=noise)
+    points = npy.parse_array(stream, file)
     if points.ndim != 2 or points.shape[1] != 3 or len(points) == 0:
         what = f"holds an array of shape {points.shape}"
         message = f"{shown(file)}: {what}: expected (N, 3) with N >= 1"
@@ -241,7 +241,7 @@ def _of_parsed(read: Parsed, file: Path, *, noise: bool) -> Cloud:
 
 def _checked_noise(file: Path, name: str, values: NDArray[Any]) -> NDArray[np.float64]:
     """Noise in doubles: finite, of sigma > 0, of weights >= 0."""
-    numbers = doubles(file, values)
+    numbers = npy.doubles(file, values)
     row = first_row(numbers, lambda block: block <= 0 if name == "sigma" else block < 0)
     if row is not None:
         what = f"{name} {row} (counting from 0) is {numbers[row]}: "
@@ -277,14 +277,14 @@ def pair_of(first: Cloud, second: Cloud, pairing: Pairing = BY_LABEL) -> Pair:
         first, second = replace(first, labels=None), replace(second, labels=None)
     rows: tuple[Sequence[int] | NDArray[np.int64], ...]
     if pairing.pairs is not None:
-        pairs = read_pairs(pairing.pairs, sizes, one_to_one=pairing.one_to_one)
+        pairs = paired.read_pairs(pairing.pairs, sizes, one_to_one=pairing.one_to_one)
         rows = tuple(pairs.T)
-        further += repeated_rows_note(pairing.pairs, pairs)
+        further += paired.repeated_rows_note(pairing.pairs, pairs)
     elif first.labels is not None and second.labels is not None:
         files = (first.path, second.path)
         rows = rows_by_label(first.labels, second.labels, pairing.match, files=files)
     elif first.times is not None and second.times is not None:
-        timed = rows_by_time(first.times, second.times, (first.path, second.path))
+        timed = trajectories.rows_by_time(first.times, second.times, (first.path, second.path))
         rows, further = (timed.source, timed.target), (*further, timed.note)
     elif pairing.match is Match.COMMON:
         bare = first if first.labels is None else second
@@ -404,7 +404,7 @@ def read_weights(path: str | os.PathLike[str]) -> NDArray[np.float64]:
     """One weight per row of the source, from .npy or from text with one number a line."""
     file = Path(path)
     if file.suffix.lower() == ".npy":
-        weights = read_array(file)
+        weights = npy.read_array(file)
         if weights.ndim != 1:
             message = f"{file}: holds an array of shape {weights.shape}: expected (N,)"
             raise InvalidFileError(message, path=file, value=weights.shape)

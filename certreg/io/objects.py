@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from certreg._loading import late
 from certreg.errors import InvalidProblemError
 from certreg.io.clouds import Cloud, Pair, Pairing, pair_of, problem_of, read_cloud
 from certreg.io.columns import NOISE, axes_of
 from certreg.io.labels import Match
-from certreg.io.spring_tables import columns_of, read_spring_table, titles_of
 from certreg.io.springs import springs_of_pairs
 from certreg.io.standard_input import is_standard_input
 from certreg.problem import (
@@ -34,6 +34,10 @@ if TYPE_CHECKING:
     import os
 
     from numpy.typing import NDArray
+
+    from certreg.io import spring_tables
+else:
+    spring_tables = late("certreg.io.spring_tables")
 
 
 def load(path: str | os.PathLike[str]) -> Cloud:
@@ -68,10 +72,10 @@ def load(path: str | os.PathLike[str]) -> Cloud:
 
 def _with_springs(cloud: Cloud) -> Cloud:
     """With normals and covariances, where columns of the file tell them."""
-    titles = titles_of(cloud.path)
+    titles = spring_tables.titles_of(cloud.path)
     for kind in ("normals", "covariances"):
-        if columns_of(titles, kind) is not None:
-            table = read_spring_table(cloud.path, kind)
+        if spring_tables.columns_of(titles, kind) is not None:
+            table = spring_tables.read_spring_table(cloud.path, kind)
             ignored = tuple(
                 one for one in cloud.ignored if one.strip().lower() not in table.columns
             )

@@ -10,8 +10,8 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from certreg._loading import late
 from certreg.errors import InvalidFileError, InvalidProblemError
-from certreg.io.spring_tables import columns_of, read_spring_table, titles_of
 from certreg.io.standard_input import is_standard_input
 from certreg.problem import held_rows, require_not_of_source
 from certreg.results import Brief
@@ -21,8 +21,11 @@ if TYPE_CHECKING:
     import os
     from collections.abc import Mapping
 
+    from certreg.io import spring_tables
     from certreg.io.clouds import Pair
     from certreg.io.spring_tables import SpringTable
+else:
+    spring_tables = late("certreg.io.spring_tables")
 
 OF_COLUMNS = {"plane": "normals", "line": "directions", "full": "covariances"}
 TURNS = (
@@ -76,7 +79,7 @@ def read_springs(
         if not is_standard_input(source) and _same_file(path, Path(source)):
             message = f"{shown(path)}: is SOURCE: {kind} of the source are not used: {TURNS}"
             raise InvalidFileError(message, path=path, column=kind)
-        table = read_spring_table(path, kind)
+        table = spring_tables.read_spring_table(path, kind)
         rows[kind] = _rows_of_pairs(table, kind, pair)
         if not is_standard_input(target) and _same_file(path, Path(target)):
             pair = _using(pair, table.columns)
@@ -96,9 +99,11 @@ def _of_target(
         message = f"standard input is read once: give a file, or {kind} in one of their own"
         raise InvalidFileError(message, path=Path(target), column=kind)
     try:
-        return read_spring_table(Path(target), kind)
+        return spring_tables.read_spring_table(Path(target), kind)
     except InvalidFileError as error:
-        here = not is_standard_input(source) and columns_of(titles_of(Path(source)), kind)
+        here = not is_standard_input(source) and spring_tables.columns_of(
+            spring_tables.titles_of(Path(source)), kind
+        )
         if error.column is None or not here:
             raise
         message = f"{shown(source)}: has {kind}, the target has none: {TURNS}"
@@ -149,7 +154,9 @@ def springs_of_pairs(
         if values is None:
             continue
         if isinstance(values, str) or hasattr(values, "__fspath__"):
-            rows[kind] = _rows_of_pairs(read_spring_table(Path(values), kind), kind, pair)
+            rows[kind] = _rows_of_pairs(
+                spring_tables.read_spring_table(Path(values), kind), kind, pair
+            )
             continue
         require_not_of_source(values, *clouds, kind)
         rows[kind] = values if pair.target_rows is None else _taken(values, kind, pair)

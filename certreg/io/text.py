@@ -20,6 +20,7 @@ from math import inf, isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from certreg._loading import late
 from certreg.errors import InvalidFileError, InvalidProblemError
 from certreg.exact import weight_of_sigma
 from certreg.io.columns import Columns, axes_of, columns_in_order, named_columns
@@ -30,16 +31,19 @@ from certreg.io.labels import (
     unused_labels_note,
 )
 from certreg.io.noise import noise_of_columns
-from certreg.io.obj import parse_obj
-from certreg.io.pdb import parse_pdb
 from certreg.io.semicolons import DecimalCommas, separated_by_semicolons
 from certreg.io.streams import COUNT, NUMBER, Place, lines, number, reading
-from certreg.io.xyz import chemical, chemical_points
 from certreg.verify import Clouds, shown
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
     from typing import BinaryIO
+
+    from certreg.io import obj, pdb, xyz
+else:  # each for files of one ending
+    obj = late("certreg.io.obj")
+    pdb = late("certreg.io.pdb")
+    xyz = late("certreg.io.xyz")
 
 TABLE_FORMATS = (".csv", ".txt")  # of numbers, too: weights, pairs
 TEXT_FORMATS = (*TABLE_FORMATS, ".xyz", ".asc", ".pts", ".obj", ".pdb")
@@ -83,14 +87,14 @@ def parse_points(stream: BinaryIO, file: Path, *, noise: bool = True) -> Points:
     """Points of a text cloud; `file` tells the format and the name."""
     suffix, content = file.suffix.lower(), lines(stream, file)
     if suffix == ".obj":
-        return Points(*parse_obj(content, file))
+        return Points(*obj.parse_obj(content, file))
     if suffix == ".pdb":
-        atoms = parse_pdb(content, file)
+        atoms = pdb.parse_pdb(content, file)
         return Points(atoms.coordinates, atoms.labels, (), atoms.labels, notes=atoms.notes)
     if suffix == ".xyz":
-        declared, content = chemical(content)
+        declared, content = xyz.chemical(content)
         if declared is not None:
-            coordinates, width = chemical_points(content, file, declared)
+            coordinates, width = xyz.chemical_points(content, file, declared)
             return Points(coordinates, None, tuple(f"column {k}" for k in range(5, width + 1)))
     if suffix == ".csv":
         first, content = _first_row(content)

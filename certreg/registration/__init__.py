@@ -149,8 +149,8 @@ if TYPE_CHECKING:
     from certreg.registration.spring_simulation import at_end_words as at_end_words
     from certreg.registration.spring_simulation import moving_words as moving_words
     from certreg.registration.spring_simulation import simulated_springs as simulated_springs
-    from certreg.registration.truncated import CONSENSUS as CONSENSUS
-    from certreg.registration.truncated import TRUNCATED as TRUNCATED
+    from certreg.registration.stating import CONSENSUS as CONSENSUS
+    from certreg.registration.stating import TRUNCATED as TRUNCATED
     from certreg.registration.truncated import TruncatedRegistration as TruncatedRegistration
     from certreg.registration.truncated import restated_truncated as restated_truncated
     from certreg.registration.truncated_labels import TruncatedLabels as TruncatedLabels
@@ -335,7 +335,8 @@ __getattr__ = lazy_face(
             "SpringSolution",
         ),
         "spring_rows": ("SpringAxes",),
-        "truncated": ("CONSENSUS", "TRUNCATED", "TruncatedRegistration", "restated_truncated"),
+        "stating": ("CONSENSUS", "TRUNCATED"),
+        "truncated": ("TruncatedRegistration", "restated_truncated"),
         "truncated_labels": ("TruncatedLabels", "judged_truncated_labels"),
         "weak_shifts": ("weak_shift_words",),
         "spring_simulation": (

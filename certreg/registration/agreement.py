@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
+from certreg import equilibrium
 from certreg.certificate import IsotropicBody
-from certreg.dynamics import BreathingTrajectory, SimulationStatus
-from certreg.equilibrium import source_size
+from certreg.dynamics import SimulationStatus
 from certreg.errors import ContradictionError
 from certreg.exact import power_of_two
 from certreg.native import MATRIX_STATE, named
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.certificate import SimilarityBody
-    from certreg.dynamics import Trajectory
+    from certreg.dynamics import BreathingTrajectory, Trajectory
     from certreg.objective import Isotropic
     from certreg.problem import RegistrationProblem
     from certreg.relaxation import Relaxation
@@ -109,9 +109,10 @@ def require_sound_trajectory(
 def _squares(objective: Isotropic, trajectory: Trajectory | BreathingTrajectory) -> Fraction:
     """Syy + s^2 Sxx, with the largest scale of a run: of what the terms of V_p are made."""
     spread = objective.moments.spread
-    if isinstance(trajectory, BreathingTrajectory):
-        largest = Fraction(float(trajectory.scales.max())) ** 2
-        spread += (largest - 1) * source_size(objective)
+    if objective.scaling is not None:
+        scales = cast("BreathingTrajectory", trajectory).scales
+        largest = Fraction(float(scales.max())) ** 2
+        spread += (largest - 1) * equilibrium.source_size(objective)
     return spread
 
 

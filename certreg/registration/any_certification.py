@@ -5,34 +5,39 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Literal, TypedDict, cast
 
+from certreg import problem as problems  # of whose names most calls need none
+from certreg._loading import late
 from certreg.dynamics import SimulationSettings
 from certreg.native import Integrator
-from certreg.problem import ConsensusProblem, TruncatedProblem
 from certreg.registration.certification import CROSS_CHECK, PARTS, certified
-from certreg.registration.consensus import CONSENSUS_PARTS, RIGID, certified_consensus
-from certreg.registration.fit_of_pairs import FitSettings
 from certreg.registration.parts import counted
 from certreg.registration.robustness import ROBUSTNESS_ANGLE, checked_angle
-from certreg.registration.scaled_consensus import SCALED
-from certreg.registration.spring_certification import SPRING_PARTS, certified_springs
-from certreg.registration.stating import stated_problem_of
-from certreg.registration.truncated import (
-    TRUNCATED,
-    TRUNCATED_PARTS,
-    certified_truncated,
-    checked_objective,
-)
+from certreg.registration.stating import TRUNCATED, checked_objective, stated_problem_of
 from certreg.results import MAX_ANGLE, MAX_GAP, Limits
 
 if TYPE_CHECKING:
     from typing import Unpack
 
     from certreg.problem import RegistrationProblem
+    from certreg.registration import (
+        consensus,
+        fit_of_pairs,
+        scaled_consensus,
+        spring_certification,
+        truncated,
+    )
     from certreg.registration.consensus import ConsensusRegistration
+    from certreg.registration.fit_of_pairs import FitSettings
     from certreg.registration.parts import Progress
     from certreg.registration.result import Registration
     from certreg.registration.stating import ProblemOptions
     from certreg.registration.truncated import TruncatedRegistration
+else:  # one of them at most is needed
+    consensus = late("certreg.registration.consensus")
+    fit_of_pairs = late("certreg.registration.fit_of_pairs")
+    scaled_consensus = late("certreg.registration.scaled_consensus")
+    spring_certification = late("certreg.registration.spring_certification")
+    truncated = late("certreg.registration.truncated")
 
 
 def certify(  # noqa: PLR0913 - each is one question, and has its usual answer
@@ -115,7 +120,7 @@ def certify(  # noqa: PLR0913 - each is one question, and has its usual answer
     if max_residual is not None:
         asked: _Asked = {
             "effort": effort,
-            "settings": FitSettings(
+            "settings": fit_of_pairs.FitSettings(
                 solver=relaxation if isinstance(relaxation, str) else None,
                 integrator=_named_integrator(simulation, stated),
                 simulation=simulation if isinstance(simulation, SimulationSettings) else None,
@@ -127,13 +132,13 @@ def certify(  # noqa: PLR0913 - each is one question, and has its usual answer
         chosen = _with_wrong_pairs(stated, max_residual, objective, asked, progress)
         return cast("Registration", chosen)
     if stated.factors is not None:
-        found = certified_springs(
+        found = spring_certification.certified_springs(
             stated,
             solver=relaxation if isinstance(relaxation, str) else None,
             robustness_angle=checked_angle(robustness_angle),
             about={**named, **(about or {})},
             limits=limits,
-            done=counted(progress, SPRING_PARTS),
+            done=counted(progress, spring_certification.SPRING_PARTS),
         )
         return cast("Registration", found)
     registration = certified(
@@ -162,11 +167,13 @@ def _with_wrong_pairs(
     progress: Progress | None,
 ) -> ConsensusRegistration | TruncatedRegistration:
     if objective == TRUNCATED:
-        problem = TruncatedProblem(stated, max_residual)
-        return certified_truncated(problem, done=counted(progress, TRUNCATED_PARTS), **asked)
-    pairs = ConsensusProblem.of(stated, max_residual)
-    ways = SCALED if stated.scaled else RIGID
-    return certified_consensus(pairs, ways, done=counted(progress, CONSENSUS_PARTS), **asked)
+        problem = problems.TruncatedProblem(stated, max_residual)
+        done = counted(progress, truncated.TRUNCATED_PARTS)
+        return truncated.certified_truncated(problem, done=done, **asked)
+    pairs = problems.ConsensusProblem.of(stated, max_residual)
+    ways = scaled_consensus.SCALED if stated.scaled else consensus.RIGID
+    done = counted(progress, consensus.CONSENSUS_PARTS)
+    return consensus.certified_consensus(pairs, ways, done=done, **asked)
 
 
 def _integrator(

@@ -28,8 +28,13 @@ from certreg.registration.scaled_poses import NOT_SCALED, read_for, scale_note
 from certreg.registration.slips import slip_of
 from certreg.registration.spring_assessment import judged_on_springs
 from certreg.registration.spring_result import SpringRegistration
-from certreg.registration.stating import ProblemOptions, stated_in_clouds, stated_problem_of
-from certreg.registration.truncated import TRUNCATED, checked_objective
+from certreg.registration.stating import (
+    TRUNCATED,
+    ProblemOptions,
+    checked_objective,
+    stated_in_clouds,
+    stated_problem_of,
+)
 from certreg.registration.truncated_labels import judged_truncated_labels
 from certreg.results import OUT_OF_RANGE, Absent, PoseVerdict, present
 

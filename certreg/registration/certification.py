@@ -9,6 +9,7 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any, Literal
 
+from certreg._loading import late
 from certreg.certificate import (
     check_own,
     pose_bounds,
@@ -32,11 +33,6 @@ from certreg.objective import Isotropic
 from certreg.problem import RegistrationProblem, Scale, lift
 from certreg.registration.agreement import agreement, require_sound_trajectory
 from certreg.registration.alike import require_alike, require_rigid
-from certreg.registration.breathing import (
-    NO_SYMMETRIC_MOTION,
-    SimulatedBreathing,
-    simulated_breathing,
-)
 from certreg.registration.optimum import exact_pose, optimal_pose
 from certreg.registration.parts import logged
 from certreg.registration.result import (
@@ -47,7 +43,6 @@ from certreg.registration.result import (
     exact_energy_unit,
     final_state,
 )
-from certreg.registration.spring_simulation import SimulatedSprings, simulated_springs
 from certreg.relaxation import relax
 from certreg.results import OUT_OF_RANGE, Absent, Limits
 
@@ -55,8 +50,14 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Generator
 
     from certreg.certificate import Certificate, IsotropicBody, SimilarityBody
+    from certreg.registration import breathing, spring_simulation
+    from certreg.registration.breathing import SimulatedBreathing
+    from certreg.registration.spring_simulation import SimulatedSprings
     from certreg.relaxation import Relaxation
     from certreg.results import Verdict
+else:  # of a free scale, and of general springs
+    breathing = late("certreg.registration.breathing")
+    spring_simulation = late("certreg.registration.spring_simulation")
 
 LOG = logging.getLogger(__name__)
 PARTS = 3  # of certify, besides relaxation and simulation: sums, certificate, checker
@@ -150,10 +151,10 @@ def simulate(
     """
     settings = _with_step(settings, step)
     if problem.factors is not None:
-        return simulated_springs(problem, integrator, settings=settings)
+        return spring_simulation.simulated_springs(problem, integrator, settings=settings)
     objective = Isotropic.of(problem)
     if problem.scaled:
-        return simulated_breathing(problem, objective, integrator, settings=settings)
+        return breathing.simulated_breathing(problem, objective, integrator, settings=settings)
     chosen = Integrator(integrator or DEFAULT_INTEGRATOR)
     of_problem = partial(ProblemTrajectory, problem=problem, objective=objective)
     return run(objective, problem.damping, chosen, settings=settings, kind=of_problem)
@@ -289,10 +290,10 @@ def _simulation(
 ) -> Trajectory | SimulatedBreathing | Absent:
     """The simulated registration, or why there is none."""
     if problem.scale is Scale.SYMMETRIC:
-        return NO_SYMMETRIC_MOTION
+        return breathing.NO_SYMMETRIC_MOTION
     try:
         if problem.scaled:
-            return simulated_breathing(problem, objective, integrator, settings=settings)
+            return breathing.simulated_breathing(problem, objective, integrator, settings=settings)
         of_problem = partial(ProblemTrajectory, problem=problem, objective=objective)
         chosen = Integrator(integrator)
         return run(objective, problem.damping, chosen, settings=settings, kind=of_problem)

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, TypedDict, Unpack
 
 import numpy as np
 
+from certreg._loading import late
 from certreg.errors import DegenerateProblemError, InvalidProblemError, OutOfRangeError
 from certreg.geometry import (
     Pose,
@@ -36,12 +37,14 @@ from certreg.problem import (
     require_same_labels,
     warn_of_unused,
 )
-from certreg.registration.spring_certification import spring_pose
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from certreg.problem import FloatingPose, Moments
+    from certreg.registration import spring_certification
+else:  # not of one weight per pair
+    spring_certification = late("certreg.registration.spring_certification")
 
 
 class SpringArguments(TypedDict, total=False):
@@ -122,7 +125,8 @@ def register(
     kind = checked_scale(scale, springs=on_springs)
     about_origin = checked_rotation_only(rotation_only, springs=on_springs)
     if on_springs:
-        return spring_pose(RegistrationProblem(source, target, weights=weights, **springs))
+        problem = RegistrationProblem(source, target, weights=weights, **springs)
+        return spring_certification.spring_pose(problem)
     x = _readable(cloud_array(source, "source"), "source")
     y = _readable(cloud_array(target, "target"), "target")
     if len(x) != len(y):

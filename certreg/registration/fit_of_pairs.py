@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
+from certreg._loading import late
 from certreg.registration.certification import certified
-from certreg.registration.spring_certification import certified_springs
 from certreg.results import Absent, Limits
 
 if TYPE_CHECKING:
@@ -14,9 +14,12 @@ if TYPE_CHECKING:
 
     from certreg.dynamics import SimulationSettings
     from certreg.problem import RegistrationProblem
+    from certreg.registration import spring_certification
     from certreg.registration.result import Registration
     from certreg.registration.row_names import RowNames
     from certreg.registration.spring_result import SpringRegistration
+else:  # not of one weight per pair
+    spring_certification = late("certreg.registration.spring_certification")
 
 BY_NAME = Absent(
     "with --max-residual it is taken only where it is named, of the pairs within: --solver NAME "
@@ -54,7 +57,7 @@ def fitted(
         about["labels"] = [names.labels[row] for row in rows]
     limits = settings.limits or Limits()
     if problem.factors is not None:
-        return certified_springs(
+        return spring_certification.certified_springs(
             problem,
             solver=settings.solver,
             robustness_angle=settings.robustness_angle,

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
 LOG = logging.getLogger(__name__)
+CONSENSUS, TRUNCATED = "consensus", "truncated"  # objectives, where pairs may be wrong
 
 
 class ProblemOptions(SpringArguments, total=False):
@@ -53,3 +54,14 @@ def stated_in_clouds(
     for note in pair.notes:
         LOG.warning("%s", note)
     return stated, pair.about
+
+
+def checked_objective(objective: Any, max_residual: Any) -> str | None:
+    """Its name, None where none was given; raises InvalidProblemError for others."""
+    if objective not in {None, CONSENSUS, TRUNCATED}:
+        message = f"objective is {objective!r}: give '{CONSENSUS}' or '{TRUNCATED}'"
+        raise InvalidProblemError(message, array="objective", value=objective)
+    if objective is not None and max_residual is None:
+        message = f"objective is {objective!r}: it goes with max_residual, give that, too"
+        raise InvalidProblemError(message, array="max_residual", value=None)
+    return objective

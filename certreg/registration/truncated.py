@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from certreg.certificate import truncated_certificate
-from certreg.errors import InvalidProblemError, UndecidedError
+from certreg.errors import UndecidedError
 from certreg.exact import double_above
 from certreg.geometry import Pose, rotation_matrix
 from certreg.problem import RegistrationProblem, checked_effort
@@ -37,7 +37,6 @@ if TYPE_CHECKING:
     from certreg.problem import TruncatedProblem
 
 TRUNCATED_PARTS = 3  # of certify: search, certificate and checker, fit
-CONSENSUS, TRUNCATED = "consensus", "truncated"  # objectives
 WORDS = {1: "inlier", 0: "outlier", -1: "undecided"}
 LETTERS = {"1": "inlier", "0": "outlier", "?": "undecided"}  # of a certificate
 NAMED_ROWS = 5  # of the undecided ones, in a sentence
@@ -172,17 +171,6 @@ class TruncatedRegistration(Saved):
     def exit_code(self) -> int:
         """0: labels and one rotation proved; 3: the labels alone; 4: less."""
         return (DONE if self.unique else NOT_UNIQUE) if self.certified else NOT_CERTIFIED
-
-
-def checked_objective(objective: Any, max_residual: Any) -> str | None:
-    """Its name, None where none was given; raises InvalidProblemError for others."""
-    if objective not in {None, CONSENSUS, TRUNCATED}:
-        message = f"objective is {objective!r}: give '{CONSENSUS}' or '{TRUNCATED}'"
-        raise InvalidProblemError(message, array="objective", value=objective)
-    if objective is not None and max_residual is None:
-        message = f"objective is {objective!r}: it goes with max_residual, give that, too"
-        raise InvalidProblemError(message, array="max_residual", value=None)
-    return objective
 
 
 def certified_truncated(

@@ -32,7 +32,6 @@ if TYPE_CHECKING:
     from certreg.report.presenting import PRESENTER as PRESENTER
     from certreg.report.reload import certified_pose as certified_pose
     from certreg.report.reload import report_of as report_of
-    from certreg.report.scaled_summary import registration_summary as registration_summary
     from certreg.report.spring_equilibria import (
         spring_enumeration_summary as spring_enumeration_summary,
     )
@@ -46,6 +45,7 @@ if TYPE_CHECKING:
         spring_simulation_summary as spring_simulation_summary,
     )
     from certreg.report.summary import equilibria_words as equilibria_words
+    from certreg.report.summary import registration_summary as registration_summary
     from certreg.report.summary import simulation_summary as simulation_summary
 
 __getattr__ = lazy_face(
@@ -84,13 +84,13 @@ __getattr__ = lazy_face(
         "pages": ("html_page",),
         "presenting": ("PRESENTER",),
         "reload": ("certified_pose", "report_of"),
-        "scaled_summary": ("registration_summary",),
         "spring_equilibria": (
             "spring_enumeration_summary",
             "spring_equilibria_document",
         ),
         "summary": (
             "equilibria_words",
+            "registration_summary",
             "simulation_summary",
         ),
         "spring_simulation": (

@@ -1,195 +1,140 @@
 """Who shows results: what the classes further up ask, see `certreg.results.Shown`.
 
 `certreg/__init__.py` tells them. A result that is to be shown has its line in SHAPES;
-one of which there is only a card, in CARDS.
+one of which there is only a card, in CARDS. Both name classes and functions, and load none: a
+process shows results of one type or two.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from certreg.certificate import CertificateVerdict
-from certreg.equilibrium import EquilibriumSet
+from certreg._loading import late
 from certreg.errors import InvalidFileError
 from certreg.io import write_atomically
-from certreg.registration import (
-    AnyRegistration,
-    Assessment,
-    ConsensusRegistration,
-    KeptPairs,
-    ListedEquilibria,
-    ListedSpringEquilibria,
-    ProblemTrajectory,
-    Registration,
-    ScaledConsensusRegistration,
-    ScaledEquilibria,
-    SimulatedBreathing,
-    SimulatedRegistration,
-    SimulatedSprings,
-    SpringEquilibria,
-    SpringRegistration,
-    TruncatedLabels,
-    TruncatedRegistration,
-    proved_end,
-)
-from certreg.report.breathing import (
-    breathing_card,
-    breathing_document,
-    breathing_summary,
-    scaled_enumeration_summary,
-    scaled_equilibria_card,
-)
-from certreg.report.cards import (
-    assessment_card,
-    equilibria_card,
-    registration_card,
-    spring_card,
-    trajectory_card,
-    verdict_card,
-)
-from certreg.report.consensus_card import consensus_card
-from certreg.report.consensus_fields import consensus_document
-from certreg.report.consensus_folder import write_wrong_pairs
-from certreg.report.consensus_summary import consensus_summary
-from certreg.report.document import (
-    assessment_document,
-    equilibria_document,
-    result_document,
-    scaled_document,
-    set_document,
-    simulation_document,
-)
-from certreg.report.folder import write_folder
-from certreg.report.judged_labels import labels_card, labels_document, labels_summary
-from certreg.report.judged_pose import assessment_summary
-from certreg.report.methods import enumeration_summary
-from certreg.report.pages import html_page, report_on
-from certreg.report.plotting import plotted
-from certreg.report.scaled_summary import registration_summary
-from certreg.report.spring_equilibria import (
-    spring_enumeration_summary,
-    spring_equilibria_card,
-    spring_equilibria_document,
-    spring_equilibria_words,
-    spring_set_document,
-)
-from certreg.report.spring_simulation import (
-    spring_simulation_document,
-    spring_simulation_summary,
-    spring_trajectory_card,
-)
-from certreg.report.spring_summary import spring_summary
-from certreg.report.summary import (
-    equilibria_words,
-    simulation_summary,
-)
-from certreg.report.truncated_fields import truncated_document
-from certreg.report.truncated_labels import (
-    truncated_labels_card,
-    truncated_labels_document,
-    truncated_labels_summary,
-)
-from certreg.report.truncated_summary import truncated_card, truncated_summary
+from certreg.registration import AnyRegistration
 from certreg.verify import shown
 
 if TYPE_CHECKING:
     import os
-    from collections.abc import Callable
 
+    from certreg.report import consensus_folder, pages, plotting
+    from certreg.report import folder as registration_folder
     from certreg.report.encoding import Document
     from certreg.report.pages import Reported
     from certreg.results import Presenter
+else:
+    consensus_folder = late("certreg.report.consensus_folder")
+    pages = late("certreg.report.pages")
+    plotting = late("certreg.report.plotting")
+    registration_folder = late("certreg.report.folder")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Shape:
-    """How results of a type are shown."""
+    """How results of a type are shown: each by a function, `module.name` of this wing."""
 
-    card: Callable[[Any], str]
-    words: Callable[[Any], str]
-    document: Callable[[Any], Document]
-
-
-def _simulated(trajectory: ProblemTrajectory) -> SimulatedRegistration:
-    return proved_end(trajectory.problem, trajectory.objective, trajectory)
+    card: str
+    words: str
+    document: str
 
 
-def _trajectory_words(trajectory: ProblemTrajectory) -> str:
-    return simulation_summary(_simulated(trajectory))
-
-
-def _trajectory_document(trajectory: ProblemTrajectory) -> Document:
-    return simulation_document(_simulated(trajectory))
-
-
-def _enumeration_words(listed: ListedEquilibria) -> str:
-    return enumeration_summary(listed.enumeration)
-
-
-def _enumeration_document(listed: ListedEquilibria) -> Document:
-    return equilibria_document(listed.enumeration)
-
-
-def _spring_enumeration_words(listed: ListedSpringEquilibria) -> str:
-    return spring_enumeration_summary(listed.enumeration)
-
-
-def _spring_enumeration_document(listed: ListedSpringEquilibria) -> Document:
-    return spring_equilibria_document(listed.enumeration)
-
-
-SHAPES: dict[type, Shape] = {
-    Registration: Shape(
-        words=registration_summary, document=result_document, card=registration_card
+SHAPES: dict[str, Shape] = {  # by the name of the type
+    "Registration": Shape(
+        words="summary.registration_summary",
+        document="document.result_document",
+        card="cards.registration_card",
     ),
-    SpringRegistration: Shape(words=spring_summary, document=result_document, card=spring_card),
-    ConsensusRegistration: Shape(
-        words=consensus_summary, document=consensus_document, card=consensus_card
+    "SpringRegistration": Shape(
+        words="spring_summary.spring_summary",
+        document="document.result_document",
+        card="cards.spring_card",
     ),
-    ScaledConsensusRegistration: Shape(
-        words=consensus_summary, document=consensus_document, card=consensus_card
+    "ConsensusRegistration": Shape(
+        words="consensus_summary.consensus_summary",
+        document="consensus_fields.consensus_document",
+        card="consensus_card.consensus_card",
     ),
-    TruncatedRegistration: Shape(
-        words=truncated_summary, document=truncated_document, card=truncated_card
+    "ScaledConsensusRegistration": Shape(
+        words="consensus_summary.consensus_summary",
+        document="consensus_fields.consensus_document",
+        card="consensus_card.consensus_card",
     ),
-    Assessment: Shape(words=assessment_summary, document=assessment_document, card=assessment_card),
-    KeptPairs: Shape(words=labels_summary, document=labels_document, card=labels_card),
-    TruncatedLabels: Shape(
-        words=truncated_labels_summary,
-        document=truncated_labels_document,
-        card=truncated_labels_card,
+    "TruncatedRegistration": Shape(
+        words="truncated_summary.truncated_summary",
+        document="truncated_fields.truncated_document",
+        card="truncated_summary.truncated_card",
     ),
-    ListedEquilibria: Shape(
-        words=_enumeration_words, document=_enumeration_document, card=equilibria_card
+    "Assessment": Shape(
+        words="judged_pose.assessment_summary",
+        document="document.assessment_document",
+        card="cards.assessment_card",
     ),
-    EquilibriumSet: Shape(words=equilibria_words, document=set_document, card=equilibria_card),
-    ScaledEquilibria: Shape(
-        words=scaled_enumeration_summary, document=scaled_document, card=scaled_equilibria_card
+    "KeptPairs": Shape(
+        words="judged_labels.labels_summary",
+        document="judged_labels.labels_document",
+        card="judged_labels.labels_card",
     ),
-    SimulatedBreathing: Shape(
-        words=breathing_summary, document=breathing_document, card=breathing_card
+    "TruncatedLabels": Shape(
+        words="truncated_labels.truncated_labels_summary",
+        document="truncated_labels.truncated_labels_document",
+        card="truncated_labels.truncated_labels_card",
     ),
-    ListedSpringEquilibria: Shape(
-        words=_spring_enumeration_words,
-        document=_spring_enumeration_document,
-        card=spring_equilibria_card,
+    "ListedEquilibria": Shape(
+        words="listed.enumeration_words",
+        document="listed.enumeration_document",
+        card="cards.equilibria_card",
     ),
-    SpringEquilibria: Shape(
-        words=spring_equilibria_words, document=spring_set_document, card=spring_equilibria_card
+    "EquilibriumSet": Shape(
+        words="summary.equilibria_words",
+        document="document.set_document",
+        card="cards.equilibria_card",
     ),
-    SimulatedSprings: Shape(
-        words=spring_simulation_summary,
-        document=spring_simulation_document,
-        card=spring_trajectory_card,
+    "ScaledEquilibria": Shape(
+        words="breathing.scaled_enumeration_summary",
+        document="document.scaled_document",
+        card="breathing.scaled_equilibria_card",
     ),
-    ProblemTrajectory: Shape(
-        words=_trajectory_words, document=_trajectory_document, card=trajectory_card
+    "SimulatedBreathing": Shape(
+        words="breathing.breathing_summary",
+        document="breathing.breathing_document",
+        card="breathing.breathing_card",
+    ),
+    "ListedSpringEquilibria": Shape(
+        words="listed.spring_enumeration_words",
+        document="listed.spring_enumeration_document",
+        card="spring_equilibria.spring_equilibria_card",
+    ),
+    "SpringEquilibria": Shape(
+        words="spring_equilibria.spring_equilibria_words",
+        document="spring_equilibria.spring_set_document",
+        card="spring_equilibria.spring_equilibria_card",
+    ),
+    "SimulatedSprings": Shape(
+        words="spring_simulation.spring_simulation_summary",
+        document="spring_simulation.spring_simulation_document",
+        card="spring_simulation.spring_trajectory_card",
+    ),
+    "ProblemTrajectory": Shape(
+        words="listed.trajectory_words",
+        document="listed.trajectory_document",
+        card="cards.trajectory_card",
     ),
 }
 # A verdict writes its own text and has no document.
-CARDS = {CertificateVerdict: verdict_card, **{kind: shape.card for kind, shape in SHAPES.items()}}
+CARDS = {
+    "CertificateVerdict": "cards.verdict_card",
+    **{kind: shape.card for kind, shape in SHAPES.items()},
+}
+
+
+def function(name: str) -> Any:
+    """The function of this wing that is called `module.name`."""
+    module, _, own = name.partition(".")
+    return getattr(import_module(f"certreg.report.{module}"), own)
 
 
 class ReportPresenter:
@@ -197,15 +142,15 @@ class ReportPresenter:
 
     def words(self, result: Any) -> str:
         """The text of the command line."""
-        return SHAPES[type(result)].words(result)
+        return function(SHAPES[type(result).__name__].words)(result)
 
     def document(self, result: Any) -> Document:
         """What `--json` prints."""
-        return SHAPES[type(result)].document(result)
+        return function(SHAPES[type(result).__name__].document)(result)
 
     def card(self, result: Any) -> str:
         """HTML for a notebook."""
-        return CARDS[type(result)](result)
+        return function(CARDS[type(result).__name__])(result)
 
     def report(self, result: Reported, path: str | os.PathLike[str]) -> Path:
         """Write the page of a registration; where it was written."""
@@ -213,7 +158,7 @@ class ReportPresenter:
         if result.certificate is None:
             message = f"{shown(place)}: not written: there is no certificate to report"
             raise InvalidFileError(message, path=place)
-        write_atomically(place, html_page(report_on(result)))
+        write_atomically(place, pages.html_page(pages.report_on(result)))
         return place
 
     def save(
@@ -222,13 +167,13 @@ class ReportPresenter:
         folder: str | os.PathLike[str],
     ) -> Path | None:
         """Write the files of a registration; the certificate's path."""
-        if isinstance(result, ConsensusRegistration | TruncatedRegistration):
-            return write_wrong_pairs(result, folder)
-        return write_folder(result, folder)
+        if isinstance(result, AnyRegistration):
+            return registration_folder.write_folder(result, folder)
+        return consensus_folder.write_wrong_pairs(result, folder)
 
     def plot(self, result: AnyRegistration, axes: Any) -> Any:
         """Draw a registration into axes of Matplotlib; the axes."""
-        return plotted(result, axes)
+        return plotting.plotted(result, axes)
 
 
 PRESENTER: Presenter = ReportPresenter()

@@ -1,4 +1,4 @@
-"""The result of `certify` as a person reads it in a terminal: with or without a free scale."""
+"""The result of `certify` with a free scale, as a person reads it in a terminal."""
 
 from __future__ import annotations
 
@@ -14,7 +14,6 @@ from certreg.report.summary import (
     explained_words,
     method_lines,
     number,
-    rigid_summary,
     status_lines,
     uncertainty_lines,
     untested_lines,
@@ -34,15 +33,8 @@ BIAS = {
 }
 
 
-def registration_summary(registration: Registration) -> str:
-    """The result of `certify`, readable."""
-    if registration.problem.scaled:
-        return _scaled_summary(registration)
-    return rigid_summary(registration)
-
-
-def _scaled_summary(registration: Registration) -> str:
-    """The same where the scale is free."""
+def scaled_summary(registration: Registration) -> str:
+    """The result of `certify` where the scale is free, readable."""
     pose, problem = registration.pose, registration.problem
     scale = pose.scale if isinstance(pose, Similarity) else 1.0
     unit, fit = unit_of(registration), registration.fit

@@ -8,14 +8,15 @@ from decimal import MAX_EMAX, MIN_EMIN, Context, Decimal
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
+from certreg._loading import late
 from certreg.certificate import flat_energy
+from certreg.dynamics import Trajectory
 from certreg.exact import nearest_double
 from certreg.registration import (
     BY_NAME,
     HARDLY_DETERMINED,
     NOT_ASKED,
     FitCode,
-    SimulatedBreathing,
     ambiguous_words,
     at_most,
     headline_words,
@@ -40,14 +41,17 @@ from certreg.results import (
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from certreg.dynamics import Trajectory
     from certreg.equilibrium import Component, EquilibriumSet
     from certreg.registration import (
         AnyRegistration,
         Fit,
         Registration,
+        SimulatedBreathing,
         SimulatedRegistration,
     )
+    from certreg.report import scaled_summary
+else:
+    scaled_summary = late("certreg.report.scaled_summary")
 
 UNMET = "Not called certified: that asks for a proof that it is"
 MEANS = "Certified means here"
@@ -66,6 +70,13 @@ ROUNDING_SHARE = 1e6  # a gap above a millionth of the minimum is worth a word
 UNNOTED_COST = 1e-24  # of the spread: a shift of 1e-12, finer than any data
 LEAST_NORMAL = 2.0**-1022  # smaller doubles have fewer digits
 COMPARABLE_STEP = 0.1  # h times the decay rate: a scheme's own differs by half of that
+
+
+def registration_summary(registration: Registration) -> str:
+    """The result of `certify`, readable."""
+    if registration.problem.scaled:
+        return scaled_summary.scaled_summary(registration)
+    return rigid_summary(registration)
 
 
 def rigid_summary(registration: Registration) -> str:
@@ -308,7 +319,7 @@ def _motion_lines(
 ) -> list[str]:
     """How a simulation ended, and if it did not come to rest, why."""
     certificate, where, notes = registration.solution.certificate, "", ()
-    if isinstance(trajectory, SimulatedBreathing):
+    if not isinstance(trajectory, Trajectory):
         where = f", at the scale {trajectory.scales[-1]:.6g}"
     else:
         notes = trajectory.notes

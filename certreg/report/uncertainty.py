@@ -16,7 +16,6 @@ from certreg.geometry import Similarity
 from certreg.registration import (
     NO_RESIDUALS,
     FitCode,
-    SpringRegistration,
     axis_words,
     beyond_first_order,
     parameters_of,
@@ -73,7 +72,7 @@ def uncertainty_rows(registration: AnyRegistration) -> list[tuple[str, str]]:
 
 def _centre_row(registration: AnyRegistration, covariance: PoseCovariance) -> list[tuple[str, str]]:
     """How sure the place of the source's centre is; on springs not alike along every axis."""
-    if isinstance(registration, SpringRegistration):
+    if registration.problem.factors is not None:
         sigma = _two_digits(covariance.centre_sigma)
         return [("centre ±", f"{sigma} along the axis that is least sure  (the source's mean)")]
     centre = " ".join(centre_words(cast("Registration", registration), covariance))
@@ -205,7 +204,8 @@ def _two_digits(value: float) -> str:
 def _basis_words(registration: AnyRegistration, covariance: PoseCovariance) -> str:
     """What one standard deviation is of: the sigma that is given, or what the residuals say."""
     told = "one standard deviation, to first order, "
-    springs, problem = isinstance(registration, SpringRegistration), registration.problem
+    problem = registration.problem
+    springs = problem.factors is not None
     if not covariance.estimated and springs:
         return f"{told}of independent errors as large along the springs as these say"
     if not covariance.estimated:

@@ -19,10 +19,10 @@ from strategies import ZOO, random_problem
 from certreg.certificate.bounds import ExactPose, PoseBounds, pose_bounds
 from certreg.exact.dyadic import Dyadic
 from certreg.registration.any_certification import certify
+from certreg.report import registration_summary
 from certreg.report.document import result_document
 from certreg.report.page import Report
 from certreg.report.pages import html_page
-from certreg.report.scaled_summary import registration_summary
 from certreg.verify import Worth, parse
 
 if TYPE_CHECKING:
