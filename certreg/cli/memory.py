@@ -31,7 +31,7 @@ numpy.ones((64, 64)) @ numpy.ones((64, 64))
 """
 LOADING_ALL = f"""{LOADING}
 try:
-    import clarabel, scipy.linalg, scipy.sparse
+    import clarabel, scipy.linalg
     scipy.linalg.eigh(numpy.eye(64))
 except ModuleNotFoundError:
     pass  # not installed: `certify` says so itself

@@ -8,21 +8,51 @@ find the same bytes.
 from __future__ import annotations
 
 import json
+from collections import Counter
 from dataclasses import dataclass
 from functools import cache
+from itertools import accumulate
+from operator import itemgetter
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg._loading import library
-
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import NDArray
 
 GENERATED = Path(__file__).with_name("generated")
 CONES_FILE = "cones.json"
 NEED = "the relaxation"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Columns:
+    """A sparse matrix by columns: what Clarabel reads of one of SciPy's, by the same names.
+
+    The entries of column k, rows ascending, are those from indptr[k] on, up to indptr[k + 1].
+    SciPy's sparse matrices themselves take as long to load as a small problem to certify.
+    """
+
+    shape: tuple[int, int]
+    indptr: list[int]
+    indices: list[int]
+    data: list[float]
+    has_canonical_format: bool = True
+
+    @classmethod
+    def of(cls, entries: Sequence[tuple[int, int, float]], shape: tuple[int, int]) -> Columns:
+        """Of rows, columns and values; no place is there twice."""
+        ordered = sorted(entries, key=itemgetter(1, 0))
+        counts = Counter(column for _, column, _ in ordered)
+        return cls(
+            shape=shape,
+            indptr=list(accumulate((counts[k] for k in range(shape[1])), initial=0)),
+            indices=[row for row, _, _ in ordered],
+            data=[value for _, _, value in ordered],
+        )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -36,30 +66,26 @@ class Cones:
 
     size: int  # of the matrix
     equalities: int
-    rows: Any  # (equalities + size (size + 1) / 2, unknowns), sparse
+    rows: Columns  # (equalities + size (size + 1) / 2, unknowns)
     right: NDArray[np.float64]
     cost: NDArray[np.float64]  # (unknowns, parameters)
-    curvature: Any  # the program is linear: a sparse zero
+    curvature: Columns  # the program is linear: zero
 
 
 @cache
 def cones_of(program: str) -> Cones:
-    """The cones of a program: a word of `Form`, or "quartic".
-
-    Raises MissingToolError where SciPy is not installed.
-    """
-    csc_matrix = library("scipy.sparse", NEED).csc_matrix
+    """The cones of a program: a word of `Form`, or "quartic"."""
     given = json.loads((GENERATED / CONES_FILE).read_text("utf-8"))[program]
     right, unknowns = np.array(given["right"]), given["unknowns"]
     cost = np.zeros((unknowns, given["parameters"]))
     first, last, entries = given["cost"]
     cost[first, last] = entries
-    row, column, values = given["rows"]
+    entries = list(zip(*given["rows"], strict=True))
     return Cones(
         size=given["size"],
         equalities=given["equalities"],
-        rows=csc_matrix((values, (row, column)), shape=(len(right), unknowns)),
+        rows=Columns.of(entries, (len(right), unknowns)),
         right=right,
         cost=cost,
-        curvature=csc_matrix((unknowns, unknowns)),
+        curvature=Columns.of([], (unknowns, unknowns)),
     )

@@ -113,6 +113,7 @@ def called(cones: Cones, cost: NDArray[np.float64], *, refinement: bool = True) 
     refinement: of the linear systems that it solves.
     """
     solver = library("clarabel", NEED)
+    library("scipy.linalg", NEED)  # whose LAPACK it calls
     options = solver.DefaultSettings()
     options.verbose = False
     options.max_iter = MAX_ITERATIONS

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import cvxpy
 import numpy as np
 import pytest
+from scipy.sparse import csc_matrix
 
 from certreg.objective import MONOMIALS, PAIRS
 from certreg.relaxation import stated_quartic
-from certreg.relaxation.cones import CONES_FILE, GENERATED, cones_of
+from certreg.relaxation.cones import CONES_FILE, GENERATED, Columns, cones_of
+from certreg.relaxation.conic import called
 from certreg.relaxation.qcqp import Form, quadratic_program
 from derivations import cones as chain
 
@@ -20,6 +23,11 @@ PROGRAMS = [*Form, "quartic"]
 @pytest.fixture(scope="module")
 def rng():
     return np.random.default_rng(3)
+
+
+def csc(columns: Columns) -> csc_matrix:
+    """SciPy's of the same, as it reads the three arrays."""
+    return csc_matrix((columns.data, columns.indices, columns.indptr), shape=columns.shape)
 
 
 def triangle(matrix):
@@ -80,7 +88,7 @@ def test_the_matrix_of_a_rotation_meets_the_cones_at_the_objective(form, rng):
     Z = np.outer(v, v)
     unknowns = Z[np.triu_indices(len(v))]
 
-    slack = cones.right - cones.rows @ unknowns
+    slack = cones.right - csc(cones.rows) @ unknowns
     assert np.abs(slack[: cones.equalities]).max() < 1e-12
     assert slack[cones.equalities :] == pytest.approx(triangle(Z))
     assert -(cones.cost @ C.ravel()) @ unknowns == pytest.approx((R * C).sum())
@@ -93,7 +101,7 @@ def test_the_moments_of_a_quaternion_meet_the_cones_at_the_quartic(rng):
     products = np.array([q[i] * q[j] for i, j in PAIRS])
     unknowns = np.array([np.prod(q[list(monomial)]) for monomial in MONOMIALS])
 
-    slack = cones.right - cones.rows @ unknowns
+    slack = cones.right - csc(cones.rows) @ unknowns
     assert slack[0] == pytest.approx(0, abs=1e-12)
     assert slack[1:] == pytest.approx(triangle(np.outer(products, products)))
     assert cones.cost @ quartic @ unknowns == pytest.approx(quartic @ unknowns)
@@ -104,6 +112,30 @@ def test_every_entry_is_there_once_and_no_zero_is_written(program):
     cones = cones_of(program)
 
     assert cones.rows.has_canonical_format
-    assert np.all(cones.rows.data != 0)
+    assert csc(cones.rows).has_canonical_format  # which SciPy finds out itself
+    assert 0.0 not in cones.rows.data
+    assert csc(cones.curvature).nnz == 0
+    assert cones.curvature.shape == (len(cones.cost), len(cones.cost))
     assert cones.rows.shape == (len(cones.right), len(cones.cost))
     assert len(cones.right) == cones.equalities + cones.size * (cones.size + 1) // 2
+
+
+def test_entries_in_any_order_are_those_of_scipy(rng):
+    shape, dense = (5, 7), np.where(rng.random((5, 7)) < 0.3, rng.normal(size=(5, 7)), 0.0)
+    dense[:, 2] = 0.0
+    entries = [(int(i), int(j), float(dense[i, j])) for i, j in np.argwhere(dense)]
+    found, expected = Columns.of(entries[::-1], shape), csc_matrix(dense)
+
+    assert np.array_equal(csc(found).toarray(), dense)
+    assert found.indptr == expected.indptr.tolist()
+    assert found.indices == expected.indices.tolist()
+    assert found.data == expected.data.tolist()
+
+
+def test_clarabel_answers_as_with_the_matrices_of_scipy(rng):
+    """Bit for bit: it reads the same numbers."""
+    cones = cones_of(Form.QUATERNION)
+    cost = cones.cost @ rng.normal(size=9)
+    alike = replace(cones, rows=csc(cones.rows), curvature=csc(cones.curvature))
+
+    assert called(alike, cost).x == called(cones, cost).x
