@@ -6,6 +6,7 @@ import importlib
 import itertools
 import json
 import pkgutil
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -37,11 +38,9 @@ IMPORTS = (
 )
 
 
-def top_level_modules(code: str) -> set[str]:
+def loaded_modules(code: str) -> set[str]:
     """What a new process has loaded after running the code."""
-    told = (
-        "import json, sys\nprint(); print(json.dumps([name.split('.')[0] for name in sys.modules]))"
-    )
+    told = "import json, sys\nprint(); print(json.dumps([*sys.modules]))"
     run = subprocess.run(
         [sys.executable, "-W", "error", "-c", f"{code}\n{told}"],
         capture_output=True,
@@ -52,6 +51,11 @@ def top_level_modules(code: str) -> set[str]:
     )
     assert (run.returncode, run.stderr) == (0, "")
     return set(json.loads(run.stdout.splitlines()[-1]))
+
+
+def top_level_modules(code: str) -> set[str]:
+    """The packages of these."""
+    return {name.split(".")[0] for name in loaded_modules(code)}
 
 
 def command(*arguments: object) -> str:
@@ -102,6 +106,35 @@ def test_help_and_verify_load_no_numerical_library(which: str, tmp_path: Path):
     absent = HEAVY if name == "certify" else {*HEAVY, "numpy"}
 
     assert not top_level_modules(command(name, *arguments)) & absent
+
+
+# What is of another kind of problem, of another format, or of a report that nobody asked for.
+OF_OTHERS = re.compile(
+    r"certreg[.](?:\w+[.]\w*(?:spring|consensus|scaled|truncated|breath|breaking|similarity)"
+    r"|report[.]\w*(?:page|picture|card|document|overview|folder)"
+    r"|certificate[.](?:cones|listing|squares|refuting|consistency|coq|blockwise)"
+    r"|equilibrium[.](?:paths|tracking|quartics|methods|line_)"
+    r"|io[.](?:cif|np[yz]|obj|pairs|pcd|pdb|ply|scans|stl|trajectories|xyz)$)"
+    r"|scipy[.](?:sparse|optimize|spatial)"
+)
+ANY_PROBLEM = {  # names of what stands in problems, or may stand in the files of any
+    "certreg.certificate.similarity",
+    "certreg.geometry.similarity",
+    "certreg.io.springs",
+    "certreg.native.spring_runs",
+    "certreg.problem.spring_factors",
+    "certreg.problem.spring_rows",
+    "certreg.problem.springs",
+}
+
+
+@pytest.mark.slow
+def test_certify_loads_nothing_of_other_kinds_of_problems():
+    loaded = loaded_modules(command("certify", *PAIR, "--sigma", "4"))
+    others = {name for name in loaded if OF_OTHERS.match(name)}
+
+    assert others == ANY_PROBLEM
+    assert {"certreg.registration.certification", "scipy.linalg"} <= loaded
 
 
 @pytest.fixture
