@@ -33,11 +33,11 @@ from certreg.certificate.consistency import (
 )
 from certreg.certificate.envelope import Certificate
 from certreg.certificate.reach import ANGLE_BITS, turn_about
-from certreg.certificate.refuting import PointRows, davenport_stack
+from certreg.certificate.refuting import PointRows
 from certreg.certificate.staging import Stager
 from certreg.certificate.thinning import Graph
 from certreg.exact import dyadic_above
-from certreg.geometry import Pose, quaternion_from_matrix, rotation_matrix
+from certreg.geometry import Pose, davenport_matrix, quaternion_from_matrix, rotation_matrix
 from certreg.native import mask_of
 from certreg.problem import LEAST_PAIRS
 
@@ -188,7 +188,7 @@ def _reach(
     x, y, w = centred(points.source, points.target, problem.problem.weights, met)
     spread = float((w * (x * x + y * y)).sum())
     c = spread - float((w[:, 0] * points.bounds[[*met]] ** 2).sum())
-    K = davenport_stack(((w * y).T @ x)[None])[0]
+    K = np.array(davenport_matrix(((w * y).T @ x).tolist()))
     if problem.factors is None:
         return reach_of(K, c, spread, quaternion)
     u = np.array(quaternion, dtype=float)

@@ -26,7 +26,6 @@ from certreg.certificate.producing_consensus import (
     unheld,
     witness_of,
 )
-from certreg.certificate.refuting import davenport_stack
 from certreg.certificate.scaled_consensus import (
     NONE,
     OPEN,
@@ -41,6 +40,7 @@ from certreg.certificate.scaled_pairs import ScaledPairs
 from certreg.certificate.staging import Stager
 from certreg.certificate.thinning import Graph
 from certreg.exact import Dyadic, dyadic_above, dyadic_below
+from certreg.geometry import davenport_matrix
 from certreg.native import mask_of, rows_of
 from certreg.problem import LEAST_PAIRS
 
@@ -261,7 +261,7 @@ def _bounded(
     x, y, w = centred(pairs.source, pairs.target, problem.problem.weights, found.met)
     X, Y = (float((w * p * p).sum()) for p in (x, y))
     c = Y - float((w[:, 0] * pairs.bounds[[*found.met]] ** 2).sum())
-    K = davenport_stack(((w * y).T @ x)[None])[0]
+    K = np.array(davenport_matrix(((w * y).T @ x).tolist()))
     level = float(np.linalg.eigvalsh(K)[-1])
     middle, half = level / X, math.sqrt(max(level * level - c * X, 0.0)) / X
     low, high = (middle - half) * (1.0 - OUTWARDS), (middle + half) * (1.0 + OUTWARDS)

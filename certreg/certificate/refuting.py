@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from certreg.certificate.consensus import Group
-from certreg.geometry import rotation_matrices
+from certreg.geometry import davenport_matrices, rotation_matrices
 from certreg.native import LawsonColumns, lawson_columns
 
 if TYPE_CHECKING:
@@ -120,7 +120,7 @@ class PointRows:
         total, load = weights.sum(axis=1)[:, None, None], weights[:, :, None]
         x = x - (load * x).sum(axis=1, keepdims=True) / total
         y = y - (load * y).sum(axis=1, keepdims=True) / total
-        values, vectors = np.linalg.eigh(davenport_stack(np.swapaxes(load * y, 1, 2) @ x))
+        values, vectors = np.linalg.eigh(davenport_matrices(np.swapaxes(load * y, 1, 2) @ x))
         level = np.maximum(values[:, 3], 0.0)
         scale, squares = self._scaled(x, y, load, level)
         bound = (weights * self.bounds[picked] ** 2).sum(axis=1)
@@ -137,15 +137,3 @@ class PointRows:
 def _whole(weights: NDArray[np.float64]) -> NDArray[np.float64]:
     """Next integers above, the largest WEIGHT_MAX."""
     return np.ceil(weights * (WEIGHT_MAX / weights.max()))
-
-
-def davenport_stack(cross: NDArray[np.float64]) -> NDArray[np.float64]:
-    """(G, 4, 4), Davenport's matrices of (G, 3, 3) matrices."""
-    K = np.empty((len(cross), 4, 4))
-    a, b, c = cross[:, 0, 0], cross[:, 1, 1], cross[:, 2, 2]
-    K[:, 0, 0], K[:, 1, 1] = a + b + c, a - b - c
-    K[:, 2, 2], K[:, 3, 3] = b - a - c, c - a - b
-    for k, (i, j) in enumerate(((1, 2), (2, 0), (0, 1)), start=1):
-        K[:, 0, k] = K[:, k, 0] = cross[:, j, i] - cross[:, i, j]
-        K[:, i + 1, j + 1] = K[:, j + 1, i + 1] = cross[:, i, j] + cross[:, j, i]
-    return K

@@ -9,7 +9,7 @@ import numpy as np
 
 from certreg.certificate.consistency import ExactRows
 from certreg.certificate.producing_consensus import witness_of
-from certreg.certificate.refuting import PointRows, davenport_stack
+from certreg.certificate.refuting import PointRows
 from certreg.exact import is_positive_definite
 from certreg.geometry import davenport_matrix, rotation_matrix, squared_norm
 from certreg.results import Brief
@@ -111,6 +111,6 @@ def _fitted(
     w = weights / weights.sum()
     a, b = w @ x, w @ y
     cross = (w[:, None] * (y - b)).T @ (x - a)
-    _, vectors = np.linalg.eigh(davenport_stack(cross[None])[0])
+    _, vectors = np.linalg.eigh(np.array(davenport_matrix(cross.tolist())))
     R = np.array(rotation_matrix(vectors[:, 3].tolist()))
     return R, b - R @ a

@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from certreg.geometry.so3 import angle_between as angle_between
     from certreg.geometry.so3 import body_frame as body_frame
     from certreg.geometry.so3 import canonical as canonical
+    from certreg.geometry.so3 import davenport_matrices as davenport_matrices
     from certreg.geometry.so3 import davenport_matrix as davenport_matrix
     from certreg.geometry.so3 import dot as dot
     from certreg.geometry.so3 import is_reflection as is_reflection
@@ -76,6 +77,7 @@ __getattr__ = lazy_face(
             "angle_between",
             "body_frame",
             "canonical",
+            "davenport_matrices",
             "davenport_matrix",
             "dot",
             "is_reflection",

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
-FEW = 8  # quaternions: that many in Python take as long as thirty calls of NumPy
+FEW = 8  # quaternions, or 3x3 matrices: that many in Python take as long as thirty calls of NumPy
 
 
 class Number(Protocol):
@@ -92,6 +92,14 @@ def davenport_matrix(C: Sequence[Sequence[T]]) -> Matrix4[T]:
         (c - g, b + d, e - a - i, f + h),
         (d - b, c + g, f + h, i - a - e),
     )
+
+
+def davenport_matrices(C: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The matrices (n, 4, 4) of 3x3 matrices (n, 3, 3), to the bit as one at a time."""
+    if len(C) < FEW:
+        return np.array([davenport_matrix(one) for one in C.tolist()]).reshape(-1, 4, 4)
+    entries: Any = np.moveaxis(C, 0, -1)
+    return np.moveaxis(np.array(davenport_matrix(entries)), -1, 0)
 
 
 def quadratic_form(K: Sequence[Sequence[T]], q: Sequence[T]) -> T:

@@ -16,6 +16,8 @@ from certreg.geometry.given import given_pose
 from certreg.geometry.orthogonality import why_no_rotation
 from certreg.geometry.so3 import (
     canonical,
+    davenport_matrices,
+    davenport_matrix,
     is_reflection,
     quaternions_from_matrices,
     rotation_matrices,
@@ -319,6 +321,14 @@ def test_matrices_of_many_quaternions_are_to_the_bit_those_of_each(count: int):
     single = np.array([rotation_matrix(q) for q in quaternions.tolist()]).reshape(count, 3, 3)
 
     assert rotation_matrices(quaternions).tobytes() == single.tobytes()
+
+
+@pytest.mark.parametrize("count", [0, 1, so3.FEW - 1, so3.FEW, 3 * so3.FEW])
+def test_davenports_matrices_of_many_are_to_the_bit_those_of_each(count: int):
+    matrices = np.random.default_rng(count).normal(size=(count, 3, 3))
+    single = np.array([davenport_matrix(C) for C in matrices.tolist()]).reshape(count, 4, 4)
+
+    assert davenport_matrices(matrices).tobytes() == single.tobytes()
 
 
 def test_a_reflection_is_told_from_a_rotation_by_its_sign():
