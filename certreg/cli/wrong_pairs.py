@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import logging
+import re
 import sys
 import time
 from contextlib import contextmanager
@@ -116,7 +117,8 @@ class WrongPairs:
         if number is not None:
             return number
         if not Path(self.max_residual).is_file():
-            message = f"--max-residual {printable(self.max_residual)}: neither a number nor a file"
+            what = _why_no_number(self.max_residual)
+            message = f"--max-residual {printable(self.max_residual)}: {what}"
             raise click.UsageError(message)
         return io.read_bounds(Path(self.max_residual), pair)
 
@@ -143,17 +145,28 @@ def _number(text: str) -> float | None:
         return None
 
 
+def _why_no_number(text: str) -> str:
+    """Of a text that names no file, either."""
+    try:
+        NUMBER.convert(text, None, None)
+    except click.BadParameter as error:
+        if "comma" in error.message:
+            return error.message
+    return "neither a number nor a file"
+
+
 @contextmanager
 def _named_as_typed(max_residual: str | None) -> Generator[None]:
     """Says what is wrong with bounds by the name of the option, and of the file if it is one."""
     try:
         yield
     except InvalidProblemError as error:
-        if max_residual is None or error.array != "max_residual":
+        if max_residual is None or error.array not in {"max_residual", "effort"}:
             raise
         file = "" if _number(max_residual) is not None else f" {printable(max_residual)}"
+        said = re.sub("^effort", "--effort", str(error))
         raise InvalidProblemError(
-            str(error).replace("max_residual", f"--max-residual{file}"),
+            said.replace("max_residual", f"--max-residual{file}"),
             array=error.array,
             row=error.row,
             value=error.value,

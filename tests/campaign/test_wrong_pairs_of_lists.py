@@ -143,7 +143,7 @@ def test_what_bounds_nothing_is_an_error_of_that_pair(listed: Path, row: str, wo
     {
         ("--max-residual", "bounds.txt"): "give a number; files of bounds go in a column max_resid",
         ("--max-residual", "0"): "--max-residual is 0.0: a bound must be finite and > 0",
-        ("--max-residual", "1", "--effort", "0"): "effort is 0.0: give a number above 0",
+        ("--max-residual", "1", "--effort", "0"): "--effort is 0.0: give a number above 0",
         ("--objective", "truncated"): "--objective and --effort go with --max-residual",
     }.items(),
 )
