@@ -286,8 +286,10 @@ class Explained(Brief):
     )
 
     def __post_init__(self) -> None:
-        missing = {name: why for name, why in self.absent.items() if getattr(self, name) is None}
-        object.__setattr__(self, "absent", missing)
+        if self.absent:
+            given = self.absent.items()
+            missing = {name: why for name, why in given if getattr(self, name) is None}
+            object.__setattr__(self, "absent", missing)
 
     def stated(self, name: str) -> Any:
         """The attribute of that name, or the Absent that stands for it.

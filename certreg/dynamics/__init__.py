@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from certreg.dynamics.breathing import breathing_body as breathing_body
     from certreg.dynamics.breathing import never_collapses as never_collapses
     from certreg.dynamics.breathing import simulate_breathing as simulate_breathing
+    from certreg.dynamics.integrators import DEFAULT_SETTINGS as DEFAULT_SETTINGS
     from certreg.dynamics.integrators import EULER_STEP as EULER_STEP
     from certreg.dynamics.integrators import SimulationSettings as SimulationSettings
     from certreg.dynamics.simulation import optimal_damping as optimal_damping
@@ -73,6 +74,7 @@ __getattr__ = lazy_face(
             "simulate_breathing",
         ),
         "integrators": (
+            "DEFAULT_SETTINGS",
             "EULER_STEP",
             "SimulationSettings",
         ),

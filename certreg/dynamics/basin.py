@@ -9,7 +9,7 @@ import numpy as np
 
 from certreg.equilibrium import unit_entries
 from certreg.errors import DegenerateProblemError
-from certreg.native import BASIN, named
+from certreg.native import BASIN, record_of
 from certreg.results import Brief
 
 if TYPE_CHECKING:
@@ -62,7 +62,7 @@ def certified_basin(objective: Isotropic, length_exponent: int) -> Basin:
     optima, gaps = objective.classification.pattern[0], basin_gaps(objective, length_exponent)
     vectors = [entry for v in objective.eigenvectors for entry in unit_entries(v)]
     numbers = [*vectors, *[0.0] * optima, *gaps]
-    return Basin(record=named(numbers, BASIN))
+    return Basin(record=record_of(numbers, BASIN))
 
 
 def basin_gaps(objective: Isotropic, length_exponent: int) -> list[float]:
@@ -74,7 +74,7 @@ def basin_gaps(objective: Isotropic, length_exponent: int) -> list[float]:
     places = objective.shift - spaces.bits + exponents
     up, over = max(places, 0), moments.mass**2 << max(-places, 0)
     gaps = [(drop << up) / over for drop in objective.eigenvalue_drops[optima:]]
-    if any(gap < SMALLEST_BARRIER for gap in gaps):
+    if min(gaps, default=1.0) < SMALLEST_BARRIER:
         message = (
             "not every pose is optimal, but by less than double precision can tell: the clouds "
             "differ so much in size, or are so nearly uncorrelated, that springs hardly turn the "

@@ -22,7 +22,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from certreg.errors import DegenerateProblemError
-from certreg.native import BODY, ENERGIES, MATRIX_STATE, current_engine, named, plain, symmetric
+from certreg.native import (
+    BODY,
+    ENERGIES,
+    MATRIX_STATE,
+    current_engine,
+    named,
+    plain,
+    record_of,
+    symmetric,
+)
 from certreg.problem import trace
 from certreg.results import Brief
 
@@ -122,7 +131,7 @@ def body_of(moments: ExactMoments, damping: float, *, length_exponent: int | Non
     places = 2 * (moments.source_exponent - core.length_exponent)
     inverse = _inverse(moments.inertia, places, moments.mass**2)
     numbers = [*core.cross, *core.inertia, *inverse, core.spread, damping]
-    return Body(record=named(numbers, BODY), length_exponent=core.length_exponent)
+    return Body(record=record_of(numbers, BODY), length_exponent=core.length_exponent)
 
 
 def _inverse(inertia: Matrix3[int], places: int, over: int) -> list[float]:

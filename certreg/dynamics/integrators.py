@@ -23,8 +23,8 @@ from certreg.native import (
     Integrator,
     Rules,
     current_engine,
-    named,
     plain,
+    record_of,
     symmetric,
 )
 from certreg.problem import DEFAULT_DAMPING
@@ -134,7 +134,7 @@ def step_parameters(
     if len(bodies) == 1:  # plain floats, which NumPy takes ten times as long for
         _, _, stiffest = _ratios_of_one(bodies, basins)
         own = _own_step(integrator, stiffest, bodies["damping"].item(0), settings.step, _FLOATS)
-        return named([[float(number) for number in own]], integrator.step)
+        return record_of(own, integrator.step, (1,))
     _, _, stiffest = spring_ratios(bodies, basins).T
     own = _own_step(integrator, stiffest, bodies["damping"], settings.step, np)
     for part, numbers in zip(integrator.step.names or (), own, strict=True):

@@ -11,6 +11,7 @@ saddle is noticed from the curvature, perturbed along the direction of escape, a
 from __future__ import annotations
 
 import math
+from array import array
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -41,6 +42,7 @@ from certreg.native import (
     Log,
     named,
     plain,
+    record_of,
 )
 
 if TYPE_CHECKING:
@@ -89,8 +91,8 @@ def simulate(
     bodies, basins = moving.record[np.newaxis], basin.record[np.newaxis]
     batch = Batch.single(
         integrator,
-        body=moving.record,
-        basin=basin.record,
+        bodies=bodies,
+        basins=basins,
         steps=step_parameters(integrator, bodies, basins, settings),
         start=(
             _released(objective.moments, moving, integrator)
@@ -114,8 +116,7 @@ def require_dynamics(objective: Isotropic) -> None:
 
 def _overflows(moving: Body, batch: Batch) -> bool:
     """Whether the energy of the last state of a body is beyond the doubles."""
-    numbers: list[float] = plain(batch.states)[0].tolist()
-    if all(-MODEST < number < MODEST for number in numbers):
+    if all(-MODEST < number < MODEST for number in array("d", batch.states.tobytes())):
         return False
     with np.errstate(over="ignore", invalid="ignore"):
         end = moving.energies(plain(with_matrices(batch.states, batch.integrator))[0])
@@ -152,7 +153,7 @@ def _released(moments: ExactMoments, moving: Body, integrator: Integrator) -> Re
     """The start of [Yang2020] as the integrator keeps it, (1,): see `start_at_rest`."""
     turn = NO_TURN if integrator is Integrator.EULER else NO_TURN_QUATERNION
     numbers = [*centres_apart(moments, moving.length_exponent), *turn, *[0.0] * 6]
-    return named([numbers], integrator.state)
+    return record_of(numbers, integrator.state, (1,))
 
 
 def _stepped(state: NDArray[np.float64], integrator: Integrator) -> Records:

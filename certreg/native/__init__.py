@@ -55,6 +55,7 @@ if TYPE_CHECKING:
     from certreg.native.layout import named as named
     from certreg.native.layout import parts_of as parts_of
     from certreg.native.layout import plain as plain
+    from certreg.native.layout import record_of as record_of
     from certreg.native.layout import symmetric as symmetric
     from certreg.native.layout import width as width
     from certreg.native.library import FixedSums as FixedSums
@@ -146,6 +147,7 @@ __getattr__ = lazy_face(
             "named",
             "parts_of",
             "plain",
+            "record_of",
             "symmetric",
             "width",
         ),

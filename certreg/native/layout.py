@@ -8,6 +8,7 @@ triangle is kept: 11 12 13 22 23 33.
 from __future__ import annotations
 
 import json
+from array import array
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
@@ -69,6 +70,14 @@ def named(numbers: Any, record: RecordType) -> Records:
     if doubles.shape[-1:] != (width(record),):
         raise ValueError(f"numbers of shape {doubles.shape}: expected (..., {width(record)})")
     return doubles.view(record)[..., 0]
+
+
+def record_of(numbers: Sequence[float], record: RecordType, shape: tuple[int, ...] = ()) -> Records:
+    """One record, of this shape, of so many numbers: a list is read faster here than by NumPy."""
+    doubles = array("d", numbers)
+    if len(doubles) != width(record):
+        raise ValueError(f"{len(doubles)} numbers: expected {width(record)}")
+    return np.ndarray(shape, record, doubles)
 
 
 def plain(records: NDArray[Any]) -> NDArray[np.float64]:

@@ -175,16 +175,16 @@ class Batch:
         cls,
         integrator: Integrator,
         *,
-        body: Records,
-        basin: Records,
+        bodies: Records,
+        basins: Records,
         steps: Records,
         start: Records,
     ) -> Batch:
-        """A batch of one, not copied: records () and, of steps and start, (1,)."""
+        """A batch of one, not copied: records (1,)."""
         return cls(
             integrator=integrator,
-            bodies=body[np.newaxis],
-            basins=basin[np.newaxis],
+            bodies=bodies,
+            basins=basins,
             steps=steps,
             states=start,
             taken=np.zeros(1, dtype=np.int64),

@@ -298,6 +298,9 @@ class Isotropic(Brief):
     def _spaces_at(self, bits: int) -> tuple[Space, ...]:
         values, vectors = self._eigenbasis(bits)
         shape = self.classification
+        if shape.finite:
+            alone = zip(values, vectors, strict=True)
+            return tuple([Space(values=(value,), vectors=(v,)) for value, v in alone])
         groups = [slice(s, s + m) for s, m in zip(shape.indices, shape.pattern, strict=True)]
         return tuple([Space(values=values[g], vectors=vectors[g]) for g in groups])
 

@@ -18,7 +18,7 @@ from certreg.certificate import (
     produce_similarity,
     require_accepted,
 )
-from certreg.dynamics import SimulationSettings, Trajectory, optimal_damping
+from certreg.dynamics import DEFAULT_SETTINGS, SimulationSettings, Trajectory, optimal_damping
 from certreg.dynamics import simulate as run
 from certreg.errors import (
     DegenerateProblemError,
@@ -211,7 +211,7 @@ def solve(  # noqa: PLR0913 - as above
         relaxed = NO_SCALE_THERE if problem.scaled else _relaxation(objective, relaxation)
         done("relaxation")
     if integrator is not None:
-        settings = settings or SimulationSettings()
+        settings = settings or DEFAULT_SETTINGS
         trajectory = _simulation(objective, problem, integrator, settings)
         done("simulation")
     about = {**(about or {}), "damping": problem.damping, "integrator": integrator}
@@ -302,7 +302,7 @@ def _simulation(
 
 
 def _with_step(settings: SimulationSettings | None, step: float | None) -> SimulationSettings:
-    settings = settings or SimulationSettings()
+    settings = settings or DEFAULT_SETTINGS
     return settings if step is None else replace(settings, step=step)
 
 

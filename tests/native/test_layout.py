@@ -22,6 +22,7 @@ from certreg.native.layout import (
     QUATERNION_STATE,
     named,
     plain,
+    record_of,
     record_types,
     symmetric,
     width,
@@ -205,6 +206,18 @@ def test_generated_functions_read_and_write_the_parts_by_these_names(seed):
     assert energies["rotation"] == pytest.approx(omega @ symmetric(body["inertia"]) @ omega / 2.0)
     assert energies["alignment"] == pytest.approx(alignment)
     assert energies["potential"] == pytest.approx(c @ c + body["spread"] - 2.0 * alignment)
+
+
+@pytest.mark.parametrize("shape", [(), (1,)])
+def test_one_record_of_a_list_is_that_of_an_array(shape):
+    numbers = [0.1 * k for k in range(width(BODY))]
+    record = record_of(numbers, BODY, shape)
+
+    assert (record.shape, record.dtype, record.flags.writeable) == (shape, BODY, True)
+    assert record.tobytes() == named(numbers, BODY).tobytes()
+    for count in (0, len(numbers) - 1, len(numbers) + 1):
+        with pytest.raises(ValueError, match=f"^{count} numbers: expected {len(numbers)}$"):
+            record_of([1.0] * count, BODY, shape)
 
 
 def test_records_and_doubles_are_two_views_of_one_memory():
