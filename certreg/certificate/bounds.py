@@ -32,6 +32,7 @@ if TYPE_CHECKING:
 
 NO_ANGLE = Absent("the optimum is not unique: no angle to 'the' optimum exists")
 NOT_CLAIMED = Absent("the certificate bounds no angle, though the optimum is unique")
+NOTHING = Fraction(0)
 NO_RANGE = Absent("every rotation fits equally: the range of energies is zero")
 
 
@@ -147,10 +148,10 @@ def pose_bounds(
     energy = pose_energy(objective, pose, shifted) if energy is None else energy
     above, range_squared = energy - objective.energy(body.quaternion), objective.least_range_squared
     flat = not range_squared  # then the certified rotation has the minimum itself
-    slack = Fraction(0) if objective.scaling is None else objective.scaling.slack
+    least = above if objective.scaling is None else above - objective.scaling.slack
     return PoseBounds(
-        least_gap=max(Fraction(0), above - slack),
-        greatest_gap=max(Fraction(0), above if flat else above + body.gap),
+        least_gap=max(NOTHING, least),
+        greatest_gap=max(NOTHING, above if flat else above + body.gap),
         angle_upper=_angle_upper(body, pose.quaternion),
         least_range_squared=range_squared,
         shift_upper=root_above(shifted / objective.moments.total_weight),

@@ -179,7 +179,7 @@ def _alone(
     certificate = produce(problem, objective)
     if certificate is not None:
         require_accepted(check_own(certificate, problem))
-    q, pose = objective.quaternions[0], np.eye(4)
+    q, pose = objective.optimum, np.eye(4)
     pose[:3, :3] = rotation_double(q)
     pose[:3, 3] = [nearest_or_zero(entry) for entry in objective.best_translation(q)]
     return certificate, pose

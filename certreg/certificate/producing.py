@@ -89,7 +89,7 @@ def produce(
     angle = None
     if mu.mantissa:
         angle = dyadic_above(delta.value / mu.value, BOUND_BITS)
-    classification, q = objective.classification, objective.quaternions[0]
+    classification, q = objective.classification, objective.optimum
     multiplier = None if proposal is None else proved_multiplier(objective, proposal)
     inside = state is not None and proves_basin(
         objective, state, objective.alignment(q) + delta.value - mu.value
@@ -128,7 +128,7 @@ def produce_similarity(
     The rotation is proved as without a scale, and v >= 0: the trace of K is 0, so that the largest
     eigenvalue is, and the quaternion is its own to far more digits than it is small in.
     """
-    bounds, q, shape = _optimality(objective), objective.quaternions[0], objective.classification
+    bounds, q, shape = _optimality(objective), objective.optimum, objective.classification
     v = objective.alignment(q)
     if bounds is None or (v < 0 and not scaling.symmetric):
         return None
@@ -162,7 +162,7 @@ def _radius(
         return None
     g = dyadic_below(SAFE * objective.eigenvalue_difference(0, 1), RADIUS_BITS)
     most = 16 * objective.size + g.value  # so much along the quaternion is enough
-    q = objective.quaternions[0]
+    q = objective.optimum
     if not proves_optimality(objective, q, most, most - g.value, bits=SEPARATING_BITS):
         return None
     return isotropic_radius(
@@ -274,7 +274,7 @@ def proved_multiplier(objective: Isotropic, proposal: Fraction) -> Dyadic | None
     over = math.lcm(start.denominator, first.denominator)
     least = start.numerator * (over // start.denominator)
     step = first.numerator * (over // first.denominator)
-    reached = objective.alignment(objective.quaternions[0])  # tr(R^T C): nu is above, or refused
+    reached = objective.alignment(objective.optimum)  # tr(R^T C): nu is above, or refused
     for moved in (0, *(step << STEP_GROWTH_BITS * k for k in range(STEPS))):
         nu = dyadic_above(Fraction(least + moved, over), MULTIPLIER_BITS)
         if nu.value > reached and proves_multiplier(objective, nu.value):
@@ -304,12 +304,12 @@ def multiplier_gap(objective: Isotropic, q: Sequence[int], nu: Dyadic) -> Fracti
 
 
 def _sdp_gap(objective: Isotropic, nu: Dyadic) -> Dyadic:
-    return dyadic_above(multiplier_gap(objective, objective.quaternions[0], nu), BOUND_BITS)
+    return dyadic_above(multiplier_gap(objective, objective.optimum, nu), BOUND_BITS)
 
 
 def _optimality(objective: Isotropic) -> tuple[Dyadic, Dyadic] | None:
     """The mu and delta that pass, delta as small as the residual of the quaternion allows."""
-    q, shape = objective.quaternions[0], objective.classification
+    q, shape = objective.optimum, objective.classification
     gap = objective.eigenvalue_difference(0, 1) if len(shape.pattern) > 1 else Fraction(0)
     mu = dyadic_below(gap / 2, BOUND_BITS) if shape.unique else Dyadic(mantissa=0, exponent=0)
     smallest = objective.size * power_of_two(-min(4 * objective.eigenspaces.pose_bits, LEAST_BITS))

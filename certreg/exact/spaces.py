@@ -63,7 +63,12 @@ class Resolution(Brief):
 
         A space whose turns are all within 2^-15 of a half turn counts as one of half turns.
         """
-        return tuple(self._representative(space) for space in self.spaces)
+        return (self.first, *map(self._representative, self.spaces[1:]))
+
+    @cached_property
+    def first(self) -> IntegerQuaternion:
+        """The one of the space of the largest value."""
+        return self._representative(self.spaces[0])
 
     def _representative(self, space: Space) -> IntegerQuaternion:
         vectors = space.vectors
@@ -73,7 +78,7 @@ class Resolution(Brief):
             reach = [sum(v[axis] * v[axis] for v in vectors) for axis in range(4)]
             axis = 0 if reach[0] >> (2 * self.bits - AXIS_BITS) else reach.index(max(reach))
             combined = [sum(v[axis] * v[k] for v in vectors) >> self.bits for k in range(4)]
-        norm = math.isqrt(sum(entry * entry for entry in combined))
+        norm = math.isqrt(sum([entry * entry for entry in combined]))
         half = norm >> 1
         q = [((entry << self.pose_bits) + half) // norm for entry in combined]
         sign = next(1 if entry > 0 else -1 for entry in q if entry)

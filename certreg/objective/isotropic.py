@@ -45,6 +45,8 @@ if TYPE_CHECKING:
     from certreg.objective.polynomials import PolynomialSystem
     from certreg.problem import ExactMoments, RegistrationProblem
 
+KEPT = 16  # alignments that are asked for again
+
 
 @dataclass(frozen=True)
 class Isotropic(Brief):
@@ -102,7 +104,7 @@ class Isotropic(Brief):
         squares = sum([entry * entry for row in self.davenport for entry in row])
         unit = self.moments.cross_unit
         if self.scaling is not None:
-            return self.scaling.least_range(self.alignment(self.quaternions[0]), squares * unit**2)
+            return self.scaling.least_range(self.alignment(self.optimum), squares * unit**2)
         return Fraction(4 * squares * unit.numerator**2, unit.denominator**2)
 
     @cached_property
@@ -231,13 +233,14 @@ class Isotropic(Brief):
         alignment = Fraction(
             quadratic_form(self.davenport, q) * unit.numerator, squared_norm(q) * unit.denominator
         )
-        if q in self.quaternions:  # asked for by every method, proof and page
-            self._alignments[tuple(q)] = alignment
+        if len(self._alignments) == KEPT:
+            self._alignments.clear()
+        self._alignments[tuple(q)] = alignment
         return alignment
 
     @cached_property
     def _alignments(self) -> dict[tuple[int, ...], Fraction]:
-        """Of the quaternions of the eigenspaces, once they are known."""
+        """Of the last quaternions: every method, proof and page asks for the same."""
         return {}
 
     def energy(self, q: Sequence[int]) -> Fraction:
@@ -317,6 +320,11 @@ class Isotropic(Brief):
     def quaternions(self) -> tuple[IntegerQuaternion, ...]:
         """The member of each eigenspace nearest to the identity, in integers; the optimum first."""
         return self.eigenspaces.quaternions
+
+    @property
+    def optimum(self) -> IntegerQuaternion:
+        """The first of these: the optimum, or of several the nearest to the identity."""
+        return self.eigenspaces.first
 
     @cached_property
     def eigenvectors(self) -> tuple[tuple[int, ...], ...]:

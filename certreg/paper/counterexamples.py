@@ -113,7 +113,7 @@ def _words(objective: Isotropic, *, counted: bool) -> str:
     """Uniqueness, spurious equilibria, and how far the optimum is from the paper's start."""
     shape = objective.classification
     spurious = "infinitely many" if shape.spurious is None else shape.spurious
-    w, *axis = objective.quaternions[0]
+    w, *axis = objective.optimum
     turn = math.degrees(2.0 * math.atan2(math.sqrt(squared_norm(axis)), abs(w)))
     parts = [
         f"pattern {', '.join(map(str, shape.pattern))}",

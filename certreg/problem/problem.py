@@ -6,7 +6,6 @@ problem stated in doubles is an exact rational problem.
 
 from __future__ import annotations
 
-import copy
 import hashlib
 import math
 from dataclasses import dataclass
@@ -198,9 +197,16 @@ class RegistrationProblem(Brief):
         InvalidProblemError
             For other names, and for any but the default beside general springs.
         """
-        other = copy.copy(self)
+        other = self._copied()
         other._set_model(scale, rotation_only=rotation_only)  # noqa: SLF001 - of a copy
         object.__setattr__(other, "_digest", [])
+        return other
+
+    def _copied(self) -> RegistrationProblem:
+        """The same arrays; `copy.copy` takes four times as long."""
+        other = object.__new__(RegistrationProblem)
+        for name in self.__slots__:
+            object.__setattr__(other, name, getattr(self, name))
         return other
 
     @property
@@ -231,7 +237,7 @@ class RegistrationProblem(Brief):
         InvalidProblemError
             For others.
         """
-        other = copy.copy(self)
+        other = self._copied()
         object.__setattr__(other, "damping", checked_damping(damping))
         object.__setattr__(other, "damping_given", True)
         return other

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Literal, TypedDict, cast
 
 from certreg import problem as problems  # of whose names most calls need none
@@ -141,16 +140,16 @@ def certify(  # noqa: PLR0913 - each is one question, and has its usual answer
             done=counted(progress, spring_certification.SPRING_PARTS),
         )
         return cast("Registration", found)
-    registration = certified(
+    return certified(
         stated,
         relaxation=relaxation,
         integrator=_integrator(simulation, stated) if simulation else None,
         settings=simulation if isinstance(simulation, SimulationSettings) else None,
         robustness_angle=checked_angle(robustness_angle),
         about={**named, **(about or {})},
+        limits=limits,
         done=counted(progress, PARTS + bool(relaxation) + bool(simulation)),
     )
-    return replace(registration, limits=limits)
 
 
 class _Asked(TypedDict):

@@ -143,7 +143,7 @@ class SimulatedBreathing(BreathingTrajectory, Presented):
     @property
     def best_scale(self) -> float | None:
         """That of the optimum, target over source; None where no double holds it."""
-        return nearest_double(self.objective.best_scale(self.objective.quaternions[0]))
+        return nearest_double(self.objective.best_scale(self.objective.optimum))
 
     @property
     def energies(self) -> tuple[float | Absent, ...]:

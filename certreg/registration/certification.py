@@ -76,6 +76,7 @@ def certified(  # noqa: PLR0913 - as above
     settings: SimulationSettings | None = None,
     robustness_angle: float | None = None,
     about: dict[str, Any] | None = None,
+    limits: Limits | None = None,
     done: Callable[[str], None] = logged,
     not_taken: Absent = NOT_ASKED,
 ) -> Registration:
@@ -106,7 +107,7 @@ def certified(  # noqa: PLR0913 - as above
     done("checker")
     if problem.mapped:
         solution.complete()
-    return _registration(solution, verdict, timings)
+    return _registration(solution, verdict, timings, limits or Limits())
 
 
 def simulate(
@@ -320,6 +321,7 @@ def _registration(
     solution: Solution,
     verdict: Verdict | None,
     timings: dict[str, float],
+    limits: Limits,
 ) -> Registration:
     pose, moments, certificate = solution.pose, solution.moments, solution.certificate
     objective, place = solution.objective, exact_pose(pose)
@@ -336,7 +338,7 @@ def _registration(
             if certificate is None
             else pose_bounds(objective, certificate.body, place, shifted=shifted, energy=energy)
         ),
-        limits=Limits(),
+        limits=limits,
         verdict=verdict,
         timings=timings,
         absent={

@@ -169,7 +169,7 @@ def pose_covariance(problem: RegistrationProblem, objective: Isotropic) -> PoseC
     if biased or not objective.classification.unique:
         return BIASED if biased else NOT_UNIQUE
     degrees = 3 * rows_with_weight(problem) - parameters_of(problem)
-    least = objective.energy(objective.quaternions[0])
+    least = objective.energy(objective.optimum)
     if not problem.noise_given and (degrees <= 0 or least <= 0):
         return NO_VARIANCE if degrees <= 0 else NO_RESIDUALS
     if not problem.noise_given and 2 * effective_rows(problem) < rows_with_weight(problem):
@@ -191,8 +191,8 @@ def pose_covariance(problem: RegistrationProblem, objective: Isotropic) -> PoseC
     given = TURN if problem.rotation_only else 0
     matrix, axis = _in_doubles(exact, given), unit_double(parts.axis)
     factor = nearest_double(least / degrees) if degrees > 0 else None
-    rotation = rotation_double(objective.quaternions[0])
-    best = objective.best_scale(objective.quaternions[0])
+    rotation = rotation_double(objective.optimum)
+    best = objective.best_scale(objective.optimum)
     arm = [nearest_or_zero(best * entry) for entry in objective.moments.source_centroid]
     swung = second_order(rotation @ parts.turns(), rotation @ arm, told[:TURN])
     size = float(told[PARAMETERS]) if problem.scaled else None
@@ -243,7 +243,7 @@ class _Parts:
     @classmethod
     def of(cls, objective: Isotropic, variance: Fraction) -> _Parts | None:
         """None where two eigenvalues are not told apart."""
-        q, vectors = objective.quaternions[0], objective.eigenvectors
+        q, vectors = objective.optimum, objective.eigenvectors
         drops, moments = objective.eigenvalue_drops[1:], objective.moments
         best = objective.best_scale(q)
         if min(drops) <= 0 or best <= 0:
@@ -318,7 +318,7 @@ def _swelling(objective: Isotropic, variance: Fraction) -> tuple[list[Fraction],
     """What (dt, phi, ds) a growth of the scale is, and its variance; None where it is not free."""
     if objective.scaling is None:
         return None
-    moments, q = objective.moments, objective.quaternions[0]
+    moments, q = objective.moments, objective.optimum
     unit = power_of_two(moments.source_exponent) / (moments.mass * squared_norm(q))
     shift = [-unit * dot(row, moments.source_sum) for row in rotation_matrix(q)]
     return [*shift, *[Fraction(0)] * TURN, Fraction(1)], variance / objective.scaling.source

@@ -136,7 +136,7 @@ class JudgedEnergies(Brief):
         objective = facts.registration.solution.objective
         return cls(
             objective=facts.energy,
-            optimum=objective.energy(objective.quaternions[0]),
+            optimum=objective.energy(objective.optimum),
             bounds=facts.bounds,
             rounding_cost=facts.rounding_cost,
             total_weight=objective.moments.total_weight,
@@ -230,7 +230,7 @@ def sigma_distance(facts: Findings, given: GivenPose) -> SigmaDistance | Absent:
         return FIT_WARNED
     if facts.away > LOOSE_SIGMA:
         return TURNED_FAR
-    least, half = solution.objective.energy(solution.objective.quaternions[0]), facts.away / 2
+    least, half = solution.objective.energy(solution.objective.optimum), facts.away / 2
     stretch = Fraction(half / math.sin(half)) if half else Fraction(1)
     turned = max(Fraction(0), facts.energy - facts.translation_energy - least)
     square = stretch**2 * turned + facts.translation_energy

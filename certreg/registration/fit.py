@@ -200,7 +200,7 @@ def _least(sums: FitSums) -> Fraction:
 def _at_rounding(sums: FitSums) -> bool:
     """Whether the residuals are at rounding, `FitSums.rounded` with the source at its scale."""
     objective = sums.objective
-    moments, scale = objective.moments, objective.best_scale(objective.quaternions[0])
+    moments, scale = objective.moments, objective.best_scale(objective.optimum)
     here, there = squared_norm(moments.source_sum), squared_norm(moments.target_sum)
     offset = scale**2 * here * power_of_two(2 * moments.source_exponent)
     offset += there * power_of_two(2 * moments.target_exponent)
@@ -274,7 +274,7 @@ def _chi2(
 def _scaled_source(sums: FitSums) -> Fraction:
     """s^2 Sxx at the best scale."""
     objective = sums.objective
-    return objective.best_scale(objective.quaternions[0]) ** 2 * sums.source
+    return objective.best_scale(objective.optimum) ** 2 * sums.source
 
 
 def _double(value: Fraction) -> float | Absent:

@@ -144,7 +144,7 @@ class FitSums:
     @cached_property
     def alignment(self) -> Fraction:
         """tr(R^T C) at the optimum."""
-        return self.objective.alignment(self.objective.quaternions[0])
+        return self.objective.alignment(self.objective.optimum)
 
     @cached_property
     def energy(self) -> Fraction:

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 def optimal_pose(objective: Isotropic) -> Pose | Similarity:
     """The representative of the optimal component, every number rounded once."""
-    return pose_at(objective, objective.quaternions[0])
+    return pose_at(objective, objective.optimum)
 
 
 def pose_at(objective: Isotropic, q: IntegerQuaternion) -> Pose | Similarity:

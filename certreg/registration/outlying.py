@@ -122,7 +122,7 @@ def _row_fit(
         for one in counts:
             one.add(rows.start, points, frame)
     count = min(counts, key=lambda one: one.far_rows)
-    least = frame.energy(objective.energy(objective.quaternions[0]))
+    least = frame.energy(objective.energy(objective.optimum))
     median = _median(sample.distances(frame.optimum))
     return RowFit(
         rows=count.rows,
@@ -169,7 +169,7 @@ class _Frame:
             for mean in (moments.source_centroid, moments.target_centroid)
         )
         weight = _exponent(moments.total_weight / moments.n)
-        rotation = rotation_double(objective.quaternions[0])
+        rotation = rotation_double(objective.optimum)
         return cls(
             length=length,
             weight=weight,

@@ -83,7 +83,7 @@ def gap_parts(objective: Isotropic, gap: Fraction, pose: ExactPose) -> GapParts 
     turned = objective.energy(q)  # of a symmetric scale up to the slack below the true one
     centred = objective.energy_at(q, apart, pose.scale) - shifted
     return GapParts(
-        rotation=max(Fraction(0), turned - objective.energy(objective.quaternions[0])) + gap,
+        rotation=max(Fraction(0), turned - objective.energy(objective.optimum)) + gap,
         scale=max(Fraction(0), centred - turned),
         translation=shifted,
     )
@@ -164,7 +164,7 @@ def unit_of(registration: Registration) -> str | None:
     scaling = objective.scaling
     if scaling is None or not scaling.target:
         return None
-    alignment = objective.alignment(objective.quaternions[0])
+    alignment = objective.alignment(objective.optimum)
     explained = alignment**2 / (scaling.source * scaling.target)
     degrees = 3 * independent_rows(problem) - (TURNS if problem.rotation_only else MOTIONS) - 1
     return unit_words(alignment / scaling.source, explained, degrees)

@@ -6,6 +6,7 @@ import math
 from dataclasses import replace
 from decimal import Decimal
 from fractions import Fraction
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import brackets
@@ -226,8 +227,8 @@ def test_the_checkers_degrees_are_no_fewer_than_its_radians(registration: Regist
         least = Fraction(degrees) * (1 + Fraction(1, 10**9))
         radians = brackets.ball(least) * flint.arb.pi() / 180
         angle = Fraction(Decimal(radians.str(40, radius=False)))
-    worth = replace(WORTH, angle=angle)
-    words = list(statement._words(worth, [1, 1, 1, 1], solid=True, equal=True))
+    weigh = partial(replace, WORTH, angle=angle)
+    words = list(statement._words(weigh, [1, 1, 1, 1], solid=True, equal=True))
     (told,) = [line for line in words if line.startswith("Every global optimum is within ")]
 
     assert Fraction(Decimal(told.split()[5])) >= least
