@@ -69,7 +69,7 @@ class ConsensusRegistration(Saved):
         The witness, the rows that it meets and their labels.
     fit
         The least squares over these rows, a registration with its own proof; of general springs a
-        `SpringRegistration`.
+        `SpringRegistration`. Its row k is `inliers[k]`, and is called so in words.
     certificate
         Of kind "consensus", of a free scale "consensus-similarity", the proof of the fit inside;
         the checker has accepted it.
