@@ -51,7 +51,9 @@ def _differences(statement: Statement, clouds: Clouds) -> Iterator[str]:
     n, given = statement.n, len(clouds.source) // 3
     if given != n:
         yield f"the certificate is about {n} pairs, given are {given}"
-    numbers: array[float] = clouds.weights or array("d")
+    if clouds.weights is None:
+        return
+    numbers = clouds.weights
     theirs: dict[str, Sequence[float]] = {}
     if len(numbers) != sum(map(len, own.values())):
         has = "a spring for each pair, none is" if "spring" in own else "no springs, some are"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from array import array
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,6 +12,7 @@ from commands import write_csv
 
 import certreg
 from certreg.errors import InvalidProblemError
+from certreg.verify import Clouds
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -200,6 +202,13 @@ def test_a_report_is_made_beside_the_same_clouds_alone(folder: Path):
     refused = run(*asked, *given, "0.06", "--out", folder / "r.html")
     assert refused.code == 1
     assert OTHER_BOUND.strip() in refused.err
+
+
+def test_of_clouds_without_numbers_of_pairs_the_checker_tells_alone(folder: Path):
+    doubles = (array("d", cloud.ravel().tolist()) for cloud in (X, Y))
+    bare = Clouds(*doubles, model="--max-residual")
+    told = certreg.verify(folder / "points" / "certificate.json", bare).words
+    assert told.startswith("the certified bounds or weights are others, or not given")
 
 
 @pytest.mark.slow
