@@ -12,7 +12,9 @@ if TYPE_CHECKING:
     from certreg.registration.ambiguity import ambiguous_words as ambiguous_words
     from certreg.registration.ambiguity import narrow_words as narrow_words
     from certreg.registration.any_certification import certify as certify
+    from certreg.registration.any_registration import UNDECIDED as UNDECIDED
     from certreg.registration.any_registration import AnyRegistration as AnyRegistration
+    from certreg.registration.any_registration import Method as Method
     from certreg.registration.assessed import Assessment as Assessment
     from certreg.registration.assessment import assess as assess
     from certreg.registration.assessment import judged as judged
@@ -139,8 +141,6 @@ if TYPE_CHECKING:
     from certreg.registration.spring_result import NOT_LISTED as NOT_LISTED
     from certreg.registration.spring_result import NOT_SIMULATED as NOT_SIMULATED
     from certreg.registration.spring_result import SPRING_KINDS as SPRING_KINDS
-    from certreg.registration.spring_result import UNDECIDED as UNDECIDED
-    from certreg.registration.spring_result import Method as Method
     from certreg.registration.spring_result import SpringRegistration as SpringRegistration
     from certreg.registration.spring_result import SpringSolution as SpringSolution
     from certreg.registration.spring_rows import SpringAxes as SpringAxes
@@ -169,7 +169,7 @@ __getattr__ = lazy_face(
             "narrow_words",
         ),
         "any_certification": ("certify",),
-        "any_registration": ("AnyRegistration",),
+        "any_registration": ("UNDECIDED", "AnyRegistration", "Method"),
         "assessed": ("Assessment",),
         "assessment": (
             "assess",
@@ -329,8 +329,6 @@ __getattr__ = lazy_face(
             "NOT_LISTED",
             "NOT_SIMULATED",
             "SPRING_KINDS",
-            "UNDECIDED",
-            "Method",
             "SpringRegistration",
             "SpringSolution",
         ),

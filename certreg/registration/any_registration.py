@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import enum
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from functools import cached_property
@@ -11,7 +12,7 @@ import numpy as np
 
 from certreg.registration.robustness import NONE_PROVED, Robustness
 from certreg.registration.row_names import RowNames
-from certreg.results import Explained, Optimality, Saved, present, presenter
+from certreg.results import Absent, Explained, Optimality, Saved, present, presenter
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -24,9 +25,20 @@ if TYPE_CHECKING:
     from certreg.problem import RegistrationProblem
     from certreg.registration.covariance import PoseCovariance, Residual
     from certreg.registration.fit import Fit
-    from certreg.results import Absent, Limits, Verdict
+    from certreg.results import Limits, Verdict
 
     ResidualBlock = tuple[slice, NDArray[np.float64], NDArray[np.float64]]
+
+UNDECIDED = Absent("whether the optimum is unique is not decided")
+
+
+class Method(enum.Enum):
+    """How optimality is proved; the value is the word used in files."""
+
+    SPECTRAL = "spectral"  # eigenvalues, of one weight per pair
+    SQUARES = "sos-4"  # a sum of squares of degree four
+    CONES = "cones"  # branch and bound on cones of quaternions
+    ENERGY = "energy"  # the energy itself: no energy is negative
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

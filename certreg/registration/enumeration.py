@@ -5,21 +5,16 @@ from __future__ import annotations
 from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any, cast
 
+from certreg._loading import late
 from certreg.certificate import check_own, count_certificate, require_accepted
 from certreg.equilibrium import METHODS, EquilibriumSet, compare, search
 from certreg.errors import UndecidedError
 from certreg.objective import Isotropic
 from certreg.registration.ambiguity import equilibria_at
-from certreg.registration.breathing import scaled_equilibria
 from certreg.registration.covariance import pose_covariance
 from certreg.registration.fit import fit_of
 from certreg.registration.optimum import optimal_pose, pose_at
 from certreg.registration.parts import counted
-from certreg.registration.spring_enumeration import (
-    ListedSpringEquilibria,
-    SpringEnumeration,
-    enumerated_springs,
-)
 from certreg.results import Brief
 
 if TYPE_CHECKING:
@@ -29,8 +24,13 @@ if TYPE_CHECKING:
     from certreg.equilibrium import Comparison, Search
     from certreg.geometry import Pose, Similarity
     from certreg.problem import RegistrationProblem
+    from certreg.registration import breathing, spring_enumeration
     from certreg.registration.fit import Fit
     from certreg.registration.parts import Progress
+    from certreg.registration.spring_enumeration import SpringEnumeration
+else:  # of a free scale, and of general springs
+    breathing = late("certreg.registration.breathing")
+    spring_enumeration = late("certreg.registration.spring_enumeration")
 
 ALL = "all"  # methods
 ONLY_SPECTRAL = "with a free scale the equilibria are counted by eigenspaces alone: take 'spectral'"
@@ -105,11 +105,12 @@ def equilibria(
         Where two methods disagree.
     """
     if problem.factors is not None:
-        listed = ListedSpringEquilibria.of(enumerated_springs(problem, method, progress=progress))
+        found = spring_enumeration.enumerated_springs(problem, method, progress=progress)
+        listed = spring_enumeration.ListedSpringEquilibria.of(found)
         return cast("EquilibriumSet", listed)
     enumeration = enumerated(problem, method, progress=progress)
     if problem.scaled:
-        scaled = scaled_equilibria(enumeration.objective, enumeration.equilibria)
+        scaled = breathing.scaled_equilibria(enumeration.objective, enumeration.equilibria)
         return cast("EquilibriumSet", scaled)
     return ListedEquilibria.of(enumeration)
 
@@ -161,12 +162,12 @@ def equilibrium_poses(enumeration: Enumeration | SpringEnumeration) -> list[Pose
 
     Raises OutOfRangeError where no double can hold a translation.
     """
-    if isinstance(enumeration, SpringEnumeration):
+    if not isinstance(enumeration, Enumeration):
         return [part.pose for part in enumeration.equilibria.components]
     critical = next(each.critical for each in enumeration.searches if each.critical is not None)
     objective, kept = enumeration.objective, len(critical.components)
     if objective.scaling is not None:
-        kept = len(scaled_equilibria(objective, enumeration.equilibria).components)
+        kept = len(breathing.scaled_equilibria(objective, enumeration.equilibria).components)
     return [pose_at(objective, part.quaternion) for part in critical.components[:kept]]
 
 

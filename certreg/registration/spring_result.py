@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import enum
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
@@ -11,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from certreg.certificate import sin2_half_angle_between
 from certreg.exact import half_angle_bound
 from certreg.problem import lift
-from certreg.registration.any_registration import AnyRegistration, AnySolution
+from certreg.registration.any_registration import UNDECIDED, AnyRegistration, AnySolution, Method
 from certreg.registration.freedom import Freedom
 from certreg.registration.outlying import LISTED
 from certreg.registration.spring_covariance import FLAT, degrees_of_freedom, spring_covariance
@@ -42,18 +41,6 @@ NOT_LISTED = Absent(
 NOT_SIMULATED = Absent(
     "`certify` does not simulate the motion on general springs: `certreg simulate` does"
 )
-UNDECIDED = Absent("whether the optimum is unique is not decided")
-
-
-class Method(enum.Enum):
-    """How optimality is proved; the value is the word used in files."""
-
-    SPECTRAL = "spectral"  # eigenvalues, of one weight per pair
-    SQUARES = "sos-4"  # a sum of squares of degree four
-    CONES = "cones"  # branch and bound on cones of quaternions
-    ENERGY = "energy"  # the energy itself: no energy is negative
-
-
 METHODS = {"springs-sos": Method.SQUARES, "springs-cones": Method.CONES}
 SPRING_KINDS = tuple(METHODS)  # of certificates
 

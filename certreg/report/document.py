@@ -7,15 +7,14 @@ import math
 from fractions import Fraction
 from typing import TYPE_CHECKING, cast
 
+from certreg import registration as made  # whose results with a free scale are few
+from certreg._loading import late
+from certreg.dynamics import Trajectory
 from certreg.exact import double_above, nearest_double
 from certreg.registration import (
     Method,
-    SimulatedBreathing,
     SimulatedRegistration,
-    SpringRegistration,
-    scaled_equilibria,
 )
-from certreg.report.breathing import breathing_fields
 from certreg.report.encoding import Document, Noted, encoded
 from certreg.report.fields import (
     degrees,
@@ -28,8 +27,6 @@ from certreg.report.fields import (
     robustness_fields,
     scale_of,
 )
-from certreg.report.methods import methods_fields
-from certreg.report.spring_document import spring_fields
 from certreg.report.uncertainty import (
     uncertainty_rows,
 )
@@ -45,7 +42,13 @@ if TYPE_CHECKING:
         Enumeration,
         Registration,
         ScaledEquilibria,
+        SpringRegistration,
     )
+    from certreg.report import breathing, methods, spring_document
+else:  # of a free scale, of lists, and of general springs
+    breathing = late("certreg.report.breathing")
+    methods = late("certreg.report.methods")
+    spring_document = late("certreg.report.spring_document")
 
 RESULT_SCHEMA = "certreg-result/1"
 ASSESSMENT_SCHEMA = "certreg-assessment/1"
@@ -75,8 +78,8 @@ def result_document(
 
     notes: on how the clouds were read.
     """
-    if isinstance(registration, SpringRegistration):
-        own = spring_fields(registration)
+    if registration.problem.factors is not None:
+        own = spring_document.spring_fields(cast("SpringRegistration", registration))
     else:
         own = _fields(cast("Registration", registration))
     written: str | Absent | None = certificate_path
@@ -112,7 +115,7 @@ def _fields(registration: Registration) -> Document:
         "springs": ALIKE,
         "optimality": _optimality(registration),
         "equilibria": _scaled_equilibria(
-            scaled_equilibria(registration.solution.objective, registration.equilibria)
+            made.scaled_equilibria(registration.solution.objective, registration.equilibria)
         )
         if registration.problem.scaled
         else _equilibria(registration.equilibria),
@@ -145,7 +148,7 @@ def pose_document(registration: AnyRegistration) -> Document:
 
 def equilibria_document(enumeration: Enumeration) -> Document:
     """An equilibrium set on its own; with the searches for it, if there were several."""
-    return encoded({**_set(enumeration.equilibria), **methods_fields(enumeration)})
+    return encoded({**_set(enumeration.equilibria), **methods.methods_fields(enumeration)})
 
 
 def scaled_document(equilibria: ScaledEquilibria) -> Document:
@@ -337,8 +340,8 @@ def _simulation(registration: Registration) -> Document | Absent:
     trajectory = solution.trajectory
     if isinstance(trajectory, Absent):
         return trajectory
-    if isinstance(trajectory, SimulatedBreathing):
-        return breathing_fields(trajectory)
+    if not isinstance(trajectory, Trajectory):
+        return breathing.breathing_fields(trajectory)
     certificate = solution.certificate
     end = SimulatedRegistration(
         trajectory=trajectory,
