@@ -16,12 +16,13 @@ from commands import checked
 
 from certreg.certificate import checking, coq, verify_with_coq
 from certreg.certificate.count import AT_MOST, CountBody
-from certreg.certificate.envelope import certificate_bytes
+from certreg.certificate.envelope import KINDS, certificate_bytes
 from certreg.certificate.isotropic import RotationState
 from certreg.errors import InvalidFileError, InvalidProblemError, MissingToolError
 from certreg.problem import RegistrationProblem
 from certreg.registration import certify
 from certreg.results import Ruling
+from certreg.verify import KINDS as CHECKED
 from certreg.verify import check
 
 VECTORS = Path(__file__).parents[2] / "vectors"
@@ -29,6 +30,10 @@ VECTORS = Path(__file__).parents[2] / "vectors"
 OTHERS = re.compile("consensus|scaled|count|rotation-only|similarity|springs|truncated")
 GOOD = sorted(path for path in VECTORS.glob("accept-*.json") if not OTHERS.search(path.name))
 AXES = np.vstack([np.diag([3.0, 2.0, 1.0]), -np.diag([3.0, 2.0, 1.0])])
+
+
+def test_a_body_is_found_by_the_kind_that_it_has_itself():
+    assert {kind: find().KIND for kind, find in KINDS.items()} == {kind: kind for kind in CHECKED}
 
 
 @pytest.mark.parametrize("limit", [1, 0.5, np.float64(0.5), np.float32(0.5), Fraction(1, 2)])

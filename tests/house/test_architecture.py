@@ -210,6 +210,49 @@ def test_a_face_shows_what_its_types_say_and_no_name_of_a_module():
         assert not set(shown) & modules, module
 
 
+def late_modules(source: str) -> dict[str, str]:
+    """By the name that stands for it: each module that `late` loads when it is asked for one."""
+    return {
+        ast.unparse(node.targets[0]): ast.literal_eval(node.value.args[0])
+        for node in nodes(source)
+        if isinstance(node, ast.Assign)
+        and isinstance(node.value, ast.Call)
+        and ast.unparse(node.value.func) == "late"
+    }
+
+
+def mistyped(texts: dict[str, str]) -> list[str]:
+    """What `late` loads and the types do not say, or what is of another wing, which has a face."""
+    faults: list[str] = []
+    for module, text in texts.items():
+        typed = {
+            alias.asname or alias.name: f"{node.module}.{alias.name}"
+            for node in nodes(text)
+            if isinstance(node, ast.ImportFrom)
+            for alias in node.names
+        }
+        for name, loaded in late_modules(text).items():
+            if typed.get(name) != loaded or wing(loaded) != wing(module):
+                faults.append(f"{module} loads {loaded} as {name}")
+    return faults
+
+
+@pytest.mark.slow
+def test_a_module_that_is_loaded_late_is_the_one_that_types_say():
+    planted = sources()
+    planted["certreg.io.text"] += '\npcd = late("certreg.io.pcd")\n'
+    planted["certreg.io.noise"] += (
+        '\nfrom certreg.problem import springs\nsprings = late("certreg.problem.springs")\n'
+    )
+
+    assert mistyped(sources()) == []
+    assert mistyped(planted) == [
+        "certreg.io.noise loads certreg.problem.springs as springs",
+        "certreg.io.text loads certreg.io.pcd as pcd",
+    ]
+    assert sum(len(late_modules(text)) for text in sources().values()) > 20
+
+
 def test_few_imports_stand_within_functions():
     inner = {(one.by, one.line) for one in all_imports(sources()) if one.inner}
 
