@@ -54,15 +54,19 @@ static inline fixed difference(fixed a, fixed b) { return sum(a, signed_by(b, UI
  * factor is taken off above. */
 static inline __attribute__((always_inline)) fixed summed(const fixed *a, const fixed *b, const int count)
 {
-    unsigned __int128 column = 0, next = 0, off = 0;
+    unsigned __int128 column = 0, off = 0;
     fixed total;
+#pragma GCC unroll 8 /* all three, in half the time */
     for (int c = 2; c < 2 * WORDS - 1; c++) {
         const int k = c - WORDS + 1; /* of the result */
+        uint64_t carried = 0;
+#pragma GCC unroll 8
         for (int n = 0; n < count; n++) {
+#pragma GCC unroll 8
             for (int i = c < WORDS ? 0 : k; i < WORDS && i <= c; i++) {
                 const unsigned __int128 part = (unsigned __int128)a[n].word[i] * b[n].word[c - i];
-                column += (uint64_t)part;
-                next += (uint64_t)(part >> 64);
+                column += part;
+                carried += column < part;
             }
             if (k > 0) {
                 off += b[n].word[k - 1] & sign_of(a[n]);
@@ -74,8 +78,7 @@ static inline __attribute__((always_inline)) fixed summed(const fixed *a, const 
             total.word[k] = more - less;
             off = (off >> 64) + (more < less);
         }
-        column = next + (column >> 64);
-        next = 0;
+        column = (column >> 64) + ((unsigned __int128)carried << 64);
     }
     return total;
 }
