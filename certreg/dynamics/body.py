@@ -213,8 +213,10 @@ def _full(upper: list[float]) -> NDArray[np.float64]:
 
 def _in_doubles(entries: Iterable[int], places: int, over: int) -> list[float]:
     """The integers times 2^places, over an integer, each rounded once."""
-    up, over = max(places, 0), over << max(-places, 0)
-    return [(entry << up) / over for entry in entries]
+    if places >= 0:
+        return [(entry << places) / over for entry in entries]
+    over <<= -places
+    return [entry / over for entry in entries]
 
 
 def start_at_rest(moments: ExactMoments, length_exponent: int) -> NDArray[np.float64]:

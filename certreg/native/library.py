@@ -370,9 +370,15 @@ def _long_numbers(words: ctypes.Array[Any]) -> tuple[int, ...]:
     """The integers of the sums, each of as many words, low first."""
     if sys.byteorder == "big":
         words = type(words)(*[int.from_bytes(word.to_bytes(8, "big"), "little") for word in words])
-    count, number = width(EXACT_SUMS), int.from_bytes
-    parts = struct.unpack(f"{ctypes.sizeof(words) // count}s" * count, bytes(words))
+    number, parts = int.from_bytes, _parts(ctypes.sizeof(words)).unpack(bytes(words))
     return tuple([number(part, "little", signed=True) for part in parts])
+
+
+@cache
+def _parts(size: int) -> struct.Struct:
+    """The sums in so many bytes, each of as many."""
+    count = width(EXACT_SUMS)
+    return struct.Struct(f"{size // count}s" * count)
 
 
 def _exponents(lowest: Iterable[int]) -> tuple[int | None, ...]:
