@@ -96,7 +96,7 @@ def isotropic_radius(
         )
     )
     both, mass = source + target, moments.total_weight  # most = both r + mass r^2
-    root = rational_root_above(both**2 + 4 * mass * most)
+    root = rational_root_above(both * both + 4 * mass * most)
     return Radius(
         sin_half_angle=s,
         target=dyadic_below(most / source, RADIUS_BITS),

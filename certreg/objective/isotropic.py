@@ -329,7 +329,7 @@ class Isotropic(Brief):
     @cached_property
     def eigenvectors(self) -> tuple[tuple[int, ...], ...]:
         """Four orthogonal vectors of one length, largest eigenvalue first."""
-        return tuple(v for space in self.eigenspaces.spaces for v in space.vectors)
+        return tuple([v for space in self.eigenspaces.spaces for v in space.vectors])
 
     @cached_property
     def eigenvalues(self) -> tuple[Fraction, ...]:
@@ -341,7 +341,7 @@ class Isotropic(Brief):
     def eigenvalue_drops(self) -> tuple[int, ...]:
         """The largest eigenvalue minus that of each eigenvector, over `eigenvalue_unit`."""
         values = [v for space in self.eigenspaces.spaces for v in space.values]
-        return tuple(values[0] - value for value in values)
+        return tuple([values[0] - value for value in values])
 
     @cached_property
     def eigenvalue_unit(self) -> Fraction:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import logging
 import time
-from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any, Literal
@@ -47,7 +46,7 @@ from certreg.relaxation import relax
 from certreg.results import OUT_OF_RANGE, Absent, Limits
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Generator
+    from collections.abc import Callable
 
     from certreg.certificate import Certificate, IsotropicBody, SimilarityBody
     from certreg.registration import breathing, spring_simulation
@@ -84,23 +83,24 @@ def certified(  # noqa: PLR0913 - as above
 
     done: called with the name of each part. not_taken: why relaxation or simulation is left out.
     """
-    timings: dict[str, float] = {}
-    with _timed(timings, "compute"):
-        solution = solve(
-            problem,
-            relaxation=relaxation,
-            integrator=integrator,
-            settings=settings,
-            robustness_angle=robustness_angle,
-            about=about,
-            done=done,
-            not_taken=not_taken,
-        )
+    start = time.perf_counter()
+    solution = solve(
+        problem,
+        relaxation=relaxation,
+        integrator=integrator,
+        settings=settings,
+        robustness_angle=robustness_angle,
+        about=about,
+        done=done,
+        not_taken=not_taken,
+    )
+    solved = time.perf_counter()
+    timings = {"compute": solved - start}
     certificate = solution.certificate
     verdict = None
     if certificate is not None:
-        with _timed(timings, "check"):
-            verdict = check_own(certificate, solution.problem)
+        verdict = check_own(certificate, solution.problem)
+        timings["check"] = time.perf_counter() - solved
         require_accepted(verdict)
         if not isinstance(solution.trajectory, Absent):
             require_sound_trajectory(solution.objective, certificate.body, solution.trajectory)
@@ -348,10 +348,3 @@ def _registration(
             "bounds": NOT_CERTIFIED,
         },
     )
-
-
-@contextmanager
-def _timed(timings: dict[str, float], phase: str) -> Generator[None]:
-    start = time.perf_counter()
-    yield
-    timings[phase] = time.perf_counter() - start
