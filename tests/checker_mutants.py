@@ -994,6 +994,24 @@ CONSENSUS = mutants(
         'require(True, "rows',
     ),
     ("tilt = isqrt(", "tilt = 0 * isqrt("),
+    ("(2 * size - (D << GRID) << 2", "(size - (D << GRID) << 2"),
+    (
+        "p, q, reach = parted(rows[e], rows[i])",
+        "p, q, reach = (*parted(rows[e], rows[i])[:2], rows[i][7])",
+        "p, q, reach = (*parted(rows[e], rows[i])[:2], rows[e][7])",
+    ),
+    (
+        "a, b, reach = parted(rows[e], rows[f])",
+        "a, b, reach = (*parted(rows[e], rows[f])[:2], rows[e][7])",
+        "a, b, reach = (*parted(rows[e], rows[f])[:2], rows[f][7])",
+    ),
+    ("self.K - 3) > self.K - 3", "self.K - 3) > self.K - 2"),
+    ("self._no_turn(met[0], met[1], beside)", "self._no_turn(met[0], met[1], alive)"),
+    (
+        "has_clique(self.near, beside, sets, room",
+        "has_clique(self.near, alive, sets, room",
+        "has_clique(self.near, beside & ~union, sets, room",
+    ),
     (
         "(2 * size - (D << GRID) << 2",
         "(size - (D << GRID) << 2",
@@ -1438,6 +1456,27 @@ CONSENSUS = mutants(
     ("MemoryError, RecursionError) as", "MemoryError) as"),
 )
 SCALED = mutants(
+    (
+        "p, q, d = parted(row, other)",
+        "p, q, d = (*parted(row, other)[:2], row[7])",
+        "p, q, d = (*parted(row, other)[:2], other[7])",
+    ),
+    (
+        "near,\n                K,\n                lambda near, alive, k, a=low",
+        "near,\n                K - 1,\n                lambda near, alive, k, a=low",
+        "near,\n                K + 1,\n                lambda near, alive, k, a=low",
+    ),
+    (
+        "rows, near, alive, k, looks, low=a, high=b",
+        "rows, near, alive, k - 1, looks, low=a, high=b",
+        "rows, near, alive, k + 1, looks, low=a, high=b",
+    ),
+    ("0, self.K - 1 - len(met)", "0, self.K - len(met)"),
+    ("others - room - 1)", "others - room - 2)"),
+    ("bound += w * row[7] ** 2", "bound += w * row[7] ** 2 * (row is not rows[0])"),
+    ("first = bisect_left(squares, 0", "first = -1 + bisect_left(squares, 0"),
+    ("graphs(rows, highs), parts", "graphs(rows, highs[1:]), parts"),
+    ("zip([0, *highs], [*highs, None])", "zip([*highs, None], [*highs, None])"),
     ("return G > 0 and 4 * d * d * B < G * G", "return 4 * d * d * B < G * G", "return G > 0"),
     ("4 * d * d * B < G * G", "4 * d * d * B <= G * G", "2 * d * d * B < G * G"),
     ("G = A - B - d * d", "G = A - B + d * d", "G = A - B"),

@@ -109,6 +109,7 @@ def piece_cases() -> Iterator[Case]:
             return repr((thin.refuted(rows, [1, 1]), thin.rigid))
 
         yield Case(f"refuted from {low} to {high}", ask, rf"\({answer}, False\)$")
+    yield from counted_cases()
     none = document_of("-without-stages")
     for upper, answer in (
         (8, "VERIFIED"),
@@ -120,6 +121,26 @@ def piece_cases() -> Iterator[Case]:
     found = some | {"claims": some["claims"] | {"states": "-??=?"}}
     told = r"VERIFIED.*from 1\.75 to 2\.\nNot proved: .* from 2\.25 on\.\nWith any other"
     yield Case("two ranges that are open", outcome_of(found), told)
+
+
+def counted_cases() -> Iterator[Case]:
+    """A row that is lifted off a line, at the scale 1; a group of two of the four others, told twice.
+
+    1 + (2 - 1) + 2 colours < K = 5; for K = 4 three go together without the group.
+    """
+    rows = [[0, 0, 0, 0, 30, 0, 1, 10]]
+    rows += [[k, 0, 0, k, 0, 0, 1, 10] for k in (-900, 900, -800, 800)]
+    near = [31 & ~(1 << i) for i in range(5)]
+    for K, answer in ((5, "0$"), (4, "REFUSED: row 0 is not struck$")):
+
+        def ask(checker: Any, K: int = K) -> str:
+            thin = checker.ScaledThinning(rows, [*near], 31, K, [999], low=1, high=1)
+            try:
+                return repr(thin.after([[0, *[[[1, 2], [2, 1, 1]]] * 2]]))
+            except checker.RefusalError as error:
+                return f"REFUSED: {error}"
+
+        yield Case(f"a group at a scale, K = {K}", ask, answer)
 
 
 def graph_cases() -> Iterator[Case]:
