@@ -8,8 +8,9 @@ of a bound.
 from __future__ import annotations
 
 import heapq
+import logging
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
@@ -37,8 +38,9 @@ from certreg.certificate.scaled_consensus import (
     ranges,
 )
 from certreg.certificate.scaled_pairs import ScaledPairs
-from certreg.certificate.staging import Stager
+from certreg.certificate.staging import MOST, Stager, length_of
 from certreg.certificate.thinning import Graph
+from certreg.errors import UndecidedError
 from certreg.exact import Dyadic, dyadic_above, dyadic_below
 from certreg.geometry import davenport_matrix
 from certreg.native import mask_of, rows_of
@@ -51,7 +53,12 @@ if TYPE_CHECKING:
     from certreg.native import Neighbours
     from certreg.problem import ConsensusProblem
 
-MOST_PIECES = 400  # that are thinned, at effort 1
+LOG = logging.getLogger(__name__)
+TOLD = "%d ranges of scales, %d of them still open; proving on ..."
+MOST_PIECES = 400  # that are kept, at effort 1
+# At effort 1, at once: where labels are proved, two or three; where pairs agree by chance, they are
+# ever more, and cutting on tells nothing of labels. Few while another witness may replace this one.
+MOST_OPEN, FEW_OPEN = 16, 4
 MOST_BITS = 1 << 30  # of the graphs of all pieces, as in the checker
 NARROW = 1.0 / 16.0  # of the least bound: what the ends of a piece that is not cut differ by
 FACTOR_BITS = 60  # of the scale of a witness: its rounding is far below that of its points
@@ -80,6 +87,11 @@ class _Thinned:
     stages: list[Stage]
     left: int
     stager: Stager
+
+    @property
+    def length(self) -> int:
+        """Of its stages in a certificate."""
+        return length_of(self.stages)
 
     def state(self, within: int) -> str:
         if self.left.bit_count() < within.bit_count():
@@ -120,11 +132,16 @@ class ScaledProver:
             return None
         n, within = self.problem.n, mask_of(met)
         upper, sure, union, pieces = len(met), (1 << n) - 1, 0, list[Piece]()
-        for part in self._parts(met, witness.factor.value):
-            state, own = part.state(within), within
+        parts = self._parts(met, witness.factor.value, MOST_OPEN if whole else FEW_OPEN)
+        spare = max(MOST - sum(part.length for part in parts), 0)
+        for part in parts:
+            state, own, length = part.state(within), within, part.length
             if state == OPEN:
-                upper = max(upper, part.stager.upper(part.stages, part.left, whole=whole))
-                own = part.stager.inliers(part.stages, part.left) if whole else 0
+                LOG.info("ranges of scales left open are looked at one by one ...")
+                stager = replace(part.stager, most=length + spare)
+                upper = max(upper, stager.upper(part.stages, part.left, whole=whole))
+                own = stager.inliers(part.stages, part.left) if whole else 0
+                spare = max(spare - (part.length - length), 0)
             if state != NONE:
                 sure, union = sure & own, union | part.left
             end = None if part.scales.high is None else _dyadic(part.scales.high)
@@ -132,31 +149,42 @@ class ScaledProver:
         labels = labels_of(n, sure, union)
         return ScaledConsensus(witness, tuple(met), (), labels, upper, tuple(pieces))
 
-    def _parts(self, met: list[int], scale: Fraction) -> list[_Thinned]:
-        """Of all scales, in order: the widest of those that are open is cut, again and again."""
+    def _parts(self, met: list[int], scale: Fraction, most_open: int) -> list[_Thinned]:
+        """Of all scales, in order: the widest of those that are open is cut, again and again.
+
+        Until so many are open at once that cutting will not end, or the certificate is full.
+        """
         within = mask_of(met)
         near = dyadic_below(scale, END_BITS).value
         ends = [near / 2, near * 2]
         found: list[_Thinned] = []
-        queue: list[tuple[float, int, _Thinned]] = []
-        tried = 0
+        queue: list[tuple[float, Fraction, _Thinned]] = []
 
-        def add(scales: ScaleRange) -> None:
-            nonlocal tried
-            part = self._thinned(scales, met)
-            tried += 1
-            if part.state(within) == OPEN and (width := self._width(scales)) > 0.0:
-                heapq.heappush(queue, (-width, tried, part))
+        def add(part: _Thinned) -> None:
+            width = self._width(part.scales) if part.state(within) == OPEN else 0.0
+            if width > 0.0:
+                heapq.heappush(queue, (-width, part.scales.low, part))
             else:
                 found.append(part)
 
         for low, high in zip([Fraction(0), *ends], [*ends, None], strict=True):
-            add(ScaleRange(low, high))
-        while queue and len(found) + len(queue) < self._most:
+            add(self._thinned(ScaleRange(low, high), met))
+        held = sum(part.length for part in found) + sum(part.length for _, _, part in queue)
+        most_open = max(1, round(most_open * self._effort))
+        while queue and len(queue) <= most_open and len(found) + len(queue) < self._most:
             part = heapq.heappop(queue)[2]
-            middle = _middle(part.scales)
-            add(ScaleRange(part.scales.low, middle))
-            add(ScaleRange(middle, part.scales.high))
+            middle, ends = _middle(part.scales), part.scales
+            halves = [
+                self._thinned(ScaleRange(*range_), met)
+                for range_ in ((ends.low, middle), (middle, ends.high))
+            ]
+            held += sum(half.length for half in halves) - part.length
+            if held > MOST * 3 // 4:  # the rest is for what follows from the first stages
+                found.append(part)
+                break
+            for half in halves:
+                add(half)
+            LOG.info(TOLD, len(found) + len(queue), len(queue))
         found += [part for _, _, part in queue]
         return sorted(found, key=lambda part: part.scales.low)
 
@@ -226,7 +254,16 @@ def scaled_consensus_certificate(
     fit: Certificate[SimilarityBody] | None,
     about: dict[str, Any] | None = None,
 ) -> Certificate[ConsensusSimilarityBody]:
-    """The certificate; fit: of the least squares over the rows that the witness meets."""
+    """The certificate; fit: of the least squares over the rows that the witness meets.
+
+    Raises UndecidedError where it would be too long.
+    """
+    if sum(length_of(piece.stages) for piece in found.pieces) > MOST:
+        message = (
+            f"the proof of {problem.n} pairs with a free scale is longer than a certificate may "
+            "be: give fewer of them, the surest ones"
+        )
+        raise UndecidedError(message)
     low, high, reach = _bounded(problem, found, fit)
     body = ConsensusSimilarityBody(
         witness=found.witness,

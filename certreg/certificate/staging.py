@@ -31,11 +31,13 @@ class Stager:
 
     whole: False: no two rows are struck together where more are open than are met. That takes
     seconds of hundreds of rows, and decides little of a witness that another one will replace.
+    most: of the length of all stages.
     """
 
     graph: Graph
     met: Sequence[int]
     whole: bool = True
+    most: int = MOST
 
     def first(
         self, stages: list[Stage], alive: int, clique: int | None = None
@@ -64,8 +66,7 @@ class Stager:
         All of them where that would make the certificate too long.
         """
         thinning = self._thinned(alive, least, clique)
-        held = [strike for stage in stages for strike in stage.strikes]
-        if sum(map(_length, [*held, *thinning.strikes])) > MOST:
+        if length_of(stages) + sum(map(_length, thinning.strikes)) > self.most:
             return alive
         if thinning.alive.bit_count() < least:
             strikes = tuple(thinning.strikes)
@@ -111,6 +112,11 @@ class Stager:
             left = self.stage(stages, first & others, len(met), within & others, row)
             sure |= (left.bit_count() < len(met)) << row
         return sure
+
+
+def length_of(stages: Sequence[Stage]) -> int:
+    """Of stages in a file: their commas and brackets, or a few more."""
+    return sum(_length(strike) for stage in stages for strike in stage.strikes)
 
 
 def _length(strike: Strike) -> int:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import logging
+import math
 import re
 import sys
 import time
@@ -28,7 +29,9 @@ if TYPE_CHECKING:
 
 
 SEARCH = "certreg.registration.consensus"  # the logger that tells what was found
+PROOF = "certreg.certificate.producing_scaled"  # that tells how far a proof is, again and again
 PATIENCE = 1.0  # seconds before anything is said
+AGAIN = 5.0  # seconds between two words of a proof
 
 
 def consensus_options(command: Callable[..., Any]) -> Callable[..., Any]:
@@ -180,9 +183,13 @@ class _Patient(logging.Handler):
     def __init__(self) -> None:
         super().__init__(logging.INFO)
         self._begun = time.monotonic()
+        self._said = -math.inf
 
     def emit(self, record: logging.LogRecord) -> None:
-        if time.monotonic() - self._begun > PATIENCE:
+        now = time.monotonic()
+        often = record.name == PROOF and now - self._said < AGAIN
+        if now - self._begun > PATIENCE and not often:
+            self._said = now
             click.echo(record.getMessage(), err=True)
 
 
@@ -192,12 +199,14 @@ def _told_on_terminal() -> Generator[None]:
     if not sys.stderr.isatty():
         yield
         return
-    log, handler = logging.getLogger(SEARCH), _Patient()
-    level = log.level
-    log.addHandler(handler)
-    log.setLevel(logging.INFO)
+    handler = _Patient()
+    logs = {log: log.level for log in map(logging.getLogger, (SEARCH, PROOF))}
+    for log in logs:
+        log.addHandler(handler)
+        log.setLevel(logging.INFO)
     try:
         yield
     finally:
-        log.removeHandler(handler)
-        log.setLevel(level)
+        for log, level in logs.items():
+            log.removeHandler(handler)
+            log.setLevel(level)

@@ -128,3 +128,26 @@ def test_the_log_tells_it_too(monkeypatch):
     points = np.random.default_rng(0).uniform(size=(8, 3))
     certreg.certify(points, points, max_residual=0.1)
     assert told[-1] == TOLD
+
+
+def test_how_far_a_proof_is_is_said_now_and_then(monkeypatch, capsys):
+    monkeypatch.setattr(wrong_pairs, "PATIENCE", -1.0)
+    handler, words = wrong_pairs._Patient(), ["3 ranges", "5 ranges", "found"]
+    names = (wrong_pairs.PROOF, wrong_pairs.PROOF, wrong_pairs.SEARCH)
+    for text, name in zip(words, names, strict=True):
+        handler.emit(logging.LogRecord(name, logging.INFO, "", 0, text, (), None))
+
+    assert capsys.readouterr().err == "3 ranges\nfound\n"
+    monkeypatch.setattr(wrong_pairs, "AGAIN", 0.0)
+    handler.emit(logging.LogRecord(wrong_pairs.PROOF, logging.INFO, "", 0, "7 ranges", (), None))
+    assert capsys.readouterr().err == "7 ranges\n"
+
+
+def test_a_proof_of_a_free_scale_says_how_many_ranges_are_open(monkeypatch):
+    told: list[str] = []
+    log = logging.getLogger(wrong_pairs.PROOF)
+    monkeypatch.setattr(log, "info", lambda words, *numbers: told.append(words % numbers))
+    points = np.random.default_rng(0).uniform(-1.0, 1.0, (2, 14, 3))
+    certreg.certify(*points, max_residual=0.06, scale="asymmetric")
+
+    assert any(words.endswith("still open; proving on ...") for words in told)
