@@ -25,9 +25,9 @@ def nothing_met(problem: ConsensusProblem, motion: str) -> str:
             "be wrong; if right ones may be farther off, give wider bounds, else more --effort"
         )
     return (
-        f"no {motion} brings {LEAST_PAIRS} pairs within their bounds: no three keep their "
+        f"no {motion} brings {LEAST_PAIRS} pairs within their bounds: no three of them keep their "
         "distances from each other. All may be wrong; if one cloud is in another unit, give "
-        "--scale asymmetric; if right pairs may be farther off, wider bounds"
+        "--scale asymmetric; if right pairs may be farther off, give wider bounds"
     )
 
 
@@ -43,6 +43,6 @@ def nothing_turned(problem: TruncatedProblem) -> str:
     return (
         "no rotation brings a pair within its bound: the two points of each are at distances from "
         f"the origin that differ by {at_least(float(apart.min()))} or more. If a translation "
-        "is to be found, leave --rotation-only and --objective truncated out; if the clouds differ "
+        "is to be found, leave out --rotation-only and --objective truncated; if the clouds differ "
         "in scale, bring them to one unit; if right pairs may be that far off, give wider bounds"
     )

@@ -134,7 +134,7 @@ class TruncatedRegistration(Saved):
     @property
     def headline(self) -> str:
         """What is proved, in words."""
-        out = self.labels.count("outlier")
+        out, within = self.labels.count("outlier"), self._within.capitalize()
         if self.gap is None:
             return f"NOT PROVED: a rotation of truncated cost {self.cost:.6g} was found."
         if not self.certified:
@@ -142,7 +142,7 @@ class TruncatedRegistration(Saved):
             told = f" ({self.names.counted(rows[:NAMED_ROWS], len(rows))})" if rows else ""
             return (
                 f"PARTLY PROVED: the truncated cost {self.cost:.6g} is less than "
-                f"{at_most(self.gap, 2)} above the least. {self._within} at every optimum, {out} "
+                f"{at_most(self.gap, 2)} above the least. {within} at every optimum, {out} "
                 f"at none; {len(rows)} undecided{told}."
             )
         others = f". {others_words(out)} at EVERY optimum." if out else ": no outliers."
@@ -155,7 +155,7 @@ class TruncatedRegistration(Saved):
             )
         return (
             f"CERTIFIED, NOT UNIQUE: the least truncated cost is {self.cost:.6g}; one single "
-            f"rotation is not proved. {self._within.capitalize()} at every optimum{others}"
+            f"rotation is not proved. {within} at every optimum{others}"
         )
 
     @property
@@ -231,8 +231,10 @@ def restated_truncated(
     squares = (((problem.target - turned) / problem.bounds[:, np.newaxis]) ** 2).sum(axis=1)
     within = squares <= 1.0
     if not within.any():
-        message = "the rotation of the certificate brings no pair within its bound: none is fitted"
-        raise UndecidedError(message)
+        raise UndecidedError(
+            "the rotation of the certificate brings no pair within its bound: there is no pair to "
+            "fit it to"
+        )
     return TruncatedRegistration(
         problem=problem,
         cost=float(np.minimum(squares, 1.0).sum()),

@@ -178,8 +178,8 @@ def certified_pose(certificate: str | os.PathLike[str]) -> Pose | Similarity:
         loaded = _loaded(stream.read(FILE_MAX + 1))
     if loaded is not None and loaded.data is None:
         message = (
-            f"{shown(file)}: holds a rotation alone, and no points: give the result or the pose "
-            "file that certify --out wrote beside it"
+            f"{shown(file)}: holds no points, from which its pose is computed: give the result or "
+            "the pose file that certify --out wrote beside it"
         )
         raise InvalidFileError(message, path=file)
     return report_of(file).registration.pose
@@ -315,7 +315,10 @@ def _truncated_report(
     """The report of a certificate of truncated squares: of its rotation what it proves."""
     n, data = certificate.n, certificate.data or b""
     if not data:
-        message = f"{shown(file)}: holds no points: there is no rotation to report"
+        message = (
+            f"{shown(file)}: holds no points: a report of truncated squares needs the "
+            "certificate.json that certify wrote"
+        )
         raise InvalidFileError(message, path=file)
     doubles = np.frombuffer(data, dtype="<f8", offset=len(data) - BOUNDED_PAIR * n)
     source, target, _, bounds = np.split(doubles, [3 * n, 6 * n, 7 * n])

@@ -142,11 +142,14 @@ def _residual_words(result: TruncatedRegistration) -> Iterator[str]:
     allowed = most[np.isfinite(most)]
     if len(allowed):
         low, high = (_degrees(float(end)) for end in (allowed.min(), allowed.max()))
-        angles = low if low == high else f"{low} to {high}"
-        yield f"A pair is within its bound up to an angle of {angles} between its two points."
+        angles = low if low == high else f"{low} to {high}, depending on the pair"
+        yield f"A pair is within its bound where the angle between its points is at most {angles}."
     if (far := int(np.isnan(most).sum())) > 0:
-        are = "is a pair" if far == 1 else f"are {far} pairs"
-        yield f"There {are} that no rotation brings within: the two lengths differ by too much."
+        beyond = "pair is beyond its bound" if far == 1 else "pairs are beyond their bounds"
+        yield (
+            f"{far} {beyond} at every rotation: the distances of the two points from the origin "
+            "differ by more than the bound."
+        )
 
 
 def _rows(
@@ -175,8 +178,9 @@ def _degrees(angle: float) -> str:
 def _undecided_words(count: int) -> str:
     more = f" The {MOST_ROWS} nearest to their bounds are listed." if count > MOST_ROWS else ""
     return (
-        f"Of {pairs_words(count)} it is not proved on which side of the bound an optimum has "
-        f"it: two optima differ there, or one is so near to the bound that no search tells.{more}"
+        f"For {pairs_words(count)} it is not proved on which side of the bound the residual is at "
+        "the optima: two optima differ there, or at one of them it is so near to the bound that "
+        f"the search does not tell.{more}"
     )
 
 
@@ -186,7 +190,7 @@ def _known(result: TruncatedRegistration) -> list[Sentence]:
     sure, out = labels.count("inlier"), labels.count("outlier")
     counts = f"{are_words(sure, 'inlier')} and {are_words(out, 'outlier')}"
     told = [
-        f"The truncated cost of this rotation is at most {cost}, and none has one below {least}.",
+        f"The truncated cost of this rotation is at most {cost}; that of none is below {least}.",
         f"Of the {result.problem.n} pairs {counts} at every optimum.",
     ]
     if (degrees := optimum_degrees(result)) is not None:

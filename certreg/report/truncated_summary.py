@@ -90,7 +90,7 @@ def why_unbounded(result: TruncatedRegistration) -> str:
     if result.certificate is None:
         return "nothing is proved"
     if not result.labels_unique:
-        return "with labels that are undecided another optimum may have others within its bounds"
+        return "with labels undecided, another optimum may have other pairs within their bounds"
     if ambiguity is not None:
-        return f"of the pairs within their bounds {ambiguity.value}"
+        return f"of the pairs within their bounds, {ambiguity.value}"
     return "the pairs within their bounds hardly tell this rotation from another"

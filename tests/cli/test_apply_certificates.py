@@ -65,7 +65,7 @@ def test_a_certificate_that_is_refused_moves_nothing(tmp_path, clouds):
     path.write_text(json.dumps(document), "utf-8")
     run = certreg("apply", path, clouds[0], "--out", tmp_path / "a.csv")
     assert run.code == 2
-    assert "holds a rotation alone, and no points: give the result or the pose file that" in run.err
+    assert "holds no points, from which its pose is computed: give the result or the" in run.err
     assert not (tmp_path / "a.csv").exists()
 
 

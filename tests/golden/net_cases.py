@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+TRUNCATED = "--rotation-only --objective truncated --max-residual"
 ALONE = "--no-relaxation --no-simulation"
 
 
@@ -45,6 +46,24 @@ CASES = (
             "certify cloud.csv noisy.csv --sigma 0.02 --max-residual 0.08 --json",
             "certify cloud.csv noisy.csv --max-residual 0.08 --rotation-only",
             "certify short.csv narrow.csv --max-residual weights.txt",
+            "certify cloud.csv inches.csv --max-residual 0.01",
+        ),
+    ),
+    NetCase(
+        "truncated",
+        (
+            f"certify ways.csv bothways.csv {TRUNCATED} 0.25 --out o",
+            "file o/fit.csv",
+            "page o/report.html",
+            "python bared o/certificate.json bared.json",
+            "report bared.json",
+            f"report bared.json ways.csv bothways.csv {TRUNCATED} 0.25",
+            "apply bared.json ways.csv --out a.csv",
+            f"certify short.csv narrow.csv {TRUNCATED} 0.0001 --max-gap 1e-30 --out p",
+            "page p/report.html",
+            f"certify short.csv narrow.csv {TRUNCATED} 0.5 --json",
+            f"certify hair.csv hair.csv {TRUNCATED} 0.5",
+            f"certify cloud.csv noisy.csv {TRUNCATED} 0.01",
         ),
     ),
     NetCase(

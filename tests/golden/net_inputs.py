@@ -59,6 +59,9 @@ def clouds() -> dict[str, Any]:
     pair[[1, 5]] = pair[[5, 1]]
     axes, narrow = np.array(stretched(3, 2, 1)), np.array(stretched(2, 1, -1.0 + 2.0**-12))
     needle = np.array(stretched(4, 2.0**-4, 2.0**-5))
+    ways = np.vstack([AXES, AXES, [[0.0, 0.0, 4.0]]])  # turned about z both ways, one row longer
+    both = np.vstack([AXES @ TURN.T, AXES @ TURN, [[0.0, 0.0, 1.0]]])
+    both[6] += [2.0**-22, 0.0, 0.0]  # so little is no proof, and which of the two is told is fixed
     many = np.array([[k % 7, k % 5, k % 3] for k in range(40)], float)
     return {
         "axes": axes,
@@ -69,6 +72,9 @@ def clouds() -> dict[str, Any]:
         "narrow": narrow,
         "needle": needle,
         "needled": needle @ TURN.T + rounded(noise[:6]) * 2.0**-14,
+        "ways": ways,
+        "bothways": both,
+        "hair": [[0.0, 2.0**-23, 1.0], [0.0, 0.0, 2.0], [0.0, 0.0, -3.0]],
         "flat": axes * [1.0, 1.0, 0.0],
         "large": axes * 1000.0,
         "one": [[0.1, 0.1, 0.1]],

@@ -233,7 +233,7 @@ def test_nothing_that_fits_is_undecided():
     rng = np.random.default_rng(0)
     with pytest.raises(
         UndecidedError,
-        match="no rigid motion brings 3 pairs within their bounds: no three keep their distances ",
+        match="no rigid motion brings 3 pairs within their bounds: no three of them keep their ",
     ):
         certified(rng.uniform(size=(4, 3)), 9 * rng.uniform(size=(4, 3)), 1e-6)
 

@@ -15,6 +15,7 @@ from certreg.registration import at_least
 RNG = np.random.default_rng(4)
 CLOUD = RNG.uniform(-1.0, 1.0, (12, 3))
 AWAY = CLOUD + np.array([9.0, 0.0, 0.0])
+TILT = np.array([[2.0, 1.0, 2.0], [-2.0, 2.0, 1.0], [-1.0, -2.0, 2.0]]) / 3.0
 ONE = np.tile([1.0, 2.0, 3.0], (12, 1))
 TRUNCATED: dict[str, Any] = {"rotation_only": True, "objective": "truncated"}
 
@@ -71,15 +72,15 @@ def test_pairs_whose_lengths_differ_are_within_at_no_rotation():
 
     assert words.startswith("no rotation brings a pair within its bound: the two points of each")
     assert f"that differ by {at_least(least.min())} or more." in words
-    assert "leave --rotation-only and --objective truncated out" in words
+    assert "leave out --rotation-only and --objective truncated;" in words
 
 
 def test_clouds_in_two_units_are_told_of_the_scale():
     words = refusal(CLOUD, 1000.0 * CLOUD, 0.01)
 
     assert words.startswith(
-        "no rigid motion brings 3 pairs within their bounds: no three keep their distances from "
-        "each other."
+        "no rigid motion brings 3 pairs within their bounds: no three of them keep their "
+        "distances from each other."
     )
     assert "give --scale asymmetric" in words
     scaled = certified(CLOUD, 1000.0 * CLOUD, 0.01, scale="asymmetric")
@@ -89,5 +90,19 @@ def test_clouds_in_two_units_are_told_of_the_scale():
 def test_with_a_free_scale_it_is_not_advised():
     words = refusal(CLOUD, RNG.uniform(-1.0, 1.0, (12, 3)), 1e-6, scale="asymmetric")
 
-    assert words.startswith("no motion with a scale was found that brings 3 pairs within their")
-    assert "--scale" not in words
+    assert words == (
+        "no motion with a scale was found that brings 3 pairs within their bounds: all may be "
+        "wrong; if right ones may be farther off, give wider bounds, else more --effort"
+    )
+
+
+def test_where_only_rounding_hides_a_rotation_none_is_said_to_be_ruled_out():
+    source, target = CLOUD, CLOUD @ TILT.T
+    sizes = [np.hypot.reduce(points, axis=1) for points in (source, target)]
+    rounded = np.abs(sizes[0] - sizes[1]) > 1e-17
+    words = refusal(source[rounded], target[rounded], 1e-17, effort=0.01, **TRUNCATED)
+
+    assert words == (
+        "no rotation was found that brings a pair within its bound: give more --effort, or "
+        "wider bounds if right pairs may be farther off"
+    )

@@ -160,6 +160,8 @@ def test_a_limit_that_is_not_proved_is_not_called_certified(given):
 
     assert result.exit_code == 4
     assert result.headline.endswith("at every optimum, 6 at none; 0 undecided.")
+    every = certified(given.source, given.source @ TURN.T, max_angle=1e-12)
+    assert " above the least. All 12 pairs are within their bounds at every " in every.headline
 
 
 def test_no_pair_within_is_undecided():

@@ -28,6 +28,19 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 TURN = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+FITTED = (
+    "The rotation is that of the least squares over the 6 pairs within, each residual divided by "
+    "its bound."
+)
+APART = (
+    "at every rotation: the distances of the two points from the origin differ by more than the "
+    "bound."
+)
+UNDECIDED = (
+    "For 4 pairs it is not proved on which side of the bound the residual is at the optima: two "
+    "optima differ there, or at one of them it is so near to the bound that the search does not "
+    "tell."
+)
 pytestmark = pytest.mark.slow
 
 
@@ -65,8 +78,8 @@ def words_of(found: Any) -> str:
         "over all rotations; that of this one is less than 7.0e-10 more",
         "Labels 6 inliers, 6 outliers, 0 undecided at every optimum",
         "° from this rotation to any optimum",
-        "over the 6 pairs within, each residual divided by its bound.",
-        "A pair is within its bound up to an angle of ",
+        FITTED,
+        "A pair is within its bound where the angle between its points is at most ",
         "Of the 12 pairs 6 are inliers and 6 are outliers at every optimum.",
         " degrees of this rotation.",
         "The optimum is one single rotation: every other one has a larger cost.",
@@ -109,19 +122,44 @@ def test_two_optima_are_undecided_on_the_page_and_it_says_why():
         "PARTLY PROVED",
         "What to do: Give more --effort to search further",
         "What is undecided, and why",
-        "Of 4 pairs it is not proved on which side of the bound an optimum has it: two optima",
-        "Angle not bounded with labels that are undecided another optimum may have others within",
+        UNDECIDED,
+        "Angle not bounded with labels undecided, another optimum may have other pairs within thei",
     ):
         assert words in page, words
     assert "degrees of this rotation" not in page
     assert "one single rotation" not in page
 
 
+@pytest.mark.parametrize(
+    ("far", "words"),
+    [
+        (1, "1 pair is beyond its bound"),
+        (2, "2 pairs are beyond their bounds"),
+    ],
+)
+def test_pairs_that_no_rotation_brings_within_are_counted(far: int, words: str):
+    source = np.vstack([np.eye(3), -np.eye(3)])
+    target = source @ TURN.T * np.where(np.arange(6) < far, 1.5, 1.0)[:, np.newaxis]
+    bounds = np.arange(5.0, 11.0) / 100.0
+    page = words_of(
+        certreg.certify(
+            source, target, max_residual=bounds, rotation_only=True, objective="truncated"
+        )
+    )
+
+    least = ("3.44", "4.01")[far - 1]  # 2 asin(0.06 / 2), 2 asin(0.07 / 2)
+    assert f"{words} {APART}" in page
+    assert (
+        f"where the angle between its points is at most {least}° to 5.73°, depending on the pair."
+        in page
+    )
+
+
 def test_a_turn_that_nothing_fixes_is_said_with_its_cause():
     found = result("line")
     page, text = words_of(found), str(found)
     why = (
-        "not bounded: of the pairs within their bounds the source points are collinear: turning "
+        "not bounded: of the pairs within their bounds, the source points are collinear: turning "
         "the body about its own line changes nothing"
     )
 
@@ -237,5 +275,9 @@ def test_a_certificate_whose_rotation_meets_nothing_has_no_report(tmp_path: Path
     path = tmp_path / "far.json"
     replace(kept, body=replace(kept.body, quaternion=(-x, w, -z, y), claims=claims)).save(path)
 
-    with pytest.raises(UndecidedError, match="brings no pair within its bound: none is fitted"):
+    with pytest.raises(UndecidedError) as refused:
         report_of(path)
+    assert str(refused.value) == (
+        "the rotation of the certificate brings no pair within its bound: there is no pair to fit "
+        "it to"
+    )
