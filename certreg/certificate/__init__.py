@@ -65,6 +65,7 @@ if TYPE_CHECKING:
     from certreg.certificate.scaled_consensus import ScaleRange as ScaleRange
     from certreg.certificate.shared_motion import CommonMotion as CommonMotion
     from certreg.certificate.shared_motion import common_motion as common_motion
+    from certreg.certificate.shared_motion import sets_apart as sets_apart
     from certreg.certificate.similarity import SimilarityBody as SimilarityBody
     from certreg.certificate.similarity import SimilarityClaims as SimilarityClaims
     from certreg.certificate.spring_bounds import spring_pose_bounds as spring_pose_bounds
@@ -151,7 +152,7 @@ __getattr__ = lazy_face(
             "scaled_consensus_of",
         ),
         "scaled_consensus": ("ConsensusSimilarityBody", "ScaleRange"),
-        "shared_motion": ("CommonMotion", "common_motion"),
+        "shared_motion": ("CommonMotion", "common_motion", "sets_apart"),
         "similarity": ("SimilarityBody", "SimilarityClaims"),
         "springs_cones": (
             "ConesCap",

@@ -6,7 +6,7 @@ import enum
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from certreg.certificate import CommonMotion, ConsensusProver, common_motion, pose_of
+from certreg.certificate import CommonMotion, ConsensusProver, common_motion, pose_of, sets_apart
 from certreg.errors import InvalidProblemError
 from certreg.problem import checked_effort, checked_inliers
 from certreg.registration.consensus import proved_consensus
@@ -48,6 +48,9 @@ class KeptPairs(Presented):
         where none was found that meets three.
     names
         Of the rows.
+    sets
+        So many sets hold all rows, of which no motion meets two of the same set: no motion meets
+        more pairs than that.
     """
 
     problem: ConsensusProblem
@@ -55,6 +58,7 @@ class KeptPairs(Presented):
     motion: CommonMotion
     most: Consensus | None
     names: RowNames
+    sets: int
 
     def __repr__(self) -> str:
         return f"<KeptPairs: {len(self.rows)} of {self.problem.n} pairs; {self.verdict.value}>"
@@ -80,7 +84,8 @@ class KeptPairs(Presented):
     @property
     def upper(self) -> int:
         """No motion meets more, proved."""
-        return self.problem.n if self.most is None else self.most.upper
+        searched = self.problem.n if self.most is None else self.most.upper
+        return min(searched, self.sets, self.problem.n - bool(self.motion.refuted))
 
     @property
     def unique(self) -> bool:
@@ -145,7 +150,11 @@ def judged_labels(
     Raises InvalidProblemError for other labels.
     """
     if problem.problem.scaled:
-        message = "labels are judged for a rigid motion, not yet with --scale: leave one out"
+        message = (
+            "labels are judged for a rigid motion alone: with --scale let certify prove labels "
+            "(certreg certify SOURCE TARGET --scale NAME --max-residual X --out FOLDER), and "
+            "compare yours with the column `proved` of FOLDER/fit.csv"
+        )
         raise InvalidProblemError(message, array="scale", value=problem.problem.scale.value)
     rows = checked_inliers(labels, problem.n)
     prover = ConsensusProver(problem, effort=checked_effort(effort))
@@ -160,4 +169,5 @@ def judged_labels(
         motion=motion,
         most=most,
         names=RowNames.of(about or {}, problem.n),
+        sets=sets_apart(prover.consistent),
     )

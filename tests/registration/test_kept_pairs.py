@@ -14,7 +14,7 @@ from test_consensus import BOUND, twins, wrong_pairs
 
 import certreg
 from certreg.certificate import CommonMotion
-from certreg.certificate.shared_motion import is_refuted
+from certreg.certificate.shared_motion import is_refuted, sets_apart
 from certreg.errors import InvalidProblemError
 
 if TYPE_CHECKING:
@@ -46,7 +46,7 @@ def test_fewer_labels_than_the_most():
     assert kept.headline.endswith("within 0.05; the most is 14, proved; these are 12.")
     most = kept.most
     assert most is not None
-    less = replace(kept, most=replace(most, upper=16))
+    less = replace(kept, most=replace(most, upper=16), sets=20)
     assert less.headline.endswith("the most is 14 to 16, proved; these are 12.")
 
 
@@ -97,7 +97,7 @@ def test_what_is_not_decided_is_said():
     )
     most = kept.most
     assert most is not None
-    assert replace(kept, most=replace(most, upper=15)).headline.endswith(
+    assert replace(kept, most=replace(most, upper=15), sets=20).headline.endswith(
         "The most pairs that one motion brings within are 14 to 15, proved."
     )
     assert kept.to_dict()["reasons"] == {
@@ -167,3 +167,41 @@ def test_the_command(tmp_path, monkeypatch):
         refused = asked(name, *options)
         assert refused.code == 2
         assert words in refused.err
+
+
+def test_rows_that_exclude_each_other_are_counted_once():
+    """No motion was found, and none meets two rows of a set that agree with no other of it."""
+    source = np.random.default_rng(0).uniform(-1.0, 1.0, (40, 3))
+    kept = judged(source, 100.0 * source, [1] * 40, 1e-3)
+
+    assert kept.most is None
+    assert (kept.lower, kept.upper) == (0, 1)
+    assert "  the most          0 found, at most 1 (proved)" in str(kept)
+
+
+def test_no_more_are_met_than_all_but_one_where_some_exclude_each_other():
+    kept = judged(*wrong_pairs(1), [1] * 20)
+
+    assert kept.motion.refuted
+    assert replace(kept, most=None, sets=20).upper == 19
+    assert replace(kept, most=None, sets=20, motion=CommonMotion()).upper == 20
+    assert replace(kept, most=None).upper == kept.sets < 20
+    assert kept.upper == 14 <= kept.sets
+
+
+@pytest.mark.parametrize("share", [0.2, 0.5, 0.8])
+def test_sets_apart_are_no_fewer_than_the_largest_set_that_agrees(share: float):
+    rng = np.random.default_rng(3)
+    for _ in range(20):
+        table = np.triu(rng.random((9, 9)) < share, 1)
+        near = [sum(1 << j for j in range(9) if (table | table.T)[i, j]) for i in range(9)]
+        sets = [
+            some
+            for some in range(1 << 9)
+            if all(some & ~near[i] == 1 << i for i in range(9) if some >> i & 1)
+        ]
+        largest = max(some.bit_count() for some in sets)
+
+        assert largest <= sets_apart(near) <= 9
+    assert sets_apart([0] * 9) == 1
+    assert sets_apart([(1 << 9) - 1 - (1 << i) for i in range(9)]) == 9

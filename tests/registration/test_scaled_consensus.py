@@ -194,7 +194,9 @@ def test_labels_are_not_judged_with_a_scale():
             source, target, labels=[1] * 14 + [0] * 6, max_residual=BOUND, scale="asymmetric"
         )
     assert str(refused.value) == (
-        "labels are judged for a rigid motion, not yet with --scale: leave one out"
+        "labels are judged for a rigid motion alone: with --scale let certify prove labels "
+        "(certreg certify SOURCE TARGET --scale NAME --max-residual X --out FOLDER), and compare "
+        "yours with the column `proved` of FOLDER/fit.csv"
     )
 
 
