@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, ClassVar, Self, cast
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -14,7 +14,7 @@ from certreg.registration import (
     at_most,
     widest_angles,
 )
-from certreg.report.any_report import AnyReport, head_of, pairs_words, required_proof
+from certreg.report.any_report import AnyReport, head_of, pairs_words
 from certreg.report.consensus_picture import pairs_picture, residual_chart
 from certreg.report.consensus_summary import counted_labels
 from certreg.report.overview import Fact, Overview
@@ -57,18 +57,6 @@ class TruncatedReport(AnyReport[Any]):
     DIGESTED: ClassVar = "points, weights and bounds"
 
     registration: TruncatedRegistration
-
-    @classmethod
-    def of(cls, registration: Any, *, documentation: str | None = None) -> Self:
-        """The report of a registration just made. Raises ValueError where it is not certified."""
-        certificate, verdict = required_proof(registration)
-        return cls(
-            registration=cast("TruncatedRegistration", registration),
-            certificate=certificate,
-            content=certificate.to_json(),
-            verdict=verdict,
-            documentation=documentation,
-        )
 
     def values(self, names: Names) -> Mapping[str, Any]:
         """Headline, rotation and pictures; angles against the bounds, what is undecided; proofs."""
