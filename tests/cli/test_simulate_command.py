@@ -42,13 +42,6 @@ KEYS = {
 ENERGY = {"initial", "final"}
 
 
-MAKE_SETTINGS = SimulationSettings.__init__
-
-
-def _ten_steps(self, **chosen: float) -> None:
-    MAKE_SETTINGS(self, **{**chosen, "max_steps": 10})  # pyright: ignore[reportArgumentType]
-
-
 def survey(data: Path) -> tuple[Path, Path]:
     return data / "survey_source.csv", data / "survey_target.csv"
 
@@ -132,7 +125,8 @@ def test_step_and_damping_are_obeyed(data: Path):
 
 
 def test_a_run_that_does_not_converge_ends_with_code_four(data: Path, monkeypatch):
-    monkeypatch.setattr(SimulationSettings, "__init__", _ten_steps)
+    few = SimulationSettings(max_steps=10)
+    monkeypatch.setattr("certreg.registration.certification.DEFAULT_SETTINGS", few)
     run = certreg("simulate", *survey(data))
     document = certreg("simulate", *survey(data), "--json").document
 
