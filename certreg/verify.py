@@ -2356,6 +2356,7 @@ def graphs(rows: Matrix, ends: list[int]) -> Iterator[list[int]]:
 
     With a = |xj - xi|, b = |yj - yi|, d = bi + bj it makes b of s a, but for d: s a <= b + d and
     b <= s a + d. So low a <= b + d and b <= high a + d: false up to a piece, and from one on.
+    Roots tell which ends are on one side for certain; only those between are tried exactly.
     """
     last, squares = len(ends), [end * end for end in ends]
     flips = [[0] * len(rows) for _ in range(last + 2)]
@@ -2363,8 +2364,19 @@ def graphs(rows: Matrix, ends: list[int]) -> Iterator[list[int]]:
         for j, other in enumerate(rows[:i]):
             p, q, d = parted(row, other)
             A, B = squared(p), squared(q)
-            first = bisect_left(squares, 0, key=lambda s, A=A, B=B, d=d: -longer(B, s * A, d))
-            after = bisect_left(squares, 1, key=lambda s, A=A, B=B, d=d: longer(s * A, B, d))
+            a, b = isqrt(A), isqrt(B)
+            # s (a + 1) < b - d: s is too small; s a >= b + 1 - d: it is not
+            least = bisect_left(ends, -((d - b) // (a + 1)))
+            most = bisect_left(ends, -((d - b - 1) // a), least) if a else last
+            first = bisect_left(
+                squares, 0, least, most, key=lambda s, A=A, B=B, d=d: -longer(B, s * A, d)
+            )
+            # s (a + 1) <= b + d: s is not too large; s a >= b + 1 + d: it is
+            least = bisect_left(ends, (b + d) // (a + 1) + 1)
+            most = bisect_left(ends, (b + d) // a + 1, least) if a else last
+            after = bisect_left(
+                squares, 1, least, most, key=lambda s, A=A, B=B, d=d: longer(s * A, B, d)
+            )
             for piece in (first, after + 1):
                 flips[piece][i] ^= 1 << j
                 flips[piece][j] ^= 1 << i

@@ -8,7 +8,9 @@ from __future__ import annotations
 
 import copy
 import json
+import random
 from functools import cache
+from itertools import permutations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -124,7 +126,7 @@ def piece_cases() -> Iterator[Case]:
 
 
 def counted_cases() -> Iterator[Case]:
-    """A row that is lifted off a line, at the scale 1; a group of two of the four others, told twice.
+    """A row that is lifted off a line, at the scale 1; a group of two of the others, twice.
 
     1 + (2 - 1) + 2 colours < K = 5; for K = 4 three go together without the group.
     """
@@ -166,8 +168,50 @@ def graph_cases() -> Iterator[Case]:
         return [f"{some[0]}-{some[-1]}:{len(some)}" for some in where]
 
     yield Case("ranges of two pairs", value_of(edges), r"\['37-42:6', '5-10:6'\]$")
+
+    def differing(checker: Any) -> list[int]:
+        return [k for k, (r, e) in enumerate(clouds) if [*checker.graphs(r, e)] != pieces(r, e)]
+
+    clouds = [*small_clouds(400)]
+    yield Case("graphs by their definition", value_of(differing), r"\[\]$")
     scaled = value_of(lambda checker: checker.scaled([[1, 2, 3, 4, 5, 6, 7, 8]], 10, 100))
     yield Case("scaled rows", scaled, r"\[\[10, 20, 30, 400, 500, 600, 7, 800\]\]$")
+
+
+def small_clouds(count: int) -> Iterator[tuple[list[list[int]], list[int]]]:
+    """Three rows of small numbers, of which many lengths are as long as they may be, and ends."""
+    rng = random.Random(8)
+    for _ in range(count):
+        size = rng.choice((2, 5, 12, 40))
+        rows = [
+            [
+                *(rng.choice((0, 1, 1)) * rng.randint(-size, size) for _ in range(6)),
+                1,
+                rng.randint(0, size // rng.choice((1, 2, 4))),
+            ]
+            for _ in range(3)
+        ]
+        yield rows, sorted({rng.randint(1, 3 * size) for _ in range(rng.randint(0, 9))})
+
+
+def pieces(rows: list[list[int]], ends: list[int]) -> list[list[int]]:
+    """Of each piece the neighbours of each row: |b - s a| <= d for a scale s of it."""
+
+    def reaches(A: int, B: int, d: int) -> bool:  # sqrt(A) <= sqrt(B) + d
+        rest = A - B - d * d
+        return rest <= 0 or rest * rest <= 4 * d * d * B
+
+    found = []
+    for low, high in zip([0, *ends], [*ends, None], strict=True):
+        near = [0] * len(rows)
+        for i, j in permutations(range(len(rows)), 2):
+            one, other = rows[i], rows[j]
+            A, B = (sum((one[k] - other[k]) ** 2 for k in at) for at in ((0, 1, 2), (3, 4, 5)))
+            d = one[7] + other[7]
+            up = high is None or reaches(B, high * high * A, d)
+            near[i] |= (up and reaches(low * low * A, B, d)) << j
+        found.append(near)
+    return found
 
 
 def size_cases() -> Iterator[Case]:
