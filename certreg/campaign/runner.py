@@ -39,6 +39,9 @@ UNDER_WAY = 3  # tasks per worker: one at work, two that wait for it
 SPREAD = 64  # shards per worker from the first under way: bounds what must wait for its turn
 BREAKDOWNS = 3  # of the pool in a row, without one result in between
 TICK = 5.0  # seconds without a result before the workers are counted
+# What dask's futures raise where a worker dies just when its result arrives: they take it for an
+# exception, its type and its traceback.
+MISTAKEN = f"cannot unpack non-iterable {TaskResult.__name__} object"
 
 
 class Kind(Protocol):
@@ -194,7 +197,11 @@ class _Scheduler:
 
 
 def _is_lost(future: Future[TaskResult | Path], workers: Workers) -> bool:
-    return future.cancelled() or isinstance(future.exception(), workers.losses)
+    if future.cancelled():
+        return True
+    error = future.exception()
+    mistaken = isinstance(error, TypeError) and MISTAKEN in str(error)
+    return mistaken or isinstance(error, workers.losses)
 
 
 def _result(future: Future[TaskResult | Path], task: Task, workers: Workers) -> TaskResult | None:

@@ -157,6 +157,34 @@ def test_without_parquet_a_table_needs_no_further_library(
     assert (tmp_path / "summary.csv").read_bytes().split() == [b"a", b"1", b"2"]
 
 
+class Mistaking(Executor):
+    """Takes its first result for an exception, as dask does where the worker has died since."""
+
+    def __init__(self) -> None:
+        self.calls = 0
+
+    def submit(self, fn: Any, /, *args: Any, **kwargs: Any) -> Future[Any]:
+        self.calls += 1
+        future, result = Future[Any](), fn(*args, **kwargs)
+        if self.calls > 1:
+            future.set_result(result)
+            return future
+        try:
+            _, _, _ = result
+        except TypeError as error:
+            future.set_exception(error)
+        return future
+
+
+def test_a_result_that_is_taken_for_an_error_is_made_again():
+    crew = InProcess(2)
+    crew.executor = Mistaking()
+    found = [result.content for _, result in completed(numbered(3), crew, VERSIONS)]
+
+    assert sorted(found) == [b"0", b"1", b"2"]
+    assert crew.executor.calls == 4
+
+
 class Refusing(Executor):
     """Refuses its first call at once, as a pool that has broken down does; carries out others."""
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from importlib import import_module
 
 import numpy as np
@@ -228,7 +229,8 @@ def test_stages_that_make_a_certificate_too_long_are_left_out(monkeypatch):
     prover = ConsensusProver(problem)
     found = proved_consensus(problem, prover, 1.0)
     assert found is not None
-    monkeypatch.setattr(staging, "MOST", 0)
+    short = functools.partial(staging.Stager, most=0)
+    monkeypatch.setattr("certreg.certificate.producing_consensus.Stager", short)
     less = prover.witnessed(found.witness)
 
     assert less is not None
