@@ -83,6 +83,16 @@ class ConsensusSimilarityBody(Brief):
     fit: dict[str, Any] | None
     reach: Reach | None = None
 
+    @property
+    def met_elsewhere(self) -> bool:
+        """Whether motions that meet these pairs may have a scale that is in no undecided range."""
+        low, high = self.scale_lower.value, self.scale_upper.value
+        inside = any(
+            one.low <= low and (one.high is None or high <= one.high)
+            for one in ranges(self.pieces, OPEN)
+        )
+        return not inside and any(piece.state == SAME for piece in self.pieces)
+
     def to_fields(self) -> dict[str, Any]:
         """The part of the file that is of this kind alone."""
         n = len(self.labels)

@@ -71,10 +71,12 @@ class ScaledConsensusRegistration(ConsensusRegistration):
         some = self.undecided_scales
         if not some:
             return told
+        body: Any = self.certificate.body
         met, where = self.lower, ranges_words(some)
+        others = f"{'any other ' * body.met_elsewhere}{met}"
         return (
             f"{told} With scales {where} it is not proved which {met} are met; with all others "
-            f"these {met} and no others."
+            f"no motion brings {others} within."
         )
 
     @property

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import math
+from dataclasses import replace
+from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +16,7 @@ from scipy.spatial.transform import Rotation
 
 import certreg
 from certreg.errors import InvalidProblemError
+from certreg.exact import Dyadic
 from certreg.registration import ConsensusRegistration, ScaledConsensusRegistration
 from certreg.registration.scaled_consensus import ranges_words
 from certreg.report.pages import html_page
@@ -118,12 +121,59 @@ def test_two_motions_of_other_scales_leave_both_ranges_open():
     assert any(low <= other <= high for low, high in result.undecided_scales)
     assert not any(low <= result.pose.scale <= high for low, high in result.undecided_scales)
     assert " With scales from " in result.headline
-    rest = "it is not proved which 6 are met; with all others these 6 and no others."
+    rest = "it is not proved which 6 are met; with all others no motion brings any other 6 within."
     assert result.headline.endswith(rest)
     assert rest in text
     assert document["consensus"]["undecided_scales"] == [list(k) for k in result.undecided_scales]
     for theorem in ("Not proved: which 6 pairs or more", "With any other scale: these 6 and only"):
         assert any(theorem in words for words in result.verdict.theorems)
+
+
+@pytest.fixture(scope="module")
+def drawn() -> ScaledConsensusRegistration:
+    """Pairs drawn at random, of which three are met, with scales that are all undecided."""
+    source, target = np.random.default_rng(7).uniform(-1, 1, (2, 6, 3))
+    return certified(source, target, 0.3)
+
+
+def test_where_these_pairs_are_met_is_said_of_no_other_scale(drawn):
+    ((low, high),) = drawn.undecided_scales
+
+    assert drawn.lower == 3
+    assert low < drawn.scale_interval[0] < drawn.scale_interval[1] < high
+    assert drawn.headline.endswith(
+        " it is not proved which 3 are met; with all others no motion brings 3 within."
+    )
+    assert drawn.headline in str(drawn)
+    assert drawn.to_dict()["consensus"]["headline"] == drawn.headline
+
+
+@pytest.mark.parametrize(
+    ("begin", "end", "states", "elsewhere"),
+    [
+        (0, 0, "=?=", False),
+        (1, 0, "=?=", True),
+        (0, -1, "=?=", True),
+        (1, -1, "-?-", False),
+        (0, None, "=?", False),
+        (1, None, "=?", True),
+    ],
+)
+def test_pairs_are_met_elsewhere_where_a_range_begins_too_late_or_ends_too_soon(
+    drawn, begin, end, states, elsewhere
+):
+    """The range that is undecided is that in which these pairs are met, but for 2^-200."""
+    body: Any = drawn.certificate.body
+    unit = Fraction(1, 1 << 200)
+    ends = [body.scale_lower.value + begin * unit]
+    ends += [] if end is None else [body.scale_upper.value + end * unit]
+    dyadics = [*(Dyadic(mantissa=int(value / unit), exponent=-200) for value in ends), None]
+    pieces = tuple(
+        replace(body.pieces[0], end=end, state=state)
+        for end, state in zip(dyadics, states, strict=True)
+    )
+
+    assert replace(body, pieces=pieces).met_elsewhere is elsewhere
 
 
 def test_targets_near_each_other_are_met_by_a_source_that_shrinks():
