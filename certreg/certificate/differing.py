@@ -40,7 +40,7 @@ def told_apart(reason: str, certificate: bytes, clouds: Clouds) -> str:
     if statement.prefix in COLUMNS and statement.data is not None:
         return next(_differences(statement, clouds), reason)
     bounded = BOUND in _options(clouds.model)
-    return _other_options(statement, clouds, None) if bounded else reason
+    return _other_options(statement, clouds, ()) if bounded else reason
 
 
 def _differences(statement: Statement, clouds: Clouds) -> Iterator[str]:
@@ -81,16 +81,29 @@ def _columns(statement: Statement) -> dict[str, Sequence[float]]:
     return found
 
 
-def _other_options(statement: Statement, clouds: Clouds, bounds: Sequence[float] | None) -> str:
+def _other_options(statement: Statement, clouds: Clouds, bounds: Sequence[float]) -> str:
     """What the certificate is with, what was given, and what to add or to leave out."""
     own, given = (_options(model) for model in (statement.model, clouds.model))
-    value = f"{bounds[0]!r}" if bounds and _alike(bounds) else "FILE"
-    certified = [f"{BOUND} {value}" if one == BOUND else one for one in own]
-    more = [one for one, plain in zip(certified, own, strict=True) if plain not in given]
+    certified, typed = _valued(own, bounds), _valued(given, _given_bounds(clouds))
+    more = [one for one in certified if one not in typed]
     less = [one for one in given if one not in own]
     todo = [f"give {' '.join(more)}"] * bool(more) + [f"leave {' '.join(less)} out"] * bool(less)
-    made, was = " ".join(certified) or "no such option", " ".join(given) or "none"
+    made, was = " ".join(certified) or "no such option", " ".join(typed) or "none"
     return f"the certificate was made with {made}, given is {was}: {', '.join(todo)}"
+
+
+def _valued(options: list[str], bounds: Sequence[float]) -> list[str]:
+    """The same with the bound, where that is one number for all pairs."""
+    value = f"{bounds[0]!r}" if bounds and _alike(bounds) else "FILE"
+    return [f"{BOUND} {value}" if one == BOUND else one for one in options]
+
+
+def _given_bounds(clouds: Clouds) -> Sequence[float]:
+    """The bounds that were given: behind the weights, or before the springs, of all pairs."""
+    numbers, n = clouds.weights, len(clouds.source) // 3
+    if numbers is None:
+        return ()
+    return numbers[n:] if len(numbers) == n + n else numbers[:n]
 
 
 def _options(model: str) -> list[str]:

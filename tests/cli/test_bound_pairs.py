@@ -34,6 +34,10 @@ NO_BOUND = (
 TURNED = (
     "REFUSED: the certificate was made with --rotation-only --objective truncated --max-residual"
 )
+SIZED = (
+    "REFUSED: the certificate was made with --scale symmetric --max-residual 0.05, given is "
+    "--max-residual"
+)
 
 
 @pytest.fixture(scope="module")
@@ -109,7 +113,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
         (
             "points",
             ("--max-residual", "0.05", *TURNS),
-            "0.05, given is --rotation-only --objective truncated --max-residual: leave --rotat",
+            "given is --rotation-only --objective truncated --max-residual 0.05: leave --rotation-",
         ),
         (
             "others",
@@ -126,10 +130,17 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
             ("--max-residual", "0.06", "--scale", "symmetric"),
             OTHER_BOUND,
         ),
+        ("sizes", ("--max-residual", "0.05"), f"{SIZED} 0.05: give --scale symmetric\n"),
+        (
+            "sizes",
+            ("--max-residual", "0.06"),
+            f"{SIZED} 0.06: give --scale symmetric --max-residual 0.05\n",
+        ),
+        ("sizes", ("--max-residual", "others.txt"), f"{SIZED} FILE: give --scale symmetric --max-"),
         (
             "all",
             ("--max-residual", "0.05"),
-            "made with no such option, given is --max-residual: leave --max-residual out\n",
+            "made with no such option, given is --max-residual 0.05: leave --max-residual out\n",
         ),
         ("planes", ("--max-residual", "0.05", *PLANES), "VERIFIED"),
         ("planes", ("--max-residual", "0.06", *PLANES), OTHER_BOUND),
@@ -146,7 +157,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
         ("planes", PLANES, NO_BOUND),
         ("turns", ("--max-residual", "0.05", *TURNS), "VERIFIED"),
         ("turns", ("--max-residual", "0.06", *TURNS), OTHER_BOUND),
-        ("turns", ("--max-residual", "0.05"), f"{TURNED} 0.05, given is --max-residual: give --ro"),
+        ("turns", ("--max-residual", "0.05"), f"{TURNED} 0.05, given is --max-residual 0.05: give --r"),
         ("turns", TURNS[:1], f"{TURNED} 0.05, given is --rotation-only: give --objective truncat"),
     ],
 )
