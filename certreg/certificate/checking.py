@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 from certreg import problem as problems  # whose names load NumPy, which most here do without
 from certreg.certificate.differing import told_apart
 from certreg.certificate.envelope import certificate_bytes
+from certreg.certificate.mistaken import why_no_certificate, why_no_certificates
 from certreg.errors import InvalidProblemError, RefusedCertificateError
 from certreg.io import write_atomically
 from certreg.results import SHOWN, Ruling, Shown, Verdict
@@ -97,8 +98,10 @@ def verify(
     if problem is None or isinstance(problem, Clouds) or problem.n <= INLINE_MAX:
         clouds = _bound(problem)
         outcome = check(content, clouds, limits)
-        if clouds is not None and not outcome.verified:
-            outcome = replace(outcome, reason=told_apart(outcome.reason, content, clouds))
+        if not outcome.verified:
+            reason = why_no_certificate(outcome.reason, content)
+            told = reason if clouds is None else told_apart(reason, content, clouds)
+            outcome = replace(outcome, reason=told)
         return as_verdict(outcome)
     from certreg.certificate.blockwise import check_in_blocks  # loads NumPy, for large ones alone
 
@@ -111,7 +114,14 @@ def verify_lines(
     max_angle: float | Fraction | None = None,
     max_gap: float | Fraction | None = None,
 ) -> int:
-    """What `verify.py` prints of a file with a certificate a line, and its exit code."""
+    """What `verify.py` prints of a file with a certificate a line, and its exit code.
+
+    Of a file of results it is one line.
+    """
+    mistaken = why_no_certificates(path)
+    if mistaken is not None:
+        sys.stdout.write(f"REFUSED: {mistaken}\n")
+        return 1
     limits = _limits(angle=max_angle, share=max_gap)
     given = ((option, limits.get(name)) for option, name in LIMITS.items())
     options = [f"--{option}={float(limit)!r}" for option, limit in given if limit is not None]

@@ -157,7 +157,11 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
         ("planes", PLANES, NO_BOUND),
         ("turns", ("--max-residual", "0.05", *TURNS), "VERIFIED"),
         ("turns", ("--max-residual", "0.06", *TURNS), OTHER_BOUND),
-        ("turns", ("--max-residual", "0.05"), f"{TURNED} 0.05, given is --max-residual 0.05: give --r"),
+        (
+            "turns",
+            ("--max-residual", "0.05"),
+            f"{TURNED} 0.05, given is --max-residual 0.05: give --r",
+        ),
         ("turns", TURNS[:1], f"{TURNED} 0.05, given is --rotation-only: give --objective truncat"),
     ],
 )
