@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from certreg.problem.breaking import BreakingProblem as BreakingProblem
     from certreg.problem.breaking import ExactSprings as ExactSprings
     from certreg.problem.consensus import LEAST_PAIRS as LEAST_PAIRS
+    from certreg.problem.consensus import MOST_PAIRS as MOST_PAIRS
     from certreg.problem.consensus import ConsensusProblem as ConsensusProblem
     from certreg.problem.effort import checked_effort as checked_effort
     from certreg.problem.effort import checked_threads as checked_threads
@@ -114,6 +115,7 @@ __getattr__ = lazy_face(
         ),
         "consensus": (
             "LEAST_PAIRS",
+            "MOST_PAIRS",
             "ConsensusProblem",
         ),
         "effort": ("checked_effort", "checked_threads"),

@@ -41,7 +41,7 @@ import numpy as np
 
 from certreg.exact import nearest_or_zero, power_of_two, rank
 from certreg.geometry import squared_norm
-from certreg.problem import trace
+from certreg.problem import MOST_PAIRS, trace
 from certreg.registration.outlying import PAIRINGS, ROUNDING
 from certreg.registration.tails import log_beta_below, log_choices, log_ratio_below
 from certreg.registration.units import UNITS
@@ -90,6 +90,9 @@ REMEDIES = {  # where the numbers of a fit add nothing to them
     ),
     FitCode.CHI2: "mend first what else is warned of: it may be all, and sigma right",
 }
+PROVE_WRONG = (
+    "; or give --max-residual, how far apart a right pair may be, to prove which are wrong"
+)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -262,7 +265,8 @@ def _outlier_remedy(rows: RowFit, names: RowNames) -> str:
     k = rows.far_rows
     which = names.words(rows.far, k) if k <= NAMED_AGAIN else "these rows"
     they, them = ("it is", "it") if k == 1 else ("they are", "them")
-    return f"check {which}; if {they} wrong, mend {them} or leave {them} out, and certify again"
+    remedy = f"check {which}; if {they} wrong, mend {them} or leave {them} out, and certify again"
+    return f"{remedy}{PROVE_WRONG}" if rows.rows <= MOST_PAIRS else remedy
 
 
 def _likeliest(

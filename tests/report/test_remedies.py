@@ -10,9 +10,10 @@ import numpy as np
 import pytest
 from commands import checked
 
-from certreg.problem import RegistrationProblem
+from certreg.problem import MOST_PAIRS, RegistrationProblem
 from certreg.registration import assess, certify
 from certreg.registration.ambiguity import NEARLY_AMBIGUOUS
+from certreg.registration.misfits import PROVE_WRONG
 from certreg.report import registration_summary, result_document
 from certreg.report.cards import registration_card
 from certreg.report.judged_pose import assessment_summary
@@ -84,6 +85,16 @@ def test_each_warning_says_what_may_be_done(case: str):
     assert re.match(words, remedy)
     assert remedy.startswith(("check ", "if "))  # no cause is known: advice has a condition
     assert not remedy.endswith(".")
+
+
+@pytest.mark.parametrize("n", [MOST_PAIRS, MOST_PAIRS + 1])
+def test_bounds_are_advised_where_labels_can_be_proved(n: int):
+    """Of as many pairs as `ConsensusProblem` takes, and not of one more."""
+    far = 5.0 * (np.arange(n) == 5)[:, None]
+    (told,) = proved(np.resize(CLOUD, (n, 3)), np.resize(GOOD, (n, 3)) + far).fit.warnings
+
+    assert told.remedy.startswith("check row 5; if it is wrong, mend it or leave it out, and cert")
+    assert told.remedy.endswith(PROVE_WRONG) == (n <= MOST_PAIRS)
 
 
 def test_the_factor_advised_makes_the_scale_one():
