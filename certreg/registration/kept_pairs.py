@@ -97,8 +97,10 @@ class KeptPairs(Presented):
         """The verdict, with what is proved."""
         kept, within = len(self.rows), within_words(self.problem)
         if self.verdict is LabelsVerdict.CONSISTENT:
-            met = f"one rigid motion brings all {kept} labelled inliers {within}"
-            return f"CONSISTENT: {met}; {self._compared()}"
+            return (
+                f"CONSISTENT: one rigid motion brings all {kept} labelled inliers {within}; "
+                f"{self._compared()}"
+            )
         if self.verdict is LabelsVerdict.UNDECIDED:
             return (
                 f"UNDECIDED: no rigid motion was found that brings all {kept} labelled inliers "
