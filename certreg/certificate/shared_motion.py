@@ -103,7 +103,9 @@ def _least_largest(
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """A motion whose largest residual over its bound is near the least, by Lawson's method."""
     block, chosen = problem.problem.block(slice(None)), list(rows)
-    x, y, squares = block.source[chosen], block.target[chosen], problem.bounds[chosen] ** 2
+    unit = np.ldexp(1.0, int(np.frexp(problem.bounds[chosen].max())[1]))  # no square is 0 of it
+    x, y = block.source[chosen] / unit, block.target[chosen] / unit
+    squares = (problem.bounds[chosen] / unit) ** 2
     origins = x[0], y[0]
     x, y = x - origins[0], y - origins[1]
     shares, least = np.ones(len(chosen)), np.inf
@@ -118,7 +120,7 @@ def _least_largest(
         shares = shares * np.sqrt(ratios)
         shares /= shares.max()
     turn, shift = best
-    return turn, shift + origins[1] - turn @ origins[0]
+    return turn, (shift + origins[1] - turn @ origins[0]) * unit
 
 
 def _fitted(

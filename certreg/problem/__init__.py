@@ -77,6 +77,9 @@ if TYPE_CHECKING:
     from certreg.problem.row_labels import RowLabels as RowLabels
     from certreg.problem.row_labels import labels_of as labels_of
     from certreg.problem.row_labels import require_same_labels as require_same_labels
+    from certreg.problem.row_lengths import apart as apart
+    from certreg.problem.row_lengths import diameter as diameter
+    from certreg.problem.row_lengths import lengths as lengths
     from certreg.problem.spring_rows import SPRING_COLUMNS as SPRING_COLUMNS
     from certreg.problem.spring_rows import held_by as held_by
     from certreg.problem.spring_rows import held_rows as held_rows
@@ -134,6 +137,7 @@ __getattr__ = lazy_face(
             "gicp_information",
         ),
         "inliers": ("INLIER_WORDS", "LEAST_DIRECTIONS", "checked_inliers"),
+        "row_lengths": ("apart", "diameter", "lengths"),
         "many": ("ManyPairs",),
         "many_springs": (
             "ManySpringMoments",

@@ -12,6 +12,7 @@ from certreg.errors import InvalidProblemError
 from certreg.problem.bounds import NAME, checked_bounds
 from certreg.problem.model import Scale
 from certreg.problem.problem import RegistrationProblem
+from certreg.problem.row_lengths import diameter
 from certreg.results import Brief
 
 if TYPE_CHECKING:
@@ -26,6 +27,7 @@ PREFIXES = {  # by scale: no digest stands for two problems
 }
 SPRUNG_PREFIX = b"certreg-consensus-springs/1\0"
 LEAST_PAIRS = 3  # two pairs of equal lengths always fit: a set of two says nothing
+MOST_SPAN = 768  # bits between the numbers of a problem, as in the checker
 MOST_PAIRS = 4096  # whose eight million pairs of pairs the checker tests in half a minute
 
 
@@ -73,10 +75,12 @@ class ConsensusProblem(Brief):
             raise InvalidProblemError(message, array=NAME, value=problem.n, limit=limit)
         bounds = checked_bounds(max_residual, problem.n)
         if problem.factors is None:
+            _require_near(problem, bounds)
             _require_narrow(problem, bounds)
             return cls(problem, bounds)
         block = problem.spring_block(slice(None))
         points = RegistrationProblem(block.source, block.target)
+        _require_near(points, bounds)
         _require_narrow(points, bounds)
         return cls(points, bounds, problem)
 
@@ -121,6 +125,22 @@ class ConsensusProblem(Brief):
         return (self.sprung or self.problem).of_rows(rows)
 
 
+def _require_near(problem: RegistrationProblem, bounds: NDArray[np.float64]) -> None:
+    """Refuses numbers of sizes so far apart that the checker takes no certificate of them."""
+    block = problem.block(slice(None))
+    parts = (block.source, block.target, block.weights, bounds)
+    sizes = np.concatenate([np.abs(part).ravel() for part in parts])
+    sizes = sizes[sizes > 0.0]
+    least, most = float(sizes.min()), float(sizes.max())
+    if np.frexp(most)[1] - np.frexp(least)[1] > MOST_SPAN:
+        message = (
+            f"{NAME} with numbers from {least:.3g} to {most:.3g}, weights (1 where none are given) "
+            "among them: their proofs would be too long; give the clouds in a unit in which they "
+            "are nearer to 1, and 0 for numbers that are nothing but rounding"
+        )
+        raise InvalidProblemError(message, array=NAME, value=most)
+
+
 def _require_narrow(problem: RegistrationProblem, bounds: NDArray[np.float64]) -> None:
     """Refuses a bound of at least half the diameter of the smaller cloud: everything fits then.
 
@@ -135,9 +155,9 @@ def _require_narrow(problem: RegistrationProblem, bounds: NDArray[np.float64]) -
                 "are right: leave pairs that repeat a point out, and give some with other points"
             )
             raise InvalidProblemError(message, array=name, value=problem.n)
-    half, cloud = _diameter(block.target) / 2.0, "target"
+    half, cloud = diameter(block.target) / 2.0, "target"
     if not problem.scaled:
-        half, cloud = min(half, _diameter(block.source) / 2.0), "smaller cloud"
+        half, cloud = min(half, diameter(block.source) / 2.0), "smaller cloud"
     if float(bounds.min()) >= half:
         least = "" if (bounds == bounds[0]).all() else " at least"
         message = (
@@ -145,8 +165,3 @@ def _require_narrow(problem: RegistrationProblem, bounds: NDArray[np.float64]) -
             f"{cloud}, {half:g}: every pair may be brought within; give a smaller bound"
         )
         raise InvalidProblemError(message, array=NAME, value=float(bounds.min()), limit=half)
-
-
-def _diameter(points: NDArray[np.float64]) -> float:
-    """The diagonal of the box around them, at least their diameter."""
-    return float(np.linalg.norm(points.max(axis=0) - points.min(axis=0)))

@@ -12,6 +12,7 @@ import numpy as np
 from certreg.errors import InvalidProblemError
 from certreg.problem.bounds import NAME, checked_bounds
 from certreg.problem.model import Scale
+from certreg.problem.row_lengths import lengths
 from certreg.results import Brief
 
 if TYPE_CHECKING:
@@ -51,7 +52,7 @@ class TruncatedProblem(Brief):
         _require_model(points)
         bounds = checked_bounds(max_residual, points.n)
         sizes = np.maximum(np.abs(points.source), np.abs(points.target)).max(axis=1)
-        near = sizes <= MOST_BOUNDS * bounds
+        near = sizes / MOST_BOUNDS <= bounds
         if not near.all():
             row = int(np.argmin(near))
             message = f"row {row} (counting from 0) is 1e100 bounds away from the origin: remove it"
@@ -89,7 +90,8 @@ class TruncatedProblem(Brief):
 
 def _require_narrow(points: RegistrationProblem, bounds: NDArray[np.float64]) -> None:
     """Refuses bounds that every pair keeps at every rotation: |y - R x| is at most |x| + |y|."""
-    reach = np.hypot.reduce(points.source, axis=1) + np.hypot.reduce(points.target, axis=1)
+    with np.errstate(over="ignore"):
+        reach = lengths(points.source) + lengths(points.target)
     if not (bounds >= reach).all():
         return
     most, value = float(reach.max()), float(bounds.min())

@@ -23,7 +23,7 @@ from certreg.certificate import (
     require_accepted,
 )
 from certreg.errors import InvalidProblemError, UndecidedError
-from certreg.problem import LEAST_PAIRS, checked_effort
+from certreg.problem import LEAST_PAIRS, apart, checked_effort
 from certreg.registration.consensus_words import PairLabels, headline
 from certreg.registration.exit_codes import (
     DONE,
@@ -138,7 +138,7 @@ class ConsensusRegistration(Saved):
     def residuals(self) -> NDArray[np.float64]:
         """(N,), how far each pair is off at `pose`, in the unit of length."""
         block = self.problem.problem.block(slice(None))
-        return np.linalg.norm(block.target - self.pose.apply(block.source), axis=1)
+        return apart(self.pose.apply(block.source), block.target)
 
     @property
     def broken(self) -> tuple[int, ...]:

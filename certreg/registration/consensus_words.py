@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-import numpy as np
+from certreg.problem import diameter
 
 if TYPE_CHECKING:
     from certreg.certificate import Consensus
@@ -108,5 +108,5 @@ def _pairs(count: int) -> str:
 def _share(problem: ConsensusProblem) -> float:
     """The largest bound in percent of the smaller cloud's box."""
     block = problem.problem.block(slice(None))
-    sizes = (np.linalg.norm(np.ptp(p, axis=0)) for p in (block.source, block.target))
-    return 100.0 * float(problem.bounds.max()) / float(min(sizes))
+    size = min(diameter(block.source), diameter(block.target))
+    return 100.0 * (float(problem.bounds.max()) / size)

@@ -8,7 +8,7 @@ import numpy as np
 
 from certreg.certificate import consistent_pairs
 from certreg.native import triangles
-from certreg.problem import LEAST_PAIRS
+from certreg.problem import LEAST_PAIRS, lengths
 from certreg.registration.headlines import at_least
 
 if TYPE_CHECKING:
@@ -33,9 +33,9 @@ def nothing_met(problem: ConsensusProblem, motion: str) -> str:
 
 def nothing_turned(problem: TruncatedProblem) -> str:
     """Of a rotation that shall have a pair within its bound."""
-    sizes = [np.hypot.reduce(points, axis=1) for points in (problem.source, problem.target)]
+    sizes = [lengths(points) for points in (problem.source, problem.target)]
     apart = np.abs(sizes[0] - sizes[1])
-    if (apart - problem.bounds <= ROUNDING * (sizes[0] + sizes[1])).any():
+    if (apart - problem.bounds <= ROUNDING * sizes[0] + ROUNDING * sizes[1]).any():
         return (
             "no rotation was found that brings a pair within its bound: give more --effort, or "
             "wider bounds if right pairs may be farther off"

@@ -16,7 +16,7 @@ from certreg.certificate import truncated_certificate
 from certreg.errors import UndecidedError
 from certreg.exact import double_above
 from certreg.geometry import Pose, rotation_matrix
-from certreg.problem import RegistrationProblem, checked_effort
+from certreg.problem import RegistrationProblem, apart, checked_effort
 from certreg.registration.consensus_words import others_words
 from certreg.registration.exit_codes import DONE, NOT_CERTIFIED, NOT_UNIQUE
 from certreg.registration.fit_of_pairs import USUAL, FitSettings, fitted
@@ -108,8 +108,7 @@ class TruncatedRegistration(Saved):
     @property
     def residuals(self) -> NDArray[np.float64]:
         """(N,), how far each pair is off at `pose`, in the unit of length."""
-        moved = self.problem.source @ self.pose.rotation.T
-        return np.linalg.norm(self.problem.target - moved, axis=1)
+        return apart(self.problem.source @ self.pose.rotation.T, self.problem.target)
 
     @property
     def angles(self) -> NDArray[np.float64]:
