@@ -5,15 +5,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from certreg.problem import diameter
+from certreg.problem import ConsensusProblem, diameter
 
 if TYPE_CHECKING:
     from certreg.certificate import Consensus
-    from certreg.problem import ConsensusProblem, TruncatedProblem
+    from certreg.problem import TruncatedProblem
     from certreg.registration.row_names import RowNames
 
 WORDS = {"i": "inlier", "o": "outlier", "?": "undecided"}
 NAMED_ROWS = 5  # of the undecided ones, in a sentence
+WIDE = 0.25  # of a cloud's size: of directions a sixth or more are within it of any one
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,8 +68,7 @@ def headline(problem: ConsensusProblem, found: Consensus, names: RowNames) -> st
         )
     return (
         f"NOT PROVED: {met} of {n} pairs found {within}; proved: not more than {found.upper}. The "
-        f"bound is {_share(problem):.2g} % of the cloud's size: so many pairs agree by chance "
-        f"that none is proved an outlier."
+        f"{bound_words(problem)} that none is proved an outlier."
     )
 
 
@@ -105,8 +105,22 @@ def _pairs(count: int) -> str:
     return f"{count} pair{'s' * (count != 1)}"
 
 
-def _share(problem: ConsensusProblem) -> float:
-    """The largest bound in percent of the smaller cloud's box."""
-    block = problem.problem.block(slice(None))
-    size = min(diameter(block.source), diameter(block.target))
-    return 100.0 * (float(problem.bounds.max()) / size)
+def bound_words(problem: ConsensusProblem | TruncatedProblem) -> str:
+    """How wide the bound is, and what of it; a consequence is to follow."""
+    percent = 100.0 * _share(problem)
+    return f"bound is {percent:.2g} % of the cloud's size: so many pairs agree by chance"
+
+
+def wide_words(problem: ConsensusProblem | TruncatedProblem) -> list[str]:
+    """A warning of a bound that tells few wrong pairs from right ones; none of others."""
+    if _share(problem) < WIDE:
+        return []
+    told = bound_words(problem)
+    return [f"the {told} that an inlier may well be a wrong pair: give a smaller one"]
+
+
+def _share(problem: ConsensusProblem | TruncatedProblem) -> float:
+    """The largest bound over the smaller cloud's box."""
+    points = problem.problem if isinstance(problem, ConsensusProblem) else problem
+    source, target = points.source, points.target
+    return float(problem.bounds.max()) / min(diameter(source), diameter(target))

@@ -121,8 +121,17 @@ class KeptPairs(Presented):
         if self.upper == kept:
             return f"no motion brings more than {kept}, proved; another {kept} are not ruled out."
         if self.lower == self.upper:
-            return f"the most is {self.lower}, proved; these are {kept}."
+            return f"the most is {self.lower}, proved; these are {kept}.{self._missing()}"
         return f"the most is {self.lower} to {self.upper}, proved; these are {kept}."
+
+    def _missing(self) -> str:
+        """Which rows are proved inliers and were not labelled so."""
+        labels = "" if self.most is None else self.most.labels
+        rows = [r for r, letter in enumerate(labels) if letter == "i" and r not in self.rows]
+        if not rows:
+            return ""
+        named = self.names.words(rows[:NAMED_ROWS], len(rows))
+        return f" Every motion that brings {self.lower} within has {named} (from 0), too: proved."
 
     def _most(self) -> str:
         if self.lower == self.upper:

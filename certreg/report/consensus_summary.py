@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from certreg.problem import ConsensusProblem
+from certreg.registration import Registration, bound_words, wide_words
 from certreg.report.consensus_fit import (
     fit_causes,
     fit_remedies,
@@ -15,13 +17,14 @@ from certreg.report.consensus_fit import (
 from certreg.report.consensus_reach import reach_line
 from certreg.report.remedies import ADVICE
 from certreg.report.scaled_consensus import scale_lines, witness_scale_lines
-from certreg.report.summary import number, uncertainty_lines
+from certreg.report.summary import number, percent_words, uncertainty_lines
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from certreg.registration import ConsensusRegistration
+    from certreg.registration import ConsensusRegistration, TruncatedRegistration
 
+LEAST_EXPLAINED = 0.5  # as for the warning of a poor fit
 TOLD_SECOND = 4  # pairs: any three of equal lengths fit
 SHOWN_ROWS = 8
 HARDER = "give more --effort to search and to prove harder, or smaller bounds if those are true"
@@ -60,10 +63,25 @@ def consensus_summary(result: ConsensusRegistration) -> str:
     return "\n".join(lines)
 
 
-def warnings_of(result: ConsensusRegistration, said: str = "") -> list[str]:
-    """What is true of the data and of the least squares, and should not be overlooked."""
+def warnings_of(result: ConsensusRegistration | TruncatedRegistration, said: str = "") -> list[str]:
+    """What is true of bounds, data and least squares, and should not be overlooked."""
+    problem = result.problem
+    notes = problem.notes if isinstance(problem, ConsensusProblem) else ()
     told = (one.text for one in result.fit.fit.warnings)
-    return [*result.problem.notes, *(words for words in told if words not in said)]
+    return [*notes, *bound_warnings(result), *(words for words in told if words not in said)]
+
+
+def bound_warnings(result: ConsensusRegistration | TruncatedRegistration) -> list[str]:
+    """That inliers may be wrong pairs: of a wide bound, and of a fit that no test is for."""
+    problem, fit = result.problem, result.fit
+    wide = [] if bound_words(problem) in result.headline else wide_words(problem)
+    if not isinstance(fit, Registration) or fit.fit.untested is None:
+        return wide
+    share = fit.fit.explained
+    if share is None or share >= LEAST_EXPLAINED:
+        return wide
+    words = "of the target's spread: wrong pairs may be among those within, or noise is large"
+    return [*wide, f"THE FIT IS POOR: it explains {percent_words(share)} {words}"]
 
 
 def counted_labels(labels: Sequence[str]) -> str:

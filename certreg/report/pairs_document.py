@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from certreg.report.consensus_summary import bound_warnings
 from certreg.report.document import result_document
 
 if TYPE_CHECKING:
@@ -29,7 +30,8 @@ def pairs_document(
     `n`, `digest`, `theorems`, `certificate` and `residuals` are of all pairs. reasons: of nulls
     beside those of the least squares.
     """
-    document = result_document(result.fit, certificate_path, notes=notes)
+    told = [*notes, *bound_warnings(result)]
+    document = result_document(result.fit, certificate_path, notes=told)
     residuals = result.residuals
     worst = residuals.argsort()[::-1][:WORST].tolist()
     for one in document["fit"]["worst"]:

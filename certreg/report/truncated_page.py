@@ -16,7 +16,7 @@ from certreg.registration import (
 )
 from certreg.report.any_report import AnyReport, head_of, pairs_words
 from certreg.report.consensus_picture import pairs_picture, residual_chart
-from certreg.report.consensus_summary import counted_labels
+from certreg.report.consensus_summary import counted_labels, warnings_of
 from certreg.report.overview import Fact, Overview
 from certreg.report.similarity_overview import similarity_overview
 from certreg.report.summary import number
@@ -69,7 +69,7 @@ class TruncatedReport(AnyReport[Any]):
             result.headline,
             further=truncated_causes(result),
             todo=truncated_remedies(result),
-            warnings=[one.text for one in result.fit.fit.warnings],
+            warnings=warnings_of(result),
         )
         return {
             **head,
@@ -80,6 +80,7 @@ class TruncatedReport(AnyReport[Any]):
             "chart": residual_chart(result),
             "residual_words": list(_residual_words(result)),
             "nearest": list(_rows(result, names, near[:NEAREST])),
+            "nearest_words": _nearest_words(result.problem.n),
             "undecided": list(_rows(result, names, undecided[:MOST_ROWS])),
             "undecided_words": _undecided_words(len(undecided)),
             "known": list(_known(result)),
@@ -157,6 +158,17 @@ def _rows(
             "share": f"{float(residuals[row] / problem.bounds[row]):.3g}",
             "proved": result.labels[row],
         }
+
+
+def _nearest_words(n: int) -> str | None:
+    """That not all are listed, and where they are."""
+    if n <= NEAREST:
+        return None
+    return (
+        f"Of the {n} pairs the {NEAREST} nearest to their bounds are listed; the residuals "
+        "and labels of all are in fit.csv, which certify --out writes, the labels in the JSON, too "
+        "(truncated.labels)."
+    )
 
 
 def _degrees(angle: float) -> str:

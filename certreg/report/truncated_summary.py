@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING
 
 from certreg.registration import DONE, at_most
 from certreg.report.cards import Card
-from certreg.report.consensus_fit import fit_causes, fit_remedies, further_lines
-from certreg.report.consensus_summary import counted_labels
+from certreg.report.consensus_fit import fit_causes, fit_remedies, fit_verdict, further_lines
+from certreg.report.consensus_summary import counted_labels, warnings_of
 from certreg.report.remedies import ADVICE
-from certreg.report.summary import MEANS, UNMET, number
+from certreg.report.summary import MEANS, UNMET, explained_words, number, uncertainty_lines
 from certreg.results import Limits
 from certreg.verify import DEGREES
 
@@ -23,10 +23,15 @@ def truncated_summary(result: TruncatedRegistration) -> str:
     """The result of `certify` with truncated squares, readable."""
     facts = [f"  {name:<17} {value}" for name, value in truncated_facts(result)]
     advice = [f"{ADVICE}{words}" for words in truncated_remedies(result)]
-    further = further_lines(result.fit)
-    warned = [f"  {'warning':<17} {one.text}" for one in result.fit.fit.warnings]
+    verdict, *_ = fit_verdict(result.fit)
+    fit = [
+        f"  {'least squares':<17} of these {len(result.rows)}: {verdict}",
+        *uncertainty_lines(result.fit),
+        *further_lines(result.fit),
+    ]
+    warned = [f"  {'warning':<17} {words}" for words in warnings_of(result, verdict)]
     return "\n".join(
-        [result.headline, *truncated_causes(result), *advice, "", *facts, *further, *warned]
+        [result.headline, *truncated_causes(result), *advice, "", *facts, *fit, *warned]
     )
 
 
@@ -73,6 +78,7 @@ def truncated_facts(result: TruncatedRegistration) -> list[tuple[str, str]]:
         ("rotation (wxyz)", " ".join(map(repr, result.pose.quaternion_wxyz.tolist()))),
         ("proved angle", turn),
         ("RMSE within", "beyond doubles" if rmse is None else number(rmse)),
+        ("explained", explained_words(result.fit.fit)),
     ]
 
 

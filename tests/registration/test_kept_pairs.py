@@ -43,7 +43,10 @@ def test_labels_that_are_the_most_are_said_to_be():
 
 def test_fewer_labels_than_the_most():
     kept = judged(*wrong_pairs(1), ["inlier"] * 12 + ["outlier"] * 8)
-    assert kept.headline.endswith("within 0.05; the most is 14, proved; these are 12.")
+    assert kept.headline.endswith(
+        "within 0.05; the most is 14, proved; these are 12. Every motion that brings "
+        "14 within has rows 12, 13 (from 0), too: proved."
+    )
     most = kept.most
     assert most is not None
     less = replace(kept, most=replace(most, upper=16), sets=20)

@@ -281,3 +281,12 @@ def test_a_certificate_whose_rotation_meets_nothing_has_no_report(tmp_path: Path
         "the rotation of the certificate brings no pair within its bound: there is no pair to fit "
         "it to"
     )
+
+
+def test_that_not_all_angles_are_listed_is_said(monkeypatch):
+    assert "nearest to their bounds are listed" not in words_of(result())
+    monkeypatch.setattr("certreg.report.truncated_page.NEAREST", 5)
+
+    words = words_of(result())
+    assert "Of the 12 pairs the 5 nearest to their bounds are listed; the residuals and " in words
+    assert " angle largest allowed residual " in words
