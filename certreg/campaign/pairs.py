@@ -36,6 +36,7 @@ from certreg.problem import Scale
 from certreg.registration import (
     MISUSED,
     NOT_CERTIFIED,
+    NOT_UNIQUE,
     REFUSED,
     ConsensusRegistration,
     FitDemands,
@@ -47,7 +48,7 @@ from certreg.registration import (
     worst,
 )
 from certreg.report import result_document, wrong_pairs_document
-from certreg.results import Limits
+from certreg.results import Limits, Optimality
 from certreg.verify import shown
 
 if TYPE_CHECKING:
@@ -69,7 +70,13 @@ STEM = 60  # characters of a pair's name in the name of its certificate
 DEFAULT_LIMITS = Limits()
 NOTHING_ASKED = FitDemands()
 RIGID = {"scale": "none", "rotation_only": "no"}
-STATUSES = "certified, certified-not-unique, bounded, not-certified, or error"
+LABELS_OPEN, NOT_ALL_PROVED = "labels-not-proved", "partly-proved"
+STATUSES = (
+    "certified, certified-not-unique, bounded, not-certified, or error; of wrong pairs "
+    f"{LABELS_OPEN} (the most, but not each label) or {NOT_ALL_PROVED} (less)"
+)
+SHORT = (NOT_UNIQUE, NOT_CERTIFIED)  # exit codes of rows that are not fully proved
+SHOWN_SHORT = 5  # names of each kind
 LOOSE_WORDS = "1: the noise rules out no turn about some axis; 0: it does; empty: not known"
 POSE_COLUMNS = ("qw", "qx", "qy", "qz", "tx", "ty", "tz")
 PAIR_COLUMNS = (
@@ -222,6 +229,8 @@ class Tally:
         self.first_errors: list[str] = []
         self.poor = 0
         self.first_poor: list[str] = []
+        self.short: Counter[str] = Counter()
+        self.first_short: dict[str, list[str]] = {}
 
     def add(self, entry: dict[str, Any]) -> None:
         """Count a pair by its line of results."""
@@ -230,7 +239,14 @@ class Tally:
             self.errors += 1
             if len(self.first_errors) < SHOWN_ERRORS:
                 self.first_errors.append(f"{entry['name']}: {entry['error']['message']}")
-        elif entry["fit"]["warnings"]:
+            return
+        if entry["exit_code"] in SHORT:
+            status = _status(entry)
+            self.short[status] += 1
+            first = self.first_short.setdefault(status, [])
+            if len(first) < SHOWN_SHORT:
+                first.append(entry["name"])
+        if entry["fit"]["warnings"]:
             self.poor += 1
             if len(self.first_poor) < SHOWN_ERRORS:
                 self.first_poor.append(f"{entry['name']}: {entry['fit']['warnings'][0]['text']}")
@@ -267,7 +283,7 @@ def _row(entry: dict[str, Any]) -> dict[str, Any]:
     margin = entry["margin"]
     loose, near = margin["hardly_determined"], margin["nearly_ambiguous"]
     return row | {
-        "status": optimality["status"],
+        "status": _status(entry),
         "n": entry["n"],
         "rmse": entry["rmse"],
         **_fit_and_pose(entry["fit"], entry["pose"]),
@@ -281,6 +297,19 @@ def _row(entry: dict[str, Any]) -> dict[str, Any]:
         "pattern": "" if equilibria is None else " ".join(map(str, equilibria["pattern"])),
         "certificate": entry["certificate"],
     }
+
+
+def _status(entry: dict[str, Any]) -> str:
+    """What its exit code says: of wrong pairs what is proved of all pairs, and of the fit."""
+    told: dict[str, Any] = entry.get("consensus") or entry.get("truncated") or {}
+    status = entry["optimality"]["status"]
+    if not told:
+        return status
+    if told["labels_unique"]:
+        one = told.get("unique", True) or status != Optimality.CERTIFIED.value
+        return status if one else Optimality.CERTIFIED_NOT_UNIQUE.value
+    whole = "upper" in told and told["upper"] == told["lower"]
+    return LABELS_OPEN if whole else NOT_ALL_PROVED
 
 
 def _labels(entry: dict[str, Any]) -> dict[str, int | None]:

@@ -44,6 +44,14 @@ if TYPE_CHECKING:
     from certreg.cli.wrong_pairs import WrongPairs
     from certreg.registration import FitDemands
 
+SHORT_OF = {  # statuses of pairs that are not fully proved
+    "labels-not-proved": "registered with the most pairs proved, but not each label",
+    "partly-proved": "registered, but neither the optimum nor each label is proved",
+    "certified-not-unique": "certified, but not unique",
+    "bounded": "not certified: bounded",
+    "not-certified": "not certified",
+    "certified": "certified, but not as good as was asked",
+}
 REMEDY = '; "remedy" beside it says what to do'
 
 
@@ -105,14 +113,16 @@ def batch(
     else:
         tally = _kept(campaign, scheduler, out, parquet=parquet)
     _tell(tally, listing.count, kept=out is not None)
+    _tell_short(tally, listing.count)
     return worst(tally.codes)
 
 
 def _tell(tally: Tally, count: int, *, kept: bool) -> None:
     """Says on stderr which pairs failed or are warned of; the first by name if lines are kept."""
+    warned = "has a warning" if tally.poor == 1 else "have a warning"
     said = {
         "error": (tally.errors, tally.first_errors, "could not be registered", ""),
-        "warning": (tally.poor, tally.first_poor, "have a warning", REMEDY),
+        "warning": (tally.poor, tally.first_poor, warned, REMEDY),
     }
     for kind, (number, first, what, then) in said.items():
         if number:
@@ -121,6 +131,16 @@ def _tell(tally: Tally, count: int, *, kept: bool) -> None:
             more = ", of which the first are above" if number > len(first) and kept else ""
             total = f"{number} of {count} pairs {what}{more}"
             click.echo(f'certreg: {total}: look for "{kind}" in the results{then}', err=True)
+
+
+def _tell_short(tally: Tally, count: int) -> None:
+    """Says on stderr how many pairs are not fully proved, by what is proved of them, and which."""
+    for status, number in tally.short.items():
+        first = tally.first_short[status]
+        names = ", ".join([*map(printable, first), *(["..."] if number > len(first) else [])])
+        are = "is" if number == 1 else "are"
+        total = f"{number} of {count} pairs {are} {SHORT_OF[status]}"
+        click.echo(f"certreg: {total}: {names}", err=True)
 
 
 def _streamed(campaign: PairCampaign, scheduler: str | None) -> Tally:

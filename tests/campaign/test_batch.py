@@ -352,7 +352,7 @@ def test_one_note_tells_of_all_files_that_have_changed(folder):
     notes, *poor = run.err.splitlines()
     assert notes == "note: a0.csv and 1 more: changed since the last run: computed anew"
     assert poor[0].startswith("warning: pair-1: ")  # a3.csv has no pair here
-    total = 'certreg: 1 of 2 pairs have a warning: look for "warning" in the results'
+    total = 'certreg: 1 of 2 pairs has a warning: look for "warning" in the results'
     assert poor[1:] == [f'{total}; "remedy" beside it says what to do']
 
 

@@ -154,3 +154,18 @@ def test_an_option_that_bounds_nothing_is_refused_at_once(
 
     assert (run.code, run.out) == (2, "")
     assert words in run.err
+
+
+@pytest.mark.slow
+def test_rows_that_are_not_fully_proved_are_told_and_named_so(listed: Path):
+    twice = np.vstack([X[:6], X[:6]])  # two motions, each with as many pairs
+    np.savetxt(listed / "a.csv", twice, "%.17g", ",")
+    np.savetxt(listed / "b.csv", np.vstack([X[:6], X[:6, [1, 2, 0]] + 9.0]), "%.17g", ",")
+    out = listed / "out"
+    run = certreg("batch", written(listed, "0.001,,,,,,"), "--out", out)
+    with (out / "summary.csv").open(encoding="utf-8") as stream:
+        (row,) = csv.DictReader(stream)
+
+    assert (run.code, row["exit_code"], row["status"]) == (3, "3", "labels-not-proved")
+    told = "certreg: 1 of 1 pairs is registered with the most pairs proved, but not each label: "
+    assert run.err.endswith(f"{told}{row['name']}\n")

@@ -194,7 +194,7 @@ def test_a_list_names_its_poor_pairs(clouds, tmp_path: Path, monkeypatch):
 
     assert run.code == 0
     assert run.err.splitlines()[0].startswith("warning: bad: row 5, counting from 0, does not fit")
-    assert 'certreg: 1 of 2 pairs have a warning: look for "warning" in the results' in run.err
+    assert 'certreg: 1 of 2 pairs has a warning: look for "warning" in the results' in run.err
     assert [row["warnings"] for row in table] == ["", "outlier-rows"]
     assert float(table[1]["explained"]) == bad["fit"]["explained"]
     assert [float(table[0][f"q{axis}"]) for axis in "wxyz"] == fine["pose"]["quaternion_wxyz"]
