@@ -56,6 +56,14 @@ if TYPE_CHECKING:
     from certreg.verify import Clouds
 
 
+OF_SOME = (
+    "the pose was fitted to the pairs within a bound alone, and is judged here on all that are "
+    "given (--pairs FILE takes some)"
+)
+CHECKED_BESIDE = (
+    "it was fitted to the pairs within a bound alone, and certreg verify checks the certificate"
+)
+
 line_option = click.option(
     "--line",
     type=click.IntRange(min=1),
@@ -115,10 +123,18 @@ def assess(
     """
     if labels_file is not None and wrong is not None and pose_file is None and line is None:
         return _told_of_labels(problem, pair, labels_file, wrong, as_json=as_json)
-    if pose_file is None or labels_file is not None or wrong is not None:
+    if pose_file is not None and labels_file is None and wrong is not None:
+        message = (
+            "--pose is judged on all pairs, and --max-residual is for --labels: leave it out, and "
+            "give the pairs that are right alone (--pairs FILE)"
+        )
+        raise click.UsageError(message)
+    if pose_file is None or labels_file is not None:
         message = "give --pose, or --labels and --max-residual: a pose or labels are judged"
         raise click.UsageError(message)
     pose = read_result_pose(pose_file, line)
+    if pose.of_some:
+        note(f"{pose_file}: {OF_SOME}")
     registration = certify(problem, relaxation=False, simulation=False, about=pair.about)
     assessment = judged(registration, pose)
     click.echo(
@@ -183,10 +199,8 @@ def _pose_to_apply(result: Path, line: int | None) -> tuple[GivenPose, str]:
     """
     pose = read_result_pose(result, line)
     if pose.translation is not None:
-        return (
-            pose,
-            f"The pose is as {printable(result)} has it, unchecked: certreg assess judges it.",
-        )
+        told = CHECKED_BESIDE if pose.of_some else "certreg assess judges it"
+        return pose, f"The pose is as {printable(result)} has it, unchecked: {told}."
     found = certified_pose(result)
     scale = found.scale if isinstance(found, Similarity) else None
     given = GivenPose(turn=found.quaternion_wxyz, translation=found.translation, scale=scale)

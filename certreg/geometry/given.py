@@ -44,11 +44,14 @@ class GivenPose:
     translation: (3,); None where only a rotation was given.
     scale: of y = s R x + t, > 0, where it was written apart; None where it was not: a matrix may
         hold it.
+    of_some: whether the file says that the pose was fitted to some of the pairs only, the others
+        being wrong.
     """
 
     turn: NDArray[np.float64]
     translation: NDArray[np.float64] | None
     scale: float | None = None
+    of_some: bool = False
 
     @property
     def is_matrix(self) -> bool:

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from certreg.io.pose_values import PoseSource
 
 QUATERNION = 4  # entries
+BOUNDED = "consensus", "truncated"  # what only results of pairs with bounds hold
 SCALE = 64  # bits: the root of the norm is then right beyond a double
 
 
@@ -32,13 +33,14 @@ def pose_of_json(source: PoseSource, content: bytes, text: str) -> GivenPose:
     fields = cast("dict[str, Any]", document)
     if fields.get("format") == FORMAT:
         return pose_of_certificate(source, content)
+    some = any(isinstance(fields.get(name), dict) for name in BOUNDED)
     if isinstance(fields.get("pose"), dict):
         fields = fields["pose"]
     if "T_target_source" in fields:
-        return of_matrix(source, fields["T_target_source"])
+        return replace(of_matrix(source, fields["T_target_source"]), of_some=some)
     if not {"rotation", "quaternion_wxyz"} & set(fields) or "translation" not in fields:
         raise source.refusal("holds no pose (T_target_source, or rotation and translation)")
-    return _pose_of_fields(source, fields)
+    return replace(_pose_of_fields(source, fields), of_some=some)
 
 
 def pose_of_certificate(source: PoseSource, content: bytes) -> GivenPose:
@@ -55,7 +57,9 @@ def pose_of_certificate(source: PoseSource, content: bytes) -> GivenPose:
     if not any(q):  # that of a count holds none
         raise source.refusal("is a certificate that holds no pose: give a pose or a result")
     norm = math.isqrt(sum(entry * entry for entry in q) << 2 * SCALE)
-    return GivenPose(turn=np.array([(entry << SCALE) / norm for entry in q]), translation=None)
+    turn = np.array([(entry << SCALE) / norm for entry in q])
+    some = statement.model.endswith(("--max-residual", "--objective truncated"))
+    return GivenPose(turn=turn, translation=None, of_some=some)
 
 
 def _pose_of_fit(fit: Any) -> tuple[int, ...]:

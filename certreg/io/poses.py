@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import io
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO
 
+import numpy as np
+
 from certreg.errors import InvalidFileError
+from certreg.geometry import ROTATION_TOLERANCE
 from certreg.io.npy import parse_array
 from certreg.io.pose_documents import pose_of_certificate, pose_of_json
 from certreg.io.pose_values import PoseSource, of_array, of_matrix, of_quaternion
@@ -19,6 +23,8 @@ if TYPE_CHECKING:
     from certreg.geometry import GivenPose
 
 MAX_POSE_BYTES = 1 << 20  # a result without its points is a few kilobytes
+RESULT = "result.json"
+BESIDE = "pose.json", "pose.txt"  # that certify writes, without a word on the pairs
 NPY = b"\x93NUMPY"
 FORMS = {  # by how many numbers there are in a line
     7: "w x y z tx ty tz",
@@ -30,7 +36,23 @@ FORMS = {  # by how many numbers there are in a line
 def read_result_pose(path: str | os.PathLike[str], line: int | None = None) -> GivenPose:
     """The pose in a result of certreg (the file or its folder), or in a pose file."""
     file = Path(path)
-    return read_pose(file / "result.json" if file.is_dir() else file, line)
+    if file.is_dir():
+        return read_pose(file / RESULT, line)
+    pose = read_pose(file, line)
+    return replace(pose, of_some=True) if file.name in BESIDE and _of_some(file, pose) else pose
+
+
+def _of_some(file: Path, pose: GivenPose) -> bool:
+    """Whether the result beside a pose file is of the same pose, and says so of it."""
+    try:
+        other = read_pose(file.with_name(RESULT))
+    except InvalidFileError:
+        return False
+    ours, theirs = pose.translation, other.translation
+    if not other.of_some or ours is None or theirs is None or not np.array_equal(ours, theirs):
+        return False
+    apart = np.abs(pose.rotation - other.scaled_within().rotation).max()
+    return bool(apart <= ROTATION_TOLERANCE)
 
 
 def read_pose(path: str | os.PathLike[str], line: int | None = None) -> GivenPose:

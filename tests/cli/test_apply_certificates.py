@@ -81,3 +81,60 @@ def test_a_folder_of_certify_is_verified_and_reported(tmp_path, clouds):
         refused = certreg(command, tmp_path)
         assert refused.code == 2
         assert "a folder without certificate.json: give a folder that certify --out" in refused.err
+
+
+@pytest.mark.parametrize(
+    ("options", "names", "checks"),
+    [
+        (BOUND, ("", "result.json", "pose.json", "pose.txt", "certificate.json"), "certreg verify"),
+        (
+            (*BOUND, "--scale", "asymmetric"),
+            ("", "result.json", "certificate.json"),
+            "certreg verify",
+        ),
+        ((*BOUND, "--normals", "n.npy"), ("", "certificate.json"), "certreg verify"),
+        ((), ("", "pose.json", "certificate.json"), "certreg assess"),
+        pytest.param(TURNS, ("", "certificate.json"), "certreg verify", marks=pytest.mark.slow),
+    ],
+)
+def test_a_pose_of_the_pairs_within_a_bound_is_told_from_that_of_all(
+    tmp_path, clouds, options, names, checks
+):
+    """By `apply`, which says what checks it, and by `assess`, which judges it on all pairs."""
+    given = [tmp_path / one if one.endswith("npy") else one for one in options]
+    certreg("certify", *clouds, *given, "--out", tmp_path / "o")
+    for name in names:
+        pose = tmp_path / "o" / name
+        moved = certreg("apply", pose, clouds[0], "--out", tmp_path / "a.csv")
+        if name != "certificate.json":
+            assert moved.out.count("certreg ") == 1
+            assert checks in moved.out
+        judged = certreg("assess", *clouds, "--pose", pose)
+        noted = (
+            f"note: {pose}: the pose was fitted to the pairs within a bound alone, and is judged"
+        )
+        assert judged.err.startswith(noted) == (options != ())
+
+
+def test_a_pose_file_of_another_pose_is_not_that_of_the_result_beside_it(tmp_path, clouds):
+    certreg("certify", *clouds, *BOUND, "--out", tmp_path / "o")
+    path = tmp_path / "o" / "pose.txt"
+    matrix = np.loadtxt(path)
+    for turn, shift in ((matrix[:3, :3], 7.0), (np.eye(3), matrix[:3, 3])):
+        other = matrix.copy()
+        other[:3, :3], other[:3, 3] = turn, shift
+        np.savetxt(path, other)
+        assert certreg("assess", *clouds, "--pose", path).err == ""
+
+    path.with_name("result.json").unlink()
+    assert certreg("assess", *clouds, "--pose", path.with_name("pose.json")).err == ""
+
+
+def test_a_pose_is_not_judged_with_bounds(clouds):
+    refused = certreg("assess", *clouds, "--pose", "o", *BOUND)
+
+    assert refused.code == 2
+    assert refused.err.endswith(
+        "Error: --pose is judged on all pairs, and --max-residual is for --labels: leave it out, "
+        "and give the pairs that are right alone (--pairs FILE)\n"
+    )
