@@ -41,7 +41,7 @@ import numpy as np
 
 from certreg.exact import nearest_or_zero, power_of_two, rank
 from certreg.geometry import squared_norm
-from certreg.problem import MOST_PAIRS, trace
+from certreg.problem import trace
 from certreg.registration.outlying import PAIRINGS, ROUNDING
 from certreg.registration.tails import log_beta_below, log_choices, log_ratio_below
 from certreg.registration.units import UNITS
@@ -266,6 +266,8 @@ def _outlier_remedy(rows: RowFit, names: RowNames) -> str:
     which = names.words(rows.far, k) if k <= NAMED_AGAIN else "these rows"
     they, them = ("it is", "it") if k == 1 else ("they are", "them")
     remedy = f"check {which}; if {they} wrong, mend {them} or leave {them} out, and certify again"
+    from certreg.problem import MOST_PAIRS  # loads what few problems need
+
     return f"{remedy}{PROVE_WRONG}" if rows.rows <= MOST_PAIRS else remedy
 
 
