@@ -73,9 +73,9 @@ def narrow_words(equilibria: EquilibriumSet) -> str | None:
         fits = f" (RMSE {following.rmse:.3g} instead of {best.rmse:.3g})"
     return (
         f"the margin is small: the next equilibrium, {away:.4g} degrees away, costs only "
-        f"{100 * equilibria.margin.relative:.3g} % of the range of energies{fits}; noise as "
-        "large as sigma, or else the residuals, say does not turn the answer over, but a few wrong "
-        "pairs may"
+        f"{100 * equilibria.margin.relative:.3g} % of the range of energies{fits}; noise of "
+        "the size of sigma, or of the residuals where none is given, does not turn the answer "
+        "over; a few wrong pairs may"
     )
 
 

@@ -24,7 +24,7 @@ from certreg.certificate import (
 )
 from certreg.errors import InvalidProblemError, UndecidedError
 from certreg.problem import LEAST_PAIRS, apart, checked_effort
-from certreg.registration.consensus_words import PairLabels, headline
+from certreg.registration.consensus_words import PairLabels, against_pose, chance_words, headline
 from certreg.registration.exit_codes import (
     DONE,
     NOT_CERTIFIED,
@@ -154,7 +154,23 @@ class ConsensusRegistration(Saved):
     @property
     def headline(self) -> str:
         """What is proved, in words."""
-        return headline(self.problem, self.found, self.names)
+        return headline(self.problem, self.found, self.names, self.against)
+
+    @property
+    def against(self) -> str | None:
+        """What is to be said against the pose in the headline; None where nothing is."""
+        return against_pose(self.fit)
+
+    @property
+    def good(self) -> bool:
+        """Whether every label is proved, and nothing is to be said against the pose."""
+        return self.labels_unique and self.against is None
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What the proof of the labels does not tell of the pairs."""
+        few = chance_words(self.lower, self.problem.n)
+        return () if few is None else (few,)
 
     @property
     def exit_code(self) -> int:

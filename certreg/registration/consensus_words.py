@@ -3,18 +3,24 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
-from certreg.problem import ConsensusProblem, diameter
+from certreg.problem import LEAST_PAIRS, ConsensusProblem, diameter
+from certreg.registration.headlines import is_loose
+from certreg.results import Optimality
 
 if TYPE_CHECKING:
     from certreg.certificate import Consensus
     from certreg.problem import TruncatedProblem
+    from certreg.registration.result import Registration
     from certreg.registration.row_names import RowNames
+    from certreg.registration.spring_result import SpringRegistration
 
 WORDS = {"i": "inlier", "o": "outlier", "?": "undecided"}
 NAMED_ROWS = 5  # of the undecided ones, in a sentence
 WIDE = 0.25  # of a cloud's size: of directions a sixth or more are within it of any one
+FEW = 6  # pairs, where FEW_OF times as many are given: sets of five of 100 agree by chance
+FEW_OF = 10
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,17 +44,23 @@ class PairLabels:
         return self.words.count(word)
 
 
-def headline(problem: ConsensusProblem, found: Consensus, names: RowNames) -> str:
-    """The first line: CERTIFIED only where every label is proved."""
+def headline(
+    problem: ConsensusProblem, found: Consensus, names: RowNames, against: str | None
+) -> str:
+    """The first line: CERTIFIED only where every label is proved.
+
+    against: what is to be said against the pose, as of `against_pose`.
+    """
     n, met, labels = problem.n, len(found.met), PairLabels(found.labels)
     within, motion = within_words(problem), motion_words(problem)
+    but = "" if against is None else f", BUT {against}"
     if found.decided and met == n:
         one = "motion with a scale" if problem.problem.scaled else "rigid motion"
-        return f"CERTIFIED: one {one} brings all {n} pairs {within}: no outliers."
+        return f"CERTIFIED{but}: one {one} brings all {n} pairs {within}: no outliers."
     out = labels.count("outlier")
     if found.decided:
         return (
-            f"CERTIFIED: no {motion} brings more than {met} of the {n} pairs {within}, and "
+            f"CERTIFIED{but}: no {motion} brings more than {met} of the {n} pairs {within}, and "
             f"only these {met}. {others_words(out)} in EVERY such motion."
         )
     open_rows = labels.undecided
@@ -70,6 +82,40 @@ def headline(problem: ConsensusProblem, found: Consensus, names: RowNames) -> st
         f"NOT PROVED: {met} of {n} pairs found {within}; proved: not more than {found.upper}. The "
         f"{bound_words(problem)} that none is proved an outlier."
     )
+
+
+def against_pose(fit: Registration | SpringRegistration) -> str | None:
+    """Why not to rely on the pose of pairs though their labels are proved; None where one may."""
+    if fit.status in {Optimality.BOUNDED, Optimality.NOT_CERTIFIED}:
+        return "THE POSE IS NOT CERTIFIED"
+    if fit.problem.factors is not None:
+        return _against_sprung(cast("SpringRegistration", fit))
+    equilibria = cast("Registration", fit).equilibria
+    if not equilibria.classification.unique:
+        return "THE POSE IS NOT UNIQUE"
+    if equilibria.nearly_ambiguous:
+        return "THE ROTATION IS NEARLY AMBIGUOUS"
+    return _against_turn(fit)
+
+
+def _against_sprung(fit: SpringRegistration) -> str | None:
+    if fit.unique is False:
+        return "A SHIFT IS FREE" if fit.solution.unique_rotation else "THE POSE IS NOT UNIQUE"
+    return "A SHIFT IS HARDLY RESISTED" if fit.solution.weak_shifts else _against_turn(fit)
+
+
+def _against_turn(fit: Registration | SpringRegistration) -> str | None:
+    return "THE ROTATION IS HARDLY DETERMINED" if is_loose(fit) else None
+
+
+def chance_words(met: int, n: int) -> str | None:
+    """That the pairs that are met may agree by chance, where they are few; None where not.
+
+    Any three of equal lengths fit; of many pairs, all of them wrong, some four to six do.
+    """
+    if met > max(LEAST_PAIRS, min(FEW, n // FEW_OF)):
+        return None
+    return f"so few pairs, {met} of {n}, may agree by chance, even where all pairs are wrong"
 
 
 def motion_words(problem: ConsensusProblem) -> str:

@@ -19,8 +19,8 @@ def consensus_card(result: ConsensusRegistration) -> str:
     rmse = result.fit.rmse
     return Card(
         headline=result.headline,
-        notes=(),
-        good=result.labels_unique,
+        notes=[f"Warning: {words}" for words in result.warnings],
+        good=result.good,
         facts=(
             ("within bounds", f"{result.lower} found, at most {result.upper} (proved)"),
             ("labels", counted_labels(labels)),

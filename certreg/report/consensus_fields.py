@@ -36,6 +36,7 @@ def consensus_document(
                 "labels": list(result.labels),
                 "second": None if result.second is None else {"size": result.second},
                 "headline": result.headline,
+                "warnings": list(result.warnings),
                 **scale_fields(result),
             }
         },

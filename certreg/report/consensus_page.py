@@ -20,7 +20,7 @@ from certreg.report.consensus_fit import (
 from certreg.report.consensus_picture import pairs_picture, residual_chart
 from certreg.report.consensus_reach import reach_degrees, why_unbounded
 from certreg.report.consensus_summary import HARDER, TOLD_SECOND, counted_labels, warnings_of
-from certreg.report.overview import Fact, Overview
+from certreg.report.overview import Fact, Mark, Overview
 from certreg.report.scaled_consensus import scale_sentences
 from certreg.report.summary import number
 from certreg.report.words import Sentence, begun, sentence
@@ -84,7 +84,7 @@ class ConsensusReport(AnyReport[Any]):
         )
         return {
             **head,
-            "good": result.labels_unique,
+            "good": result.good,
             "overview": _overview(result),
             "picture": picture,
             "picture_words": "" if picture is None else sentence(begun(picture.words)),
@@ -120,7 +120,10 @@ def _overview(result: ConsensusRegistration) -> Overview:
     else:
         words = f"from this rotation to that of any motion that brings these {found} within"
         facts.append(Fact(name="Angle", value=f"≤ {reach}°", words=words))
-    return replace(own, proved=(*facts, *own.proved))
+    mark = own.mark
+    if result.against is not None and mark.kind != "open":
+        mark = Mark(kind="open", words=result.against.lower())
+    return replace(own, mark=mark, proved=(*facts, *own.proved))
 
 
 def _residual_words(result: ConsensusRegistration) -> Iterator[str]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 from certreg.problem import ConsensusProblem
 from certreg.registration import Registration, bound_words, wide_words
@@ -66,7 +66,9 @@ def consensus_summary(result: ConsensusRegistration) -> str:
 def warnings_of(result: ConsensusRegistration | TruncatedRegistration, said: str = "") -> list[str]:
     """What is true of bounds, data and least squares, and should not be overlooked."""
     problem = result.problem
-    notes = problem.notes if isinstance(problem, ConsensusProblem) else ()
+    notes: tuple[str, ...] = ()
+    if isinstance(problem, ConsensusProblem):
+        notes = (*cast("ConsensusRegistration", result).warnings, *problem.notes)
     told = (one.text for one in result.fit.fit.warnings)
     return [*notes, *bound_warnings(result), *(words for words in told if words not in said)]
 

@@ -17,8 +17,8 @@ ADVICE = "What to do: "  # before a remedy in text; a page sets it apart
 GIVE_SIGMA = "give sigma, which may rule the other pose out; or "
 TELL_APART = "add pairs off the axis of the turn to the other pose: they may tell the two apart"
 WIDEN = (
-    "check the pairs, a few wrong ones being enough; or add pairs off the axis of the turn to the "
-    "other pose: they may widen the margin"
+    "check the pairs: a few wrong ones are enough for the other pose to fit better; or add pairs "
+    "off the axis of the turn to the other pose: they may widen the margin"
 )
 SINGLE_OUT = "add pairs off the line, plane or symmetry of these: they may single one pose out"
 FIX_TURN = "add pairs farther from that axis: they may fix the turn about it"

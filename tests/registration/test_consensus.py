@@ -17,6 +17,8 @@ from certreg.certificate import Certificate
 from certreg.errors import InvalidFileError, InvalidProblemError, UndecidedError
 from certreg.problem import ConsensusProblem, RegistrationProblem
 from certreg.registration import ConsensusRegistration
+from certreg.registration.consensus_words import chance_words
+from certreg.report.consensus_page import ConsensusReport
 
 BOUND = 0.05
 
@@ -157,7 +159,30 @@ def _headline(problem, found):
     from certreg.registration.consensus_words import headline
     from certreg.registration.row_names import RowNames
 
-    return headline(problem, found, RowNames(None))
+    return headline(problem, found, RowNames(None), None)
+
+
+def test_few_pairs_are_said_to_agree_by_chance_perhaps():
+    rng = np.random.default_rng(1)
+    wrong = certified(rng.uniform(size=(40, 3)), rng.uniform(size=(40, 3)), 0.06)
+    words = "so few pairs, 4 of 40, may agree by chance, even where all pairs are wrong"
+    assert wrong.headline.startswith("CERTIFIED: no rigid motion brings more than 4 of the 40 ")
+    assert wrong.warnings == (words,)
+    assert f"\n  warning           {words}" in str(wrong)
+    assert wrong.to_dict()["consensus"]["warnings"] == [words]
+    assert f"Warning: {words}" in wrong._repr_html_()
+    assert f"{words[1:]}." in ConsensusReport.of(wrong).html().decode()
+
+
+@pytest.mark.parametrize(
+    ("met", "n", "few"),
+    [
+        *[(3, 3, True), (3, 20, True), (4, 4, False), (4, 39, False), (4, 40, True)],
+        *[(5, 49, False), (5, 50, True), (6, 60, True), (7, 70, False), (7, 1000, False)],
+    ],
+)
+def test_few_pairs_are_three_or_a_tenth_of_all_up_to_six(met, n, few):
+    assert (chance_words(met, n) is not None) is few
 
 
 def test_a_least_squares_pose_that_breaks_its_own_consensus_is_told():
@@ -189,6 +214,7 @@ def test_the_document_and_the_files(tmp_path):
         "labels": list(result.labels),
         "second": None if result.second is None else {"size": result.second},
         "headline": result.headline,
+        "warnings": [],
     }
     assert document["n"] == 20
     assert document["digest"] == result.problem.digest()

@@ -154,11 +154,24 @@ def test_springs_that_leave_the_pose_undetermined_are_told():
     assert found.exit_code == 3
     assert len(found.broken) > 0
     text = str(found)
+    assert text.startswith("CERTIFIED, BUT THE POSE IS NOT UNIQUE: no rigid motion brings more ")
     assert "CERTIFIED, BUT NOT UNIQUE: no pose is better by more than the proved gap, and" in text
     assert "no spring resists a shift along" in text
     assert "add pairs with springs across what is undetermined" in text
     assert "beyond the bound at the least-squares pose, though one\n" in text
     assert "its rotation" in text
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("along", "against"), [(0.0, "A SHIFT IS FREE"), (1e-8, "A SHIFT IS HARDLY RESISTED")]
+)
+def test_a_shift_that_no_spring_resists_is_told_first(along: float, against: str):
+    given, normals = pairs(1), axes(1)
+    normals[:, 2] = along
+    found = certified(given, normals=normals)
+    assert found.labels_unique
+    assert found.headline.startswith(f"CERTIFIED, BUT {against}: no rigid motion brings more ")
 
 
 @pytest.mark.slow
@@ -169,6 +182,7 @@ def test_few_planes_leave_a_pose_undetermined_to_first_order():
     target[4:] = rng.uniform(2.0, 9.0, (5, 3))
     found: Any = certreg.certify(source, target, normals=axes(5, 9), max_residual=0.05)
     assert found.exit_code == 4
+    assert found.headline.startswith("CERTIFIED, BUT THE POSE IS NOT CERTIFIED: no rigid motion ")
     assert "the ranks of the springs add up to 4 (a plane 1, a line 2, a full spring 3)" in str(
         found
     ).replace("The ranks", "the ranks")

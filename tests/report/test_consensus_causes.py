@@ -14,9 +14,12 @@ from strategies import random_rotation
 
 import certreg
 from certreg.exact import double_above
+from certreg.registration import code_of_registration
 from certreg.registration.ambiguity import NEARLY_AMBIGUOUS
+from certreg.report.cards import AMBER, GREEN
 from certreg.report.consensus_page import ConsensusReport
 from certreg.report.consensus_reach import reach_degrees
+from certreg.report.viewer import Names
 
 BOUND = 0.05
 WIDE = (
@@ -54,6 +57,55 @@ def test_on_a_line_the_angle_is_told_to_be_unbounded_and_a_cause_stands_before_t
     assert f"Angle not bounded {why}" in page
     for told in (text, page):
         assert told.index(NEARLY_AMBIGUOUS) < told.index("What to do: ")
+
+
+@pytest.mark.parametrize(
+    ("noise", "options", "against", "code"),
+    [
+        (0.005, {}, "THE ROTATION IS NEARLY AMBIGUOUS", 0),
+        (0.005, {"scale": "asymmetric"}, "THE ROTATION IS NEARLY AMBIGUOUS", 0),
+        (0.0, {}, "THE POSE IS NOT UNIQUE", 3),
+    ],
+)
+def test_the_first_line_is_no_stronger_than_that_of_the_pairs_alone(noise, options, against, code):
+    found = on_line(noise, **options)
+    block, rows = found.problem.problem.block(slice(None)), found.inliers
+    alone = certreg.certify(block.source[rows], block.target[rows], **options)
+
+    assert code_of_registration(alone) == found.exit_code == code
+    assert found.labels_unique
+    assert str(found).startswith(f"CERTIFIED, BUT {against}: no ")
+    assert found.to_dict()["consensus"]["headline"] == found.headline
+    assert AMBER in found._repr_html_()
+    assert GREEN not in found._repr_html_()
+    page, report = page_of(found), ConsensusReport.of(found)
+    assert not report.values(Names.of({}, 12))["good"]
+    assert f"CERTIFIED, BUT {against} " in page
+    assert f"The fit {against.lower()} " in page
+    assert "no warning" not in page.split("The fit")[1][:200]
+
+
+def test_a_turn_that_the_noise_leaves_open_and_one_point_are_told_first():
+    block = certified_cube().problem.problem.block(slice(None))
+    source, target = block.source * [1.0, 0.15, 0.15], block.target * [0.15, 0.15, 1.0]
+    loose: Any = certreg.certify(source, target, max_residual=BOUND, sigma=0.3)
+    assert loose.headline == (
+        "CERTIFIED, BUT THE ROTATION IS HARDLY DETERMINED: one rigid motion brings all 12 pairs "
+        "within 0.05: no outliers."
+    )
+    source, target = block.source.copy(), block.target.copy()
+    source[:9], target[:9] = source[0], target[0]
+    target[9:] += np.diag([30.0, 40.0, 50.0])
+    point: Any = certreg.certify(source, target, max_residual=BOUND)
+    assert point.headline.startswith("CERTIFIED, BUT THE POSE IS NOT UNIQUE: no rigid motion ")
+    assert (point.lower, point.exit_code) == (9, 3)
+
+
+def test_nothing_is_said_against_a_pose_that_is_fixed():
+    found = certified_cube()
+    assert found.against is None
+    assert found.good
+    assert GREEN in found._repr_html_()
 
 
 def test_an_exact_line_is_called_one():
