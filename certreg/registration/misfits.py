@@ -39,6 +39,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from certreg import problem as problems
 from certreg.exact import nearest_or_zero, power_of_two, rank
 from certreg.geometry import squared_norm
 from certreg.problem import trace
@@ -266,9 +267,8 @@ def _outlier_remedy(rows: RowFit, names: RowNames) -> str:
     which = names.words(rows.far, k) if k <= NAMED_AGAIN else "these rows"
     they, them = ("it is", "it") if k == 1 else ("they are", "them")
     remedy = f"check {which}; if {they} wrong, mend {them} or leave {them} out, and certify again"
-    from certreg.problem import MOST_PAIRS  # loads what few problems need
-
-    return f"{remedy}{PROVE_WRONG}" if rows.rows <= MOST_PAIRS else remedy
+    # Asked of the face, which loads what few problems need.
+    return f"{remedy}{PROVE_WRONG}" if rows.rows <= problems.MOST_PAIRS else remedy
 
 
 def _likeliest(

@@ -288,5 +288,9 @@ def test_that_not_all_angles_are_listed_is_said(monkeypatch):
     monkeypatch.setattr("certreg.report.truncated_page.NEAREST", 5)
 
     words = words_of(result())
-    assert "Of the 12 pairs the 5 nearest to their bounds are listed; the residuals and " in words
+    listed = (
+        "nearest to their bounds are listed; the residuals and labels of all are in fit.csv, "
+        "which certify --out writes, the labels in the JSON, too (truncated.labels)."
+    )
+    assert f"Of the 12 pairs the 5 {listed}" in words
     assert " angle largest allowed residual " in words
