@@ -40,8 +40,10 @@ def turned(points: PointRows, e: int, f: int, rows: Sequence[int]) -> NDArray[np
     x, y, bounds = points.source, points.target, points.bounds
     a, b, reach = x[f] - x[e], y[f] - y[e], bounds[e] + bounds[f]
     long, wide = float(np.linalg.norm(a)), float(np.linalg.norm(b))
+    if min(long, wide) <= max(reach, TINY):
+        return None
     frames = _frame(a, long), _frame(b, wide)
-    if min(long, wide) <= max(reach, TINY) or frames[0] is None or frames[1] is None:
+    if frames[0] is None or frames[1] is None:
         return None
     tilt = (reach + long - wide) * (reach - long + wide) / (long * wide)
     others = list(rows)

@@ -55,9 +55,9 @@ def test_doubles_have_the_turns_of_the_checker_or_none(size: float, sigma: float
 
 
 def test_rows_that_are_near_or_along_the_axis_of_frames_are_not_told():
-    source = [[0, 0, 0], [0.1, 0, 0], [17, 29, 43], [0, 9, 0], [0, 0, 1e-200]]
+    source = [[0, 0, 0], [0.1, 0, 0], [17, 29, 43], [0, 9, 0], [0, 0, 1e-150]]
     points = PointRows.of(ConsensusProblem.of(RegistrationProblem(source, source), 1.0))
-    fine = PointRows.of(ConsensusProblem.of(RegistrationProblem(source, source), 1e-250))
+    fine = PointRows.of(ConsensusProblem.of(RegistrationProblem(source, source), 1e-200))
 
     assert turned(points, 0, 1, [2, 3]) is None
     assert turned(points, 0, 2, [1, 3]) is None
