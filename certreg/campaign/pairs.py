@@ -47,7 +47,7 @@ from certreg.registration import (
     optimally_damped,
     worst,
 )
-from certreg.report import result_document, wrong_pairs_document
+from certreg.report import ERROR_SCHEMA, error_document, result_document, wrong_pairs_document
 from certreg.results import Limits, Optimality
 from certreg.verify import shown
 
@@ -61,7 +61,6 @@ if TYPE_CHECKING:
 FILES = (*NEEDED, "weights", "pairs", *SPRING_FILES)
 SHARD_PAIRS = 16  # at most: a second of work
 LEAST_SHARDS = 64  # where there are so many pairs: all workers have work
-ERROR_SCHEMA = "certreg-error/1"
 OPTIMAL = "optimal"  # the damping of the fastest decay
 UNSAFE = re.compile(r"[^A-Za-z0-9_-]+")
 RESULTS = "results.jsonl"
@@ -337,28 +336,23 @@ def _fit_and_pose(fit: dict[str, Any], pose: dict[str, Any]) -> dict[str, Any]:
 def _entry(row: PairRow, folder: Path, limits: Limits) -> tuple[dict[str, Any], bytes | None]:
     """The result of a row, or its error, and the bytes of its certificate."""
     inputs = _inputs(row, folder)  # before they are read: a later change is seen
+    called = {"name": row.name, "place": str(row.place)}
     try:
         problem, pair = _problem(row, folder)
         about = {"certreg": __version__, "name": row.name, **pair.about}
         asked = asked_of_bounds(row, folder, pair)
         registration: Any = certify(problem, about=about, **asdict(limits), **asked)
     except CertregError as error:
-        return _error(row, error, code_of_error(error)), None
+        return error_document(error, code_of_error(error), **called), None
     except MemoryError:
         words = CertregError("not enough memory for this pair: use fewer points")
-        return _error(row, words, MISUSED), None
+        return error_document(words, MISUSED, **called), None
     except Exception as error:  # noqa: BLE001 - a defect met by one pair must not cost the others
         words = CertregError(f"a defect of certreg ({type(error).__name__}: {shown(error)})")
-        return _error(row, words, REFUSED), None
+        return error_document(words, REFUSED, **called), None
     document, code = _told(registration, pair)
     document["timings_ms"] = {}  # a run that was interrupted gives the same bytes
-    head = {
-        "schema": document["schema"],
-        "name": row.name,
-        "place": str(row.place),
-        "exit_code": code,
-    }
-    head |= {"inputs": inputs}
+    head = {"schema": document["schema"], **called, "exit_code": code, "inputs": inputs}
     certificate = registration.certificate
     return head | document, None if certificate is None else certificate.to_json()
 
@@ -416,14 +410,3 @@ def _problem(row: PairRow, folder: Path) -> tuple[RegistrationProblem, Pair]:
     # Of wrong pairs it is that of the pairs within, which `certify` takes by itself.
     damped = "damping" in fields and damping == OPTIMAL and "max_residual" not in fields
     return optimally_damped(problem) if damped else problem, pair
-
-
-def _error(row: PairRow, error: Exception, code: int) -> dict[str, Any]:
-    """What stands in the place of a result."""
-    return {
-        "schema": ERROR_SCHEMA,
-        "name": row.name,
-        "place": str(row.place),
-        "exit_code": code,
-        "error": {"kind": type(error).__name__, "message": str(error)},
-    }

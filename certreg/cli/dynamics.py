@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, cast
 
 import click
 
+from certreg.cli.as_json import json_option
 from certreg.cli.numbers import NUMBER
 from certreg.cli.options import CLOUD, EXIT_CODES, FOLDER, cloud_options
 from certreg.dynamics import ONLY_MIDPOINT, Record, SimulationSettings
@@ -77,7 +78,7 @@ TRAJECTORY = ".npz"  # the one format of a trajectory
     help="File for a certificate: at most four; of general springs, that these are all.",
 )
 @click.option("--poses", type=FOLDER, help="New or empty folder for the 4x4 pose of each.")
-@click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
+@json_option
 def equilibria(
     problem: RegistrationProblem,
     pair: Pair,
@@ -209,7 +210,7 @@ def _write_count(problem: RegistrationProblem, out: Path) -> None:
 @click.option(
     "--out", type=CLOUD, help="File to write the trajectory to, .npz: times, states, energies."
 )
-@click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
+@json_option
 def simulate(
     problem: RegistrationProblem,
     pair: Pair,

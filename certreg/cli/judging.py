@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from certreg.cli.as_json import json_option
 from certreg.cli.options import CLOUD, bound_clouds, certificate_argument, cloud_options
 from certreg.cli.progress import note
 from certreg.cli.wrong_pairs import consensus_options
@@ -105,7 +106,7 @@ def _something_is_judged(command: Callable[..., Any]) -> Callable[..., Any]:
     "--objective truncated: has an optimum just these within?",
 )
 @consensus_options
-@click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
+@json_option
 def assess(
     problem: RegistrationProblem,
     pair: Pair,

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, cast
 import click
 
 from certreg import __version__, dynamics, report
+from certreg.cli.as_json import json_option
 from certreg.cli.options import (
     EXIT_CODES,
     FOLDER,
@@ -76,7 +77,7 @@ if TYPE_CHECKING:
     help="Prove how far the points may be off with the optimum within this angle, at most 90.",
 )
 @click.option("--out", type=FOLDER, help="Folder to write to.")
-@click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
+@json_option
 def certify(
     problem: RegistrationProblem,
     pair: Pair,

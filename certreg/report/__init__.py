@@ -16,9 +16,11 @@ if TYPE_CHECKING:
     from certreg.report.consensus_fields import consensus_document as consensus_document
     from certreg.report.consensus_folder import write_wrong_pairs as write_wrong_pairs
     from certreg.report.consensus_folder import wrong_pairs_document as wrong_pairs_document
+    from certreg.report.document import ERROR_SCHEMA as ERROR_SCHEMA
     from certreg.report.document import assessment_document as assessment_document
     from certreg.report.document import dumps as dumps
     from certreg.report.document import equilibria_document as equilibria_document
+    from certreg.report.document import error_document as error_document
     from certreg.report.document import result_document as result_document
     from certreg.report.document import scaled_document as scaled_document
     from certreg.report.document import simulation_document as simulation_document
@@ -65,9 +67,11 @@ __getattr__ = lazy_face(
         "consensus_fields": ("consensus_document",),
         "consensus_folder": ("write_wrong_pairs", "wrong_pairs_document"),
         "document": (
+            "ERROR_SCHEMA",
             "assessment_document",
             "dumps",
             "equilibria_document",
+            "error_document",
             "result_document",
             "scaled_document",
             "simulation_document",

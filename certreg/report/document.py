@@ -55,6 +55,7 @@ ASSESSMENT_SCHEMA = "certreg-assessment/1"
 EQUILIBRIA_SCHEMA = "certreg-equilibria/1"
 POSE_SCHEMA = "certreg-pose/1"
 SIMULATION_SCHEMA = "certreg-simulation/1"
+ERROR_SCHEMA = "certreg-error/1"
 
 NO_BOUND = Absent("no bound on residuals was given (--max-residual)")
 NOT_WRITTEN = Absent("nothing is written without --out")
@@ -69,6 +70,12 @@ WORST = 10  # residuals in a result: the whole list is one call away
 def dumps(document: Document) -> str:
     """The document as JSON text, strictly: no NaN, no infinity."""
     return json.dumps(document, indent=1, allow_nan=False)
+
+
+def error_document(error: Exception, code: int, **about: str) -> Document:
+    """What stands in the place of a result, `certreg-error/1`; about: what it would be of."""
+    told = {"kind": type(error).__name__, "message": str(error)}
+    return {"schema": ERROR_SCHEMA, **about, "exit_code": code, "error": told}
 
 
 def result_document(

@@ -46,7 +46,7 @@ CASES = (
             "certify cloud.csv noisy.csv --sigma 0.02 --max-residual 0.08 --json",
             "certify cloud.csv noisy.csv --max-residual 0.08 --rotation-only",
             "certify short.csv narrow.csv --max-residual weights.txt",
-            "certify cloud.csv inches.csv --max-residual 0.01",
+            "certify cloud.csv inches.csv --max-residual 0.01 --json",
         ),
     ),
     NetCase(
