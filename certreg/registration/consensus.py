@@ -24,7 +24,14 @@ from certreg.certificate import (
 )
 from certreg.errors import InvalidProblemError, UndecidedError
 from certreg.problem import LEAST_PAIRS, apart, checked_effort
-from certreg.registration.consensus_words import PairLabels, against_pose, chance_words, headline
+from certreg.registration.consensus_words import (
+    PairLabels,
+    against_pose,
+    chance_words,
+    headline,
+    repeated_rows,
+    repeated_words,
+)
 from certreg.registration.exit_codes import (
     DONE,
     NOT_CERTIFIED,
@@ -169,8 +176,17 @@ class ConsensusRegistration(Saved):
     @property
     def warnings(self) -> tuple[str, ...]:
         """What the proof of the labels does not tell of the pairs."""
-        few = chance_words(self.lower, self.problem.n)
+        again = len(repeated_rows(self.problem, range(self.problem.n)))
+        met = self.lower - len(repeated_rows(self.problem, self.found.met))
+        kind = "different pairs" if again else "pairs"
+        few = chance_words(met, self.problem.n - again, kind)
         return () if few is None else (few,)
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What the user should know of the pairs."""
+        again = repeated_rows(self.problem, self.found.met)
+        return (repeated_words(again, self.names),) if again else ()
 
     @property
     def exit_code(self) -> int:

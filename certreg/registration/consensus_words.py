@@ -5,13 +5,17 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, cast
 
+import numpy as np
+
 from certreg.problem import LEAST_PAIRS, ConsensusProblem, diameter
 from certreg.registration.headlines import is_loose
 from certreg.results import Optimality
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from certreg.certificate import Consensus
-    from certreg.problem import TruncatedProblem
+    from certreg.problem import RegistrationProblem, TruncatedProblem
     from certreg.registration.result import Registration
     from certreg.registration.row_names import RowNames
     from certreg.registration.spring_result import SpringRegistration
@@ -108,14 +112,34 @@ def _against_turn(fit: Registration | SpringRegistration) -> str | None:
     return "THE ROTATION IS HARDLY DETERMINED" if is_loose(fit) else None
 
 
-def chance_words(met: int, n: int) -> str | None:
+def chance_words(met: int, n: int, pairs: str = "pairs") -> str | None:
     """That the pairs that are met may agree by chance, where they are few; None where not.
 
     Any three of equal lengths fit; of many pairs, all of them wrong, some four to six do.
     """
     if met > max(LEAST_PAIRS, min(FEW, n // FEW_OF)):
         return None
-    return f"so few pairs, {met} of {n}, may agree by chance, even where all pairs are wrong"
+    return f"so few {pairs}, {met} of {n}, may agree by chance, even where all pairs are wrong"
+
+
+def repeated_rows(problem: ConsensusProblem | TruncatedProblem, rows: Sequence[int]) -> list[int]:
+    """Those of the rows whose two points are the two points of an earlier one of them."""
+    points, own = _points(problem), np.asarray(rows, dtype=np.intp)
+    both = np.hstack([points.source[own], points.target[own]])
+    first = np.unique(both, axis=0, return_index=True)[1]
+    return np.delete(own, first).tolist()
+
+
+def repeated_words(rows: Sequence[int], names: RowNames) -> str:
+    """What is made of pairs that are given more than once; rows: of `repeated_rows`."""
+    which = names.counted(rows[:NAMED_ROWS], len(rows))
+    same = (
+        "has the points of an earlier one" if len(rows) == 1 else "have the points of earlier ones"
+    )
+    return (
+        f"pairs are repeated ({which}, {same}), and count each time: among the pairs within, and "
+        "as independent measurements in the least squares"
+    )
 
 
 def motion_words(problem: ConsensusProblem) -> str:
@@ -167,6 +191,13 @@ def wide_words(problem: ConsensusProblem | TruncatedProblem) -> list[str]:
 
 def _share(problem: ConsensusProblem | TruncatedProblem) -> float:
     """The largest bound over the smaller cloud's box."""
-    points = problem.problem if isinstance(problem, ConsensusProblem) else problem
+    points = _points(problem)
     source, target = points.source, points.target
     return float(problem.bounds.max()) / min(diameter(source), diameter(target))
+
+
+def _points(
+    problem: ConsensusProblem | TruncatedProblem,
+) -> RegistrationProblem | TruncatedProblem:
+    """What holds the two clouds."""
+    return problem.problem if isinstance(problem, ConsensusProblem) else problem

@@ -17,7 +17,7 @@ from certreg.errors import UndecidedError
 from certreg.exact import double_above
 from certreg.geometry import Pose, rotation_matrix
 from certreg.problem import RegistrationProblem, apart, checked_effort
-from certreg.registration.consensus_words import others_words
+from certreg.registration.consensus_words import others_words, repeated_rows, repeated_words
 from certreg.registration.exit_codes import DONE, NOT_CERTIFIED, NOT_UNIQUE
 from certreg.registration.fit_of_pairs import USUAL, FitSettings, fitted
 from certreg.registration.headlines import at_least, at_most
@@ -120,6 +120,12 @@ class TruncatedRegistration(Saved):
         """Of the rows."""
         about = {} if self.certificate is None else self.certificate.about
         return RowNames.of(about, self.problem.n)
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What the user should know of the pairs."""
+        again = repeated_rows(self.problem, self.rows.tolist())
+        return (repeated_words(again, self.names),) if again else ()
 
     @property
     def certified(self) -> bool:

@@ -65,12 +65,11 @@ def consensus_summary(result: ConsensusRegistration) -> str:
 
 def warnings_of(result: ConsensusRegistration | TruncatedRegistration, said: str = "") -> list[str]:
     """What is true of bounds, data and least squares, and should not be overlooked."""
-    problem = result.problem
-    notes: tuple[str, ...] = ()
-    if isinstance(problem, ConsensusProblem):
-        notes = (*cast("ConsensusRegistration", result).warnings, *problem.notes)
-    told = (one.text for one in result.fit.fit.warnings)
-    return [*notes, *bound_warnings(result), *(words for words in told if words not in said)]
+    first: tuple[str, ...] = ()
+    if isinstance(result.problem, ConsensusProblem):
+        first = (*cast("ConsensusRegistration", result).warnings, *result.problem.notes)
+    told = [one.text for one in result.fit.fit.warnings if one.text not in said]
+    return [*first, *result.notes, *bound_warnings(result), *told]
 
 
 def bound_warnings(result: ConsensusRegistration | TruncatedRegistration) -> list[str]:

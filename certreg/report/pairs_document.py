@@ -30,7 +30,7 @@ def pairs_document(
     `n`, `digest`, `theorems`, `certificate` and `residuals` are of all pairs. reasons: of nulls
     beside those of the least squares.
     """
-    told = [*notes, *bound_warnings(result)]
+    told = [*notes, *result.notes, *bound_warnings(result)]
     document = result_document(result.fit, certificate_path, notes=told)
     residuals = result.residuals
     worst = residuals.argsort()[::-1][:WORST].tolist()
