@@ -156,7 +156,7 @@ def _told_of_consensus(
                 click.echo(
                     f"Report: {printable(path.with_name(report.REPORT))}  (open it in a browser)"
                 )
-    unmet = demands.unmet(result.fit)
+    unmet = demands.unmet_by(result.fit.rmse, warned=bool(result.warnings))
     for words in unmet:
         click.echo(f"certreg: {words}: exit code 4", err=True)
     return worst([result.exit_code, NOT_CERTIFIED] if unmet else [result.exit_code])

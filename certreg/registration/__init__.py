@@ -40,7 +40,6 @@ if TYPE_CHECKING:
     from certreg.registration.consensus import restated_consensus as restated_consensus
     from certreg.registration.consensus_words import are_words as are_words
     from certreg.registration.consensus_words import bound_words as bound_words
-    from certreg.registration.consensus_words import wide_words as wide_words
     from certreg.registration.covariance import NO_RESIDUALS as NO_RESIDUALS
     from certreg.registration.covariance import PoseCovariance as PoseCovariance
     from certreg.registration.covariance import parameters_of as parameters_of
@@ -206,7 +205,7 @@ __getattr__ = lazy_face(
             "register",
         ),
         "consensus": ("ConsensusRegistration", "restated_consensus"),
-        "consensus_words": ("are_words", "bound_words", "wide_words"),
+        "consensus_words": ("are_words", "bound_words"),
         "scaled_consensus": (
             "ScaledConsensusRegistration",
             "ranges_words",

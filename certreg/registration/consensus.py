@@ -26,8 +26,6 @@ from certreg.errors import InvalidProblemError, UndecidedError
 from certreg.problem import LEAST_PAIRS, apart, checked_effort
 from certreg.registration.consensus_words import (
     PairLabels,
-    against_pose,
-    chance_words,
     headline,
     repeated_rows,
     repeated_words,
@@ -41,6 +39,12 @@ from certreg.registration.exit_codes import (
 )
 from certreg.registration.fit_of_pairs import USUAL, FitSettings, fitted
 from certreg.registration.nothing_met import nothing_met
+from certreg.registration.pair_warnings import (
+    few_warning,
+    poor_warning,
+    reason_against,
+    wide_warning,
+)
 from certreg.registration.row_names import RowNames
 from certreg.relaxation import candidates
 from certreg.results import Saved
@@ -53,6 +57,7 @@ if TYPE_CHECKING:
     from certreg.certificate import Certificate, ConsensusBody, ConsensusSimilarityBody
     from certreg.geometry import Pose, Similarity
     from certreg.problem import ConsensusProblem
+    from certreg.registration.misfits import FitWarning
     from certreg.registration.result import Registration
     from certreg.registration.spring_result import SpringRegistration
     from certreg.relaxation import Candidate, ScaledCandidate
@@ -165,22 +170,28 @@ class ConsensusRegistration(Saved):
 
     @property
     def against(self) -> str | None:
-        """What is to be said against the pose in the headline; None where nothing is."""
-        return against_pose(self.fit)
+        """What is to be said in the headline against pairs and pose; None where nothing is."""
+        return reason_against(self.fit, self.pair_warnings)
 
     @property
     def good(self) -> bool:
-        """Whether every label is proved, and nothing is to be said against the pose."""
+        """Whether every label is proved, and nothing is to be said against pairs and pose."""
         return self.labels_unique and self.against is None
 
     @property
-    def warnings(self) -> tuple[str, ...]:
+    def pair_warnings(self) -> tuple[FitWarning, ...]:
         """What the proof of the labels does not tell of the pairs."""
         again = len(repeated_rows(self.problem, range(self.problem.n)))
         met = self.lower - len(repeated_rows(self.problem, self.found.met))
         kind = "different pairs" if again else "pairs"
-        few = chance_words(met, self.problem.n - again, kind)
-        return () if few is None else (few,)
+        few = few_warning(met, self.problem.n - again, kind)
+        told = (few, wide_warning(self.problem), poor_warning(self.fit))
+        return tuple(one for one in told if one is not None)
+
+    @property
+    def warnings(self) -> tuple[FitWarning, ...]:
+        """The same, and those of the least squares."""
+        return (*self.pair_warnings, *self.fit.fit.warnings)
 
     @property
     def notes(self) -> tuple[str, ...]:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
-from certreg.problem import LEAST_PAIRS, ConsensusProblem, diameter
+from certreg.problem import ConsensusProblem, diameter
 from certreg.registration.headlines import is_loose
 from certreg.results import Optimality
 
@@ -22,9 +22,6 @@ if TYPE_CHECKING:
 
 WORDS = {"i": "inlier", "o": "outlier", "?": "undecided"}
 NAMED_ROWS = 5  # of the undecided ones, in a sentence
-WIDE = 0.25  # of a cloud's size: of directions a sixth or more are within it of any one
-FEW = 6  # pairs, where FEW_OF times as many are given: sets of five of 100 agree by chance
-FEW_OF = 10
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,7 +50,7 @@ def headline(
 ) -> str:
     """The first line: CERTIFIED only where every label is proved.
 
-    against: what is to be said against the pose, as of `against_pose`.
+    against: what is to be said against pairs and pose, as of `reason_against`.
     """
     n, met, labels = problem.n, len(found.met), PairLabels(found.labels)
     within, motion = within_words(problem), motion_words(problem)
@@ -112,16 +109,6 @@ def _against_turn(fit: Registration | SpringRegistration) -> str | None:
     return "THE ROTATION IS HARDLY DETERMINED" if is_loose(fit) else None
 
 
-def chance_words(met: int, n: int, pairs: str = "pairs") -> str | None:
-    """That the pairs that are met may agree by chance, where they are few; None where not.
-
-    Any three of equal lengths fit; of many pairs, all of them wrong, some four to six do.
-    """
-    if met > max(LEAST_PAIRS, min(FEW, n // FEW_OF)):
-        return None
-    return f"so few {pairs}, {met} of {n}, may agree by chance, even where all pairs are wrong"
-
-
 def repeated_rows(problem: ConsensusProblem | TruncatedProblem, rows: Sequence[int]) -> list[int]:
     """Those of the rows whose two points are the two points of an earlier one of them."""
     points, own = _points(problem), np.asarray(rows, dtype=np.intp)
@@ -177,19 +164,11 @@ def _pairs(count: int) -> str:
 
 def bound_words(problem: ConsensusProblem | TruncatedProblem) -> str:
     """How wide the bound is, and what of it; a consequence is to follow."""
-    percent = 100.0 * _share(problem)
+    percent = 100.0 * bound_share(problem)
     return f"bound is {percent:.2g} % of the cloud's size: so many pairs agree by chance"
 
 
-def wide_words(problem: ConsensusProblem | TruncatedProblem) -> list[str]:
-    """A warning of a bound that tells few wrong pairs from right ones; none of others."""
-    if _share(problem) < WIDE:
-        return []
-    told = bound_words(problem)
-    return [f"the {told} that an inlier may well be a wrong pair: give a smaller one"]
-
-
-def _share(problem: ConsensusProblem | TruncatedProblem) -> float:
+def bound_share(problem: ConsensusProblem | TruncatedProblem) -> float:
     """The largest bound over the smaller cloud's box."""
     points = _points(problem)
     source, target = points.source, points.target

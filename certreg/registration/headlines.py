@@ -309,6 +309,12 @@ def axes_words(axes: Sequence[NDArray[np.float64]]) -> str:
     return named[0] if len(named) == 1 else f"{', '.join(named)} or any mix of them"
 
 
+def reason_of_fit(fit: Fit) -> str | None:
+    """What the first line says against a fit; None where nothing."""
+    headline = _headline_of_fit(fit)
+    return None if headline is CERTIFIED else headline.stamp.partition(", BUT ")[2]
+
+
 def _headline_of_fit(fit: Fit) -> Headline:
     """What the fit of an optimum far from a tie makes of the first line."""
     if not fit.warnings:

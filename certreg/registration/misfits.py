@@ -74,6 +74,8 @@ class FitCode(enum.Enum):
     MIRRORED = "mirrored"
     CHI2 = "chi2"
     POOR_FIT = "poor-fit"
+    FEW_PAIRS = "few-pairs"  # these two of pairs that may be wrong: `pair_warnings`
+    WIDE_BOUND = "wide-bound"
 
 
 REMEDIES = {  # where the numbers of a fit add nothing to them

@@ -23,6 +23,7 @@ from certreg.registration.fit_of_pairs import USUAL, FitSettings, fitted
 from certreg.registration.headlines import at_least, at_most
 from certreg.registration.nothing_met import nothing_turned
 from certreg.registration.pair_angles import angles_between
+from certreg.registration.pair_warnings import poor_warning, reason_against, wide_warning
 from certreg.registration.result import Registration
 from certreg.registration.row_names import RowNames
 from certreg.relaxation import search_boxes
@@ -35,6 +36,7 @@ if TYPE_CHECKING:
 
     from certreg.certificate import Certificate, CertificateVerdict, TruncatedRotationBody
     from certreg.problem import TruncatedProblem
+    from certreg.registration.misfits import FitWarning
 
 TRUNCATED_PARTS = 3  # of certify: search, certificate and checker, fit
 WORDS = {1: "inlier", 0: "outlier", -1: "undecided"}
@@ -122,6 +124,27 @@ class TruncatedRegistration(Saved):
         return RowNames.of(about, self.problem.n)
 
     @property
+    def pair_warnings(self) -> tuple[FitWarning, ...]:
+        """What the proof of the labels does not tell of the pairs."""
+        told = (wide_warning(self.problem), poor_warning(self.fit))
+        return tuple(one for one in told if one is not None)
+
+    @property
+    def warnings(self) -> tuple[FitWarning, ...]:
+        """The same, and those of the least squares."""
+        return (*self.pair_warnings, *self.fit.fit.warnings)
+
+    @property
+    def against(self) -> str | None:
+        """What is to be said in the headline against pairs and rotation; None where nothing is."""
+        return reason_against(self.fit, self.pair_warnings)
+
+    @property
+    def good(self) -> bool:
+        """Whether all is proved, and nothing is to be said against pairs and rotation."""
+        return self.exit_code == DONE and self.against is None
+
+    @property
     def notes(self) -> tuple[str, ...]:
         """What the user should know of the pairs."""
         again = repeated_rows(self.problem, self.rows.tolist())
@@ -154,8 +177,9 @@ class TruncatedRegistration(Saved):
         if self.unique:
             assert self.verdict.worth is not None  # noqa: S101 - `certified` asks it
             least = at_least(self.verdict.worth.minimum, 6)
+            but = "" if self.against is None else f", BUT {self.against}"
             return (
-                f"CERTIFIED: no rotation has a smaller truncated cost than {least}, and "
+                f"CERTIFIED{but}: no rotation has a smaller truncated cost than {least}, and "
                 f"{self._within} there{others}"
             )
         return (

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from certreg.report.cards import Card
-from certreg.report.consensus_summary import counted_labels
+from certreg.report.consensus_summary import counted_labels, warning_notes
 from certreg.report.scaled_consensus import scale_facts
 from certreg.report.summary import number
 
@@ -19,7 +19,7 @@ def consensus_card(result: ConsensusRegistration) -> str:
     rmse = result.fit.rmse
     return Card(
         headline=result.headline,
-        notes=[f"Warning: {words}" for words in result.warnings],
+        notes=warning_notes(result),
         good=result.good,
         facts=(
             ("within bounds", f"{result.lower} found, at most {result.upper} (proved)"),

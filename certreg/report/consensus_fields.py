@@ -36,7 +36,7 @@ def consensus_document(
                 "labels": list(result.labels),
                 "second": None if result.second is None else {"size": result.second},
                 "headline": result.headline,
-                "warnings": list(result.warnings),
+                "warnings": [one.text for one in result.pair_warnings],
                 **scale_fields(result),
             }
         },

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from certreg.registration import SpringRegistration
-from certreg.report.overview import Overview
+from certreg.report.overview import Mark, Overview
 from certreg.report.remedies import causes, remedies
 from certreg.report.robustness import robustness_words
 from certreg.report.similarity_overview import similarity_overview
@@ -61,6 +62,16 @@ def fit_overview(fit: AnyFit) -> Overview:
     if isinstance(fit, SpringRegistration):
         return spring_overview(fit)
     return similarity_overview(fit) if fit.problem.scaled else Overview.of(fit)
+
+
+def marked(overview: Overview, against: str | None) -> Overview:
+    """The same, its fit marked with what the first line says against pairs and pose, if anything.
+
+    A mark that is open already says what it is of itself.
+    """
+    if against is None or overview.mark.kind == "open":
+        return overview
+    return replace(overview, mark=Mark(kind="open", words=against.lower()))
 
 
 def rmse_words(result: ConsensusRegistration) -> str:

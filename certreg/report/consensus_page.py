@@ -16,11 +16,18 @@ from certreg.report.consensus_fit import (
     fit_theorems,
     fit_verdict,
     kinds_words,
+    marked,
 )
 from certreg.report.consensus_picture import pairs_picture, residual_chart
 from certreg.report.consensus_reach import reach_degrees, why_unbounded
-from certreg.report.consensus_summary import HARDER, TOLD_SECOND, counted_labels, warnings_of
-from certreg.report.overview import Fact, Mark, Overview
+from certreg.report.consensus_summary import (
+    HARDER,
+    TOLD_SECOND,
+    counted_labels,
+    pair_remedies,
+    warnings_of,
+)
+from certreg.report.overview import Fact, Overview
 from certreg.report.scaled_consensus import scale_sentences
 from certreg.report.summary import number
 from certreg.report.words import Sentence, begun, sentence
@@ -79,7 +86,11 @@ class ConsensusReport(AnyReport[Any]):
         head = head_of(
             result.headline,
             further=[*[WEAK_FIT] * self.weak, *fit_causes(result.fit)],
-            todo=[*[f"{HARDER}."] * undecided, *fit_remedies(result.fit)],
+            todo=[
+                *[f"{HARDER}."] * undecided,
+                *pair_remedies(result),
+                *fit_remedies(result.fit),
+            ],
             warnings=warnings_of(result),
         )
         return {
@@ -120,10 +131,7 @@ def _overview(result: ConsensusRegistration) -> Overview:
     else:
         words = f"from this rotation to that of any motion that brings these {found} within"
         facts.append(Fact(name="Angle", value=f"≤ {reach}°", words=words))
-    mark = own.mark
-    if result.against is not None and mark.kind != "open":
-        mark = Mark(kind="open", words=result.against.lower())
-    return replace(own, mark=mark, proved=(*facts, *own.proved))
+    return replace(marked(own, result.against), proved=(*facts, *own.proved))
 
 
 def _residual_words(result: ConsensusRegistration) -> Iterator[str]:

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING
 
 from certreg.problem import ConsensusProblem
-from certreg.registration import Registration, bound_words, wide_words
+from certreg.registration import FitCode, bound_words
 from certreg.report.consensus_fit import (
     fit_causes,
     fit_remedies,
@@ -17,14 +17,13 @@ from certreg.report.consensus_fit import (
 from certreg.report.consensus_reach import reach_line
 from certreg.report.remedies import ADVICE
 from certreg.report.scaled_consensus import scale_lines, witness_scale_lines
-from certreg.report.summary import number, percent_words, uncertainty_lines
+from certreg.report.summary import number, uncertainty_lines
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from certreg.registration import ConsensusRegistration, TruncatedRegistration
+    from certreg.registration import ConsensusRegistration, FitWarning, TruncatedRegistration
 
-LEAST_EXPLAINED = 0.5  # as for the warning of a poor fit
 TOLD_SECOND = 4  # pairs: any three of equal lengths fit
 SHOWN_ROWS = 8
 HARDER = "give more --effort to search and to prove harder, or smaller bounds if those are true"
@@ -40,6 +39,7 @@ def consensus_summary(result: ConsensusRegistration) -> str:
     lines = [
         result.headline,
         *([f"{ADVICE}{HARDER}."] if undecided else []),
+        *(f"{ADVICE}{words}" for words in pair_remedies(result)),
         "",
         f"  correspondences   {result.problem.n}",
         f"  within bounds     {found} found, at most {result.upper} (proved)",
@@ -64,25 +64,30 @@ def consensus_summary(result: ConsensusRegistration) -> str:
 
 
 def warnings_of(result: ConsensusRegistration | TruncatedRegistration, said: str = "") -> list[str]:
-    """What is true of bounds, data and least squares, and should not be overlooked."""
-    first: tuple[str, ...] = ()
-    if isinstance(result.problem, ConsensusProblem):
-        first = (*cast("ConsensusRegistration", result).warnings, *result.problem.notes)
-    told = [one.text for one in result.fit.fit.warnings if one.text not in said]
-    return [*first, *result.notes, *bound_warnings(result), *told]
+    """What is true of bounds, data and least squares, and should not be overlooked.
+
+    said: what stands above, besides the headline.
+    """
+    springs = result.problem.notes if isinstance(result.problem, ConsensusProblem) else ()
+    fit = [one.text for one in result.fit.fit.warnings if one.text not in said]
+    return [*(one.text for one in _untold(result)), *springs, *result.notes, *fit]
 
 
-def bound_warnings(result: ConsensusRegistration | TruncatedRegistration) -> list[str]:
-    """That inliers may be wrong pairs: of a wide bound, and of a fit that no test is for."""
-    problem, fit = result.problem, result.fit
-    wide = [] if bound_words(problem) in result.headline else wide_words(problem)
-    if not isinstance(fit, Registration) or fit.fit.untested is None:
-        return wide
-    share = fit.fit.explained
-    if share is None or share >= LEAST_EXPLAINED:
-        return wide
-    words = "of the target's spread: wrong pairs may be among those within, or noise is large"
-    return [*wide, f"THE FIT IS POOR: it explains {percent_words(share)} {words}"]
+def warning_notes(result: ConsensusRegistration | TruncatedRegistration) -> list[str]:
+    """The warnings on a card."""
+    return [f"Warning: {one.text}" for one in result.warnings]
+
+
+def pair_remedies(result: ConsensusRegistration | TruncatedRegistration) -> list[str]:
+    """What may help against the warnings of pairs."""
+    return [f"{one.remedy}." for one in _untold(result)]
+
+
+def _untold(result: ConsensusRegistration | TruncatedRegistration) -> list[FitWarning]:
+    """Warnings of pairs, but for a bound that the headline has the width of."""
+    wide = bound_words(result.problem) in result.headline
+    told = result.pair_warnings
+    return [one for one in told if not (wide and one.code is FitCode.WIDE_BOUND)]
 
 
 def counted_labels(labels: Sequence[str]) -> str:

@@ -15,9 +15,11 @@ from certreg.report.uncertainty import covariance_of, more_than_noise, shift_sig
 from certreg.results import OUT_OF_RANGE, Absent
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from certreg.certificate import SimilarityClaims
     from certreg.geometry import Pose
-    from certreg.registration import AnyRegistration, Fit, FitRow
+    from certreg.registration import AnyRegistration, Fit, FitRow, FitWarning
     from certreg.report.encoding import Document
 
 NO_SCALE = Absent("the scale was not asked for")
@@ -96,12 +98,15 @@ def _noted(value: Any, doubt: str | None) -> Any:
     return value if doubt is None or isinstance(value, Absent) else Noted(value, doubt)
 
 
+def warning_fields(warnings: Iterable[FitWarning]) -> list[Document]:
+    """What is wrong with a fit."""
+    return [{"code": one.code.value, "text": one.text, "remedy": one.remedy} for one in warnings]
+
+
 def fit_fields(fit: Fit) -> Document:
     """Statistics of the fit: nothing of it is proved."""
     chi2 = fit.stated("chi2")
-    warnings = [
-        {"code": one.code.value, "text": one.text, "remedy": one.remedy} for one in fit.warnings
-    ]
+    warnings = warning_fields(fit.warnings)
     return {
         "explained": fit.stated("explained"),
         "best_scale": fit.stated("best_scale"),

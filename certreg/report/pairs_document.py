@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from certreg.report.consensus_summary import bound_warnings
 from certreg.report.document import result_document
+from certreg.report.fields import warning_fields
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -27,15 +27,15 @@ def pairs_document(
 ) -> Document:
     """As `result_document` of the least squares over some rows, with fields of its own.
 
-    `n`, `digest`, `theorems`, `certificate` and `residuals` are of all pairs. reasons: of nulls
-    beside those of the least squares.
+    `n`, `digest`, `theorems`, `certificate` and `residuals` are of all pairs, `fit.warnings` of
+    these and of the least squares. reasons: of nulls beside those of the least squares.
     """
-    told = [*notes, *result.notes, *bound_warnings(result)]
-    document = result_document(result.fit, certificate_path, notes=told)
+    document = result_document(result.fit, certificate_path, notes=[*notes, *result.notes])
     residuals = result.residuals
     worst = residuals.argsort()[::-1][:WORST].tolist()
     for one in document["fit"]["worst"]:
         one["row"] = rows[one["row"]]
+    document["fit"]["warnings"] = warning_fields(result.warnings)
     others = {name: why for name, why in document["reasons"].items() if name not in own}
     return {
         **document,

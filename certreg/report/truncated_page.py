@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from certreg.registration import (
-    DONE,
     are_words,
     at_least,
     at_most,
     widest_angles,
 )
 from certreg.report.any_report import AnyReport, head_of, pairs_words
+from certreg.report.consensus_fit import marked
 from certreg.report.consensus_picture import pairs_picture, residual_chart
 from certreg.report.consensus_summary import counted_labels, warnings_of
 from certreg.report.overview import Fact, Overview
@@ -73,7 +73,7 @@ class TruncatedReport(AnyReport[Any]):
         )
         return {
             **head,
-            "good": result.exit_code == DONE,
+            "good": result.good,
             "overview": _overview(result),
             "picture": picture,
             "picture_words": "" if picture is None else sentence(begun(picture.words)),
@@ -117,7 +117,7 @@ def _overview(result: TruncatedRegistration) -> Overview:
         Fact(name="Labels", value=counted_labels(result.labels), words="at every optimum"),
         turn,
     )
-    return replace(similarity_overview(result.fit), proved=facts)
+    return replace(marked(similarity_overview(result.fit), result.against), proved=facts)
 
 
 def _residual_words(result: TruncatedRegistration) -> Iterator[str]:

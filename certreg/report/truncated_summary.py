@@ -4,10 +4,15 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from certreg.registration import DONE, at_most
+from certreg.registration import at_most
 from certreg.report.cards import Card
 from certreg.report.consensus_fit import fit_causes, fit_remedies, fit_verdict, further_lines
-from certreg.report.consensus_summary import counted_labels, warnings_of
+from certreg.report.consensus_summary import (
+    counted_labels,
+    pair_remedies,
+    warning_notes,
+    warnings_of,
+)
 from certreg.report.remedies import ADVICE
 from certreg.report.summary import MEANS, UNMET, explained_words, number, uncertainty_lines
 from certreg.results import Limits
@@ -49,15 +54,15 @@ def truncated_causes(result: TruncatedRegistration) -> list[str]:
 def truncated_remedies(result: TruncatedRegistration) -> list[str]:
     """What may help."""
     harder = [] if result.labels_unique else [f"{HARDER}."]
-    return [*harder, *fit_remedies(result.fit)]
+    return [*harder, *pair_remedies(result), *fit_remedies(result.fit)]
 
 
 def truncated_card(result: TruncatedRegistration) -> str:
     """The same as a card."""
     return Card(
         headline=result.headline,
-        notes=(),
-        good=result.exit_code == DONE,
+        notes=warning_notes(result),
+        good=result.good,
         facts=tuple(truncated_facts(result)),
     ).html()
 

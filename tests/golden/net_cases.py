@@ -47,6 +47,7 @@ CASES = (
             "certify cloud.csv noisy.csv --max-residual 0.08 --rotation-only",
             "certify short.csv narrow.csv --max-residual weights.txt",
             "certify cloud.csv inches.csv --max-residual 0.01 --json",
+            "certify axes.csv half.csv --max-residual 2 --require-fit",
         ),
     ),
     NetCase(
@@ -63,6 +64,7 @@ CASES = (
             "page p/report.html",
             f"certify short.csv narrow.csv {TRUNCATED} 0.5 --json",
             f"certify hair.csv hair.csv {TRUNCATED} 0.5",
+            f"certify axes.csv half.csv {TRUNCATED} 2",
             f"certify cloud.csv noisy.csv {TRUNCATED} 0.01",
         ),
     ),

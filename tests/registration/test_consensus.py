@@ -17,7 +17,7 @@ from certreg.certificate import Certificate
 from certreg.errors import InvalidFileError, InvalidProblemError, UndecidedError
 from certreg.problem import ConsensusProblem, RegistrationProblem
 from certreg.registration import ConsensusRegistration
-from certreg.registration.consensus_words import chance_words
+from certreg.registration.pair_warnings import few_warning
 from certreg.report.consensus_page import ConsensusReport
 
 BOUND = 0.05
@@ -166,8 +166,10 @@ def test_few_pairs_are_said_to_agree_by_chance_perhaps():
     rng = np.random.default_rng(1)
     wrong = certified(rng.uniform(size=(40, 3)), rng.uniform(size=(40, 3)), 0.06)
     words = "so few pairs, 4 of 40, may agree by chance, even where all pairs are wrong"
-    assert wrong.headline.startswith("CERTIFIED: no rigid motion brings more than 4 of the 40 ")
-    assert wrong.warnings == (words,)
+    assert wrong.headline.startswith(
+        "CERTIFIED, BUT SO FEW PAIRS MAY AGREE BY CHANCE: no rigid motion brings more than 4 of "
+    )
+    assert [one.text for one in wrong.pair_warnings] == [words]
     assert f"\n  warning           {words}" in str(wrong)
     assert wrong.to_dict()["consensus"]["warnings"] == [words]
     assert f"Warning: {words}" in wrong._repr_html_()
@@ -182,7 +184,7 @@ def test_few_pairs_are_said_to_agree_by_chance_perhaps():
     ],
 )
 def test_few_pairs_are_three_or_a_tenth_of_all_up_to_six(met, n, few):
-    assert (chance_words(met, n) is not None) is few
+    assert (few_warning(met, n) is not None) is few
 
 
 def test_a_least_squares_pose_that_breaks_its_own_consensus_is_told():
