@@ -5,6 +5,7 @@ A library that is not installed is told from one that is and does not load: the 
 
 from __future__ import annotations
 
+import shlex
 import sys
 from dataclasses import dataclass
 from importlib import import_module
@@ -86,7 +87,7 @@ class Origin:
         if self.extra is None:
             return f"pip install {self.package}"
         if self.extra == "files":  # each reads one format, and one of them is large
-            return f"pip install {self.package} (extra `files`)"
+            return f"pip install {shlex.quote(self.package)} (extra `files`)"
         return f"pip install 'certreg[{self.extra}]'"
 
 

@@ -7,12 +7,13 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from certreg.equilibrium import Finiteness
+from certreg.errors import MissingToolError
 from certreg.registration import listed_springs, returns
 from certreg.report.spring_equilibria import magnitude, spring_count_words, spring_notes
+from certreg.results import Guarantee
 
 if TYPE_CHECKING:
     from certreg.registration import SpringEquilibrium, SpringRegistration
-    from certreg.results import Guarantee
 
 COUNTED = {  # on what the number of equilibria rests
     Finiteness.FORTY: ("forty_lines",),
@@ -57,9 +58,15 @@ class Listed:
 
 
 def listed(registration: SpringRegistration) -> Listed | None:
-    """All equilibria of these springs; None where nothing can be listed."""
+    """All equilibria of these springs; None where nothing can be listed.
+
+    Without python-flint no rows, and the words say so: the proof of the optimum needs no list.
+    """
     problem, objective = registration.problem, registration.solution.objective
-    found = listed_springs(problem, objective)
+    try:
+        found = listed_springs(problem, objective)
+    except MissingToolError as error:
+        return _without_rows(f"None is listed here: {error}.")
     if found is None:
         return None
     stable = [part for part in found.components if part.stable][:MOST_RELEASED]
@@ -77,6 +84,18 @@ def listed(registration: SpringRegistration) -> Listed | None:
         complete=found.count is not None,
         guarantee=found.guarantee,
         theorems=COUNTED.get(found.finiteness, ()),
+    )
+
+
+def _without_rows(words: str) -> Listed:
+    return Listed(
+        words=words,
+        angle="",
+        rows=(),
+        notes=(),
+        complete=False,
+        guarantee=Guarantee.NUMERICAL,
+        theorems=(),
     )
 
 

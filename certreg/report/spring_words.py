@@ -52,7 +52,7 @@ def not_claimed_of_springs(
     own = [RIGHT_SPRINGS]
     if registration.solution.unique_rotation is None:
         own.append(ALONE)
-    if listed is None:
+    if listed is None or not listed.rows:
         own.append(NOWHERE)
     elif not listed.complete:
         own.append(NOT_ALL)

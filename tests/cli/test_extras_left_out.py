@@ -25,6 +25,11 @@ LINES: dict[str, tuple[int, set[str], tuple[object, ...]]] = {  # code, what it 
         {"numpy", "scipy", "cvxpy"},
         ("certify", *CLOUDS, "--no-simulation", "--solver", "SCS"),
     ),
+    "certify planes": (  # the page lists equilibria only where the library for it is there
+        0,
+        {"numpy", "jinja2"},
+        ("certify", "p.csv", "q.csv", "--springs", "plane", "--out", "planes"),
+    ),
     "verify": (0, set(), ("verify", "out/certificate.json")),
     "assess": (1, {"numpy"}, ("assess", *CLOUDS, "--pose", DATA / "flipped.txt")),
     "apply": (0, {"numpy"}, ("apply", "out", CLOUDS[0], "--out", "moved.csv")),
@@ -66,6 +71,14 @@ def certified(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+def write_planes(folder: Path) -> None:
+    """Nine points, and the planes on which they lie after a turn about z: p.csv, q.csv."""
+    grid = [(x, y, x * y + x - y * y) for x in (-1, 0, 1) for y in (-1, 0, 2)]
+    rows = [f"{-y},{x},{z},1,{i % 3},{i // 3 - 1}" for i, (x, y, z) in enumerate(grid)]
+    (folder / "p.csv").write_text("\n".join(f"{x},{y},{z}" for x, y, z in grid) + "\n", "utf-8")
+    (folder / "q.csv").write_text("\n".join(("x,y,z,nx,ny,nz", *rows)) + "\n", "utf-8")
+
+
 @pytest.mark.parametrize(
     "which",
     [
@@ -78,6 +91,7 @@ def test_each_command_runs_or_ends_in_one_line(
     which: str, every: int, certified: Path, tmp_path: Path
 ):
     left_out = LEFT_OUT[which]
+    write_planes(tmp_path)
     asked = dict([*LINES.items()][::every])
     (tmp_path / "out").symlink_to(certified)
     (tmp_path / "pairs.csv").write_text(f"source,target\n{CLOUDS[0]},{CLOUDS[1]}\n", "utf-8")

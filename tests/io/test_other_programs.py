@@ -237,8 +237,8 @@ def test_a_header_of_las_that_lies_is_refused(name: str):
 @pytest.mark.parametrize(
     ("file", "library", "words"),
     [
-        ("a.las", "laspy", r"pip install laspy\[lazrs\] \(extra `files`\), .*: pdal translate"),
-        ("a.laz", "laspy", r"pip install laspy\[lazrs\] \(extra `files`\), .*: pdal translate"),
+        ("a.las", "laspy", r"pip install 'laspy\[lazrs\]' \(extra `files`\), .*: pdal translate"),
+        ("a.laz", "laspy", r"pip install 'laspy\[lazrs\]' \(extra `files`\), .*: pdal translate"),
         ("a.e57", "pye57", r"pip install pye57 \(extra `files`\), or convert it: CloudCompare -S"),
         ("a.cif", "gemmi", r"pip install gemmi \(extra `files`\), .*: gemmi convert .*a\.pdb"),
     ],

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from test_spring_page import registered, words_of
 
+from certreg.errors import MissingToolError
 from certreg.problem import RegistrationProblem
 from certreg.registration import certify, spring_release
 from certreg.report import html_page, spring_listed
@@ -109,6 +110,19 @@ def test_where_nothing_is_listed_the_page_has_no_such_section(monkeypatch):
     assert (
         "where else the springs balance: general springs have up to forty equilibria, or " in said
     )
+    assert "or infinitely many, stable ones among them, and this page lists none;" in said
+
+
+def test_without_the_library_of_the_list_the_page_is_made_and_says_what_the_list_needs(monkeypatch):
+    missing = MissingToolError("the method homotopy needs python-flint, which is not installed")
+
+    def no_list(*_: object):
+        raise missing
+
+    monkeypatch.setattr(spring_listed, "listed_springs", no_list)
+    said = words_of(html_page(SpringReport.of(registered("plane"))))
+
+    assert f"None is listed here: {missing}." in said
     assert "or infinitely many, stable ones among them, and this page lists none;" in said
 
 
