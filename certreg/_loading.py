@@ -10,6 +10,7 @@ import sys
 from dataclasses import dataclass
 from importlib import import_module
 from importlib.util import find_spec
+from traceback import walk_tb
 from typing import TYPE_CHECKING, Any
 
 from certreg.errors import MissingToolError
@@ -150,6 +151,21 @@ def belongs(error: ImportError) -> str | None:
     """The library in `ORIGINS` that an import missed, None if it is another one."""
     name = _root(error.name or "")
     return name if name in ORIGINS else None
+
+
+def unloaded(error: Exception) -> str | None:
+    """The library in `ORIGINS` that an exception kept from loading, None where it is another fault.
+
+    Either the import missed it, or its own modules were being run: the innermost of them is named.
+    """
+    missed = belongs(error) if isinstance(error, ImportError) else None
+    frames = [frame for frame, _ in walk_tb(error.__traceback__)]
+    run = [
+        _root(frame.f_globals.get("__name__", ""))
+        for frame in frames
+        if frame.f_code.co_name == "<module>"
+    ]
+    return missed or next((name for name in reversed(run) if name in ORIGINS), None)
 
 
 def _installed(name: str) -> bool:

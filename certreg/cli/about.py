@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING
 import click
 
 from certreg import __version__, native, registration
-from certreg._loading import ORIGINS
+from certreg._loading import ORIGINS, refusal, unloaded
 from certreg.cli.options import FOLDER
 from certreg.registration import DONE
+from certreg.report import printable
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -54,5 +55,6 @@ def _engine() -> str:
         return native.loaded_library().words  # asked for here: it loads NumPy
     except native.MissingLibraryError as error:
         return f"generated Python: {error}"
-    except ImportError as error:
-        return f"none: {error}"
+    except Exception as error:  # noqa: BLE001 - whatever stops NumPy: the list is for such machines
+        library = unloaded(error) or "numpy"
+        return f"none: {printable(refusal(library, error, 'it'))}"

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import click
 
 from certreg import __version__
-from certreg._loading import belongs, refusal
+from certreg._loading import refusal, unloaded
 from certreg.cli.memory import LOADING, LOADING_ALL, require_loadable
 from certreg.cli.options import EXIT_CODES, warnings_as_notes
 from certreg.errors import CertregError
@@ -168,16 +168,22 @@ def main() -> NoReturn:
         sys.exit(code_of_error(error))
     except BrokenPipeError:
         sys.exit(DONE)
-    except ImportError as error:
-        name = belongs(error)
-        if name is None:
+    except Exception as error:
+        words = _fault(error)
+        if words is None:
             raise  # a defect of certreg's own
-        click.echo(f"certreg: {printable(refusal(name, error, 'this command'))}", err=True)
-        sys.exit(MISUSED)
-    except OSError as error:
-        click.echo(f"certreg: the output cannot be written ({error.strerror})", err=True)
-        sys.exit(MISUSED)
-    except MemoryError:
-        click.echo("certreg: not enough memory for this input: use fewer points", err=True)
+        click.echo(f"certreg: {words}", err=True)
         sys.exit(MISUSED)
     sys.exit(code if isinstance(code, int) else DONE)
+
+
+def _fault(error: Exception) -> str | None:
+    """In one line, a fault of the machine and of what is installed; None of certreg's own."""
+    if isinstance(error, MemoryError):
+        return "not enough memory for this input: use fewer points"
+    library = unloaded(error)
+    if library is not None:
+        return printable(refusal(library, error, "this command"))
+    if isinstance(error, OSError):
+        return f"the output cannot be written ({error.strerror})"
+    return None

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import json
+import os
+import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 from commands import certreg
 from left_out import endings
@@ -199,3 +202,43 @@ def test_without_numpy_the_checker_checks_and_others_say_what_they_need(
         (2, "certreg: this command needs numpy, which is not installed: pip install numpy\n"),
         (0, ""),
     ]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("fault", "told"),
+    [
+        ('ImportError("libblas.so.3: cannot open")', "ImportError: libblas.so.3: cannot open"),
+        ('OSError("no\\nlibrary")', "OSError: no library"),
+        ('ModuleNotFoundError("No _foo", name="_foo")', "ModuleNotFoundError: No _foo"),
+    ],
+)
+def test_a_broken_numpy_is_told_by_every_command_in_one_line(fault: str, told: str, tmp_path: Path):
+    folder = tmp_path / "numpy"
+    folder.mkdir()
+    (folder / "__init__.py").write_text(f"raise {fault}\n", "utf-8")
+
+    def ended(*line: object) -> tuple[int, str, str]:
+        command = [sys.executable, "-c", "from certreg.cli.main import main; main()"]
+        run = subprocess.run(
+            [*command, *map(str, line)],
+            capture_output=True,
+            encoding="utf-8",
+            check=False,
+            env={**os.environ, "PYTHONPATH": str(tmp_path)},
+        )
+        return run.returncode, run.stdout, run.stderr
+
+    words = f"numpy, which is installed but does not load ({told}): pip install --force-reinstall"
+    info = ended("info")
+
+    assert ended("simulate", *CLOUDS) == (2, "", f"certreg: this command needs {words} numpy\n")
+    assert (info[0], info[2]) == (0, "")
+    assert f"\nsimulation   none: it needs {words} numpy\n" in info[1]
+
+
+def test_an_exception_of_a_library_that_is_loaded_keeps_none_from_loading():
+    with pytest.raises(np.exceptions.AxisError) as caught:
+        np.zeros(3).sum(axis=7)
+
+    assert _loading.unloaded(caught.value) is None
