@@ -102,8 +102,9 @@ def _something_is_judged(command: Callable[..., Any]) -> Callable[..., Any]:
     "labels_file",
     type=CLOUD,
     help="Instead of --pose: which pairs are right, one 0 or 1 (outlier or inlier) per row of "
-    "SOURCE. Can one motion bring these within --max-residual, and are they the most? With "
-    "--objective truncated: has an optimum just these within?",
+    "SOURCE, or fit.csv of certify --max-residual. Can one motion bring these within "
+    "--max-residual, and are they the most? With --objective truncated: has an optimum just these "
+    "within?",
 )
 @consensus_options
 @json_option

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from certreg.io.clouds import Pairing as Pairing
     from certreg.io.clouds import read_cloud as read_cloud
     from certreg.io.clouds import read_problem as read_problem
+    from certreg.io.inliers import PAIR_COLUMNS as PAIR_COLUMNS
     from certreg.io.inliers import read_inliers as read_inliers
     from certreg.io.labels import csv_field as csv_field
     from certreg.io.objects import load as load
@@ -57,7 +58,7 @@ __getattr__ = lazy_face(
             "read_cloud",
             "read_problem",
         ),
-        "inliers": ("read_inliers",),
+        "inliers": ("PAIR_COLUMNS", "read_inliers"),
         "labels": ("csv_field",),
         "objects": (
             "load",

@@ -270,11 +270,11 @@ def read_numbers(path: str | Path) -> array[float]:
         return parse_numbers(stream, file)
 
 
-def read_words(path: str | Path) -> list[tuple[Place, str]]:
-    """Place and text of each row of a .csv or .txt file with one word a line, without a header."""
+def read_rows(path: str | Path) -> list[tuple[Place, list[str]]]:
+    """Place and fields of each row of a .csv or .txt file, a header among them."""
     file = _one_of(TABLE_FORMATS, path)
     with reading(file) as stream:
-        return [(place, ",".join(row).strip()) for place, row in parse_rows(stream, file)]
+        return list(parse_rows(stream, file))
 
 
 def parse_numbers(stream: BinaryIO, file: Path) -> array[float]:

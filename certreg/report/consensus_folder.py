@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from certreg.errors import InvalidFileError
-from certreg.io import csv_field, write_together
+from certreg.io import PAIR_COLUMNS, csv_field, write_together
 from certreg.registration import TruncatedRegistration
 from certreg.report.consensus_fields import consensus_document
 from certreg.report.document import dumps, pose_document
@@ -20,8 +20,6 @@ if TYPE_CHECKING:
 
     from certreg.registration import ConsensusRegistration
     from certreg.report.encoding import Document
-
-HEADER = "row,label,residual,bound,proved\n"
 
 
 def wrong_pairs_document(
@@ -79,4 +77,4 @@ def fit_table(result: ConsensusRegistration | TruncatedRegistration) -> str:
         f"{row},{csv_field(names.label(row) or '')},{residual!r},{bound!r},{word}\n"
         for row, (residual, bound, word) in enumerate(zip(*columns, strict=True))
     )
-    return HEADER + "".join(lines)
+    return f"{','.join(PAIR_COLUMNS)}\n" + "".join(lines)
