@@ -11,6 +11,7 @@ import ctypes
 import hashlib
 import json
 import os
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -179,16 +180,35 @@ def chosen_library() -> tuple[Path, str]:
     named = os.environ.get(VARIANT, "")
     if named == PYTHON:
         raise MissingLibraryError(f"{VARIANT} is {PYTHON}")
-    built = record_of(BUILT)
+    folder, built = _found()
     if built.checkout and built.digest != source_digest():
         raise MissingLibraryError(f"certreg's C code differs from what was built: {REMEDY}")
     if built.why:
         raise MissingLibraryError(built.why)
-    here = runnable(built, BUILT)
+    here = runnable(built, folder)
     if named and named not in here:
         raise MissingLibraryError(f"{VARIANT} is {named}, of {', '.join((*here, PYTHON))}")
     variant = named or here[-1]
-    return BUILT / built.variants[variant], f"{variant}, {built.compiler}"
+    return folder / built.variants[variant], f"{variant}, {built.compiler}"
+
+
+def _found() -> tuple[Path, Built]:
+    """The folder to load from, and what was built there. Raises MissingLibraryError.
+
+    Beside the sources that run; where nothing is, and Python was started in a checkout whose
+    package hides the installed one, that of the installed one, if it is of the same sources.
+    """
+    try:
+        return BUILT, record_of(BUILT)
+    except MissingLibraryError:
+        from importlib.metadata import PackageNotFoundError, distribution
+
+        with suppress(PackageNotFoundError, MissingLibraryError):
+            folder = Path(str(distribution("certreg").locate_file("certreg/native/built")))
+            built = record_of(folder)
+            if built.digest == source_digest():
+                return folder, built
+        raise
 
 
 def runnable(built: Built, folder: Path) -> list[str]:

@@ -194,6 +194,32 @@ def test_where_nothing_is_built_the_remedy_is_named(folder):
     assert "make kernels" in kernels.REMEDY
 
 
+class Installed:
+    """A distribution in a folder."""
+
+    def __init__(self, root: Path) -> None:
+        self.locate_file = root.joinpath
+
+
+@pytest.mark.parametrize("same", [True, False])
+def test_a_checkout_where_nothing_is_built_runs_what_is_installed_of_the_same_sources(
+    same, folder, built, tmp_path, monkeypatch
+):
+    """`pip install .`, and Python started in the checkout, where its package is found first."""
+    installed = tmp_path / "site-packages" / "certreg" / "native" / "built"
+    shutil.copytree(Path(kernels.__file__).parent / "built", installed)
+    digest = built.digest if same else "0" * 64
+    recorded(installed, replace(built, digest=digest, checkout=False))
+    site_packages = Installed(tmp_path / "site-packages")
+    monkeypatch.setattr("importlib.metadata.distribution", lambda _: site_packages)
+    assert not folder.exists()
+
+    if same:
+        assert kernels.chosen_library()[0].parent == installed
+    else:
+        assert refusal() == f"certreg's C code is not built: {kernels.REMEDY}"
+
+
 @pytest.mark.parametrize("content", [b"", b"[]", b'{"digest": "a"}', b"\xff"])
 def test_a_damaged_record_is_as_none(content, copied):
     (copied / kernels.RECORD).write_bytes(content)
