@@ -34,7 +34,7 @@ def truncated_summary(result: TruncatedRegistration) -> str:
         *uncertainty_lines(result.fit),
         *further_lines(result.fit),
     ]
-    warned = [f"  {'warning':<17} {words}" for words in warnings_of(result, verdict)]
+    warned = [f"  {'warning':<17} {words}" for words in warnings_of(result)]
     return "\n".join(
         [result.headline, *truncated_causes(result), *advice, "", *facts, *fit, *warned]
     )

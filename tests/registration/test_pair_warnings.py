@@ -119,3 +119,12 @@ def test_what_a_test_says_of_the_pairs_within_is_in_the_first_line():
     reason = str(found.fit).split(", BUT ")[1].split(":")[0]
     assert found.headline.startswith(f"CERTIFIED, BUT {reason}: ")
     assert not found.good
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_one_wide_bound_of_many_is_warned_of(model):
+    bounds = np.where(np.arange(len(CUBE)) == 3, 0.3, 0.1) * SIZE
+    found: Any = certreg.certify(CUBE, CUBE @ TURN.T, max_residual=bounds, **OPTIONS[model])
+
+    assert [one.code for one in found.warnings] == [FitCode.WIDE_BOUND]
+    assert "the bound is 30 % of the cloud's size" in str(found)

@@ -22,6 +22,7 @@ from certreg.report import report_of
 from certreg.report.consensus_picture import residual_chart
 from certreg.report.pages import report_on
 from certreg.report.truncated_page import TruncatedReport
+from certreg.report.viewer import Names
 from certreg.results import Limits
 
 if TYPE_CHECKING:
@@ -294,3 +295,14 @@ def test_that_not_all_angles_are_listed_is_said(monkeypatch):
     )
     assert f"Of the 12 pairs the 5 {listed}" in words
     assert " angle largest allowed residual " in words
+
+
+def test_the_pairs_nearest_to_their_bounds_are_listed_on_either_side(monkeypatch):
+    monkeypatch.setattr("certreg.report.truncated_page.NEAREST", 8)
+    found = result()
+    listed = TruncatedReport.of(found).values(Names.of(found.certificate.about, 12))["nearest"]
+    away = np.maximum(found.residuals / BOUND, BOUND / found.residuals)
+    nearest = np.argsort(away)[:8].tolist()
+
+    assert [int(one["row"]) for one in listed] == nearest
+    assert {found.labels[row] for row in nearest} == {"inlier", "outlier"}
