@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
 NEEDED = ("source", "target")
+MOST_SHOWN = 120  # letters of a header: a line of a message
 SPRING_FILES = ("normals", "directions", "covariances", "information", "factors")
 MODEL = ("scale", "rotation_only")
 BOUNDS = ("max_residual", "objective", "effort")
@@ -119,14 +120,18 @@ def _headed(path: Path, content: bytes) -> tuple[list[str], Iterator[tuple[Place
     names = [name.strip().lower() for name in first]
     if "name" not in names:
         names = ["name" if name == "label" else name for name in names]
-    wrong = [name for name in NEEDED if name not in names]
-    wrong += [name for name in COLUMNS if names.count(name) > 1]
+    lacking = [name for name in NEEDED if name not in names]
+    wrong = lacking + [name for name in COLUMNS if names.count(name) > 1]
     if wrong:
-        message = (
-            f"{place or shown(path)}: name each column once in a header, source and target among "
-            f"them: look at {', '.join(wrong)}"
-        )
+        header = f"the header ({shown(', '.join(first)[:MOST_SHOWN])}) names"
+        fault = f"{header} {wrong[0]} more than once: name each column once"
+        if lacking:
+            lacks = f"{header} no {' and no '.join(lacking)}" if first else "there is no header"
+            fault = f"{lacks}: name the columns with the files of the two clouds source and target"
         raise InvalidFileError(
-            message, path=path, line=None if place is None else place.line, column=wrong[0]
+            f"{place or shown(path)}: {fault}",
+            path=path,
+            line=None if place is None else place.line,
+            column=wrong[0],
         )
     return names, rows

@@ -64,8 +64,9 @@ def repeated_rows_note(file: Path, pairs: NDArray[np.int64]) -> tuple[str, ...]:
     if not any(repeated):
         return ()
     note = (
-        f"{shown(file)}: not one to one: {repeated[0]} rows of the source and {repeated[1]} of the "
-        "target are in several pairs, and count in each (--one-to-one refuses that)"
+        f"{shown(file)}: not one to one: {repeated[0]} row{'s' * (repeated[0] != 1)} of the source "
+        f"and {repeated[1]} of the target are in several pairs, and count in each (--one-to-one "
+        "refuses that)"
     )
     return (note,)
 
@@ -89,7 +90,8 @@ def _from_text(stream: BinaryIO, file: Path) -> NDArray[np.int64]:
         if k == 0 and [word.lower() for word in words] == HEADER:
             continue
         if len(words) != 2:
-            what = f"{len(words)} columns: write a row of source and one of target"
+            columns = "1 column" if len(words) == 1 else f"{len(words)} columns"
+            what = f"{columns}: write a row of source and one of target"
             raise place.refusal(what, value=len(words), limit=2)
         pairs.append([_row_number(place, word) for word in words])
     return np.array(pairs, dtype=np.int64).reshape(-1, 2)

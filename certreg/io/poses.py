@@ -140,8 +140,11 @@ def _words(line: str) -> list[str]:
 
 
 def _numbers(source: PoseSource, words: list[str]) -> list[float]:
-    try:
-        return [float(word) for word in words]
-    except ValueError as error:
-        message = f"{shown(error)}: write a 4x4 matrix, or w x y z tx ty tz"
-        raise source.refusal(message) from error
+    numbers = list[float]()
+    for word in words:
+        try:
+            numbers.append(float(word))
+        except ValueError as error:
+            message = f"'{shown(word)}' is not a number: write a 4x4 matrix, or w x y z tx ty tz"
+            raise source.refusal(message, value=word) from error
+    return numbers

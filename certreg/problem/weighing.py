@@ -51,6 +51,9 @@ def given_weights(weights: ArrayLike | None, n: int) -> NDArray[np.float64]:
 
 def given_sigma(sigma: ArrayLike, n: int) -> NDArray[np.float64]:
     """(n,) or (1,) standard deviations > 0."""
+    if np.ndim(sigma) == 0 and not np.isfinite(real_numbers(sigma, "sigma")):
+        message = f"sigma is {sigma}: a standard deviation must be finite and > 0"
+        raise InvalidProblemError(message, array="sigma", value=sigma, limit=0.0)
     array = _per_point(sigma, "sigma", n)
     row = first_row(array, lambda block: block <= 0)
     if row is not None:

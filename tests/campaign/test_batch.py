@@ -192,10 +192,11 @@ def test_defects_met_by_one_pair_do_not_cost_the_others(folder, monkeypatch):
 
 
 LISTS = {
-    "": "name each column once in a header",
+    "": "pairs.csv: there is no header: name the columns with the files of the two clouds source",
+    "src,target\n": "line 1: the header (src, target) names no source: name the columns with",
     "source,target\n": "lists no pairs: add rows",
-    "a.csv,b.csv\n": "name each column once in a header, source and target among them",
-    "source,target,source\na,b,c\n": "look at source",
+    "a.csv,b.csv\n": "the header (a.csv, b.csv) names no source and no target: name the columns",
+    "source,target,source\na,b,c\n": "names source more than once: name each column once",
     'source,target\n"a,b\n': "mend the text",
     "source,target,sigm\na,b,1\n": "column 'sigm' is not known: did you mean 'sigma'?",
     "source,target,Weight,note\na,b,w,n\n": "did you mean 'weights'?",

@@ -782,7 +782,7 @@ BAD_PAIRS: dict[str, tuple[str, bytes, str]] = {
     "header only": ("p.csv", b"source,target\n", "no pairs"),
     "the header of another": ("p.csv", b"a,b\n0,0\n", "line 1: 'a'"),
     "header the other way round": ("p.csv", b"target,source\n0,0\n", "line 1: 'target'"),
-    "one column": ("p.csv", b"0\n1\n", "line 1: 1 columns"),
+    "one column": ("p.csv", b"0\n1\n", "line 1: 1 column: "),
     "three columns": ("p.csv", b"0,1\n1,2,3\n", "line 2: 3 columns"),
     "negative": ("p.csv", b"0,-1\n", "line 1: '-1' is not a count"),
     "fractions": ("p.txt", b"0 1.0\n", "line 1: '1.0' is not a count"),

@@ -146,7 +146,7 @@ def test_the_lines_to_choose_from_are_counted_with_the_comments():
     [
         (2, "many.txt, line 2: holds 0 numbers: a line that is a pose holds 7 (w x y z tx"),
         (3, "many.txt, line 3: holds 4 numbers"),
-        (4, "many.txt, line 4: could not convert string to float"),
+        (4, "many.txt, line 4: 'x' is not a number: write a 4x4 matrix"),
         (5, "many.txt, line 5: the quaternion has norm 2, not 1"),
         (6, "many.txt has 5 lines: --line 6 is none of them"),
     ],

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import math
 import re
 from fractions import Fraction
 from typing import Any
@@ -148,6 +149,7 @@ def test_a_weight_of_zero_takes_a_point_out():
         ({"damping": 1e200}, "1e-150 to 1e150"),
         ({"damping": "2"}, "positive finite"),
         ({"sigma": -1}, "sigma is -1.0"),
+        ({"sigma": math.nan}, "sigma is nan: a standard deviation must be finite"),
     ],
 )
 def test_bad_input_is_refused_with_what_where_and_remedy(arguments, words):

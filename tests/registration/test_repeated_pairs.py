@@ -92,5 +92,5 @@ def test_a_file_of_pairs_says_it_beside_the_note_of_the_reader(tmp_path: Path):
     asked = "certify", *clouds, "--pairs", tmp_path / "p.csv", "--max-residual", "0.05"
     told = run(*asked, "--json").document["notes"]
 
-    assert "not one to one: 1 rows of the source and 1 of the target" in told[0]
+    assert "not one to one: 1 row of the source and 1 of the target are in" in told[0]
     assert told[1] == ONE.replace("row 12", "row 12 (source row 3 and target row 3)")
