@@ -24,6 +24,7 @@ from certreg.report.consensus_page import ConsensusReport
 from certreg.report.page import Report
 from certreg.report.pages import html_page
 from certreg.report.picture import registration_picture
+from certreg.report.truncated_page import TruncatedReport
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -31,7 +32,7 @@ if TYPE_CHECKING:
     from sphinx.application import Sphinx
     from sphinx.util.typing import ExtensionMetadata
 
-    from certreg.registration import ConsensusRegistration, Registration
+    from certreg.registration import ConsensusRegistration, Registration, TruncatedRegistration
     from certreg.report.any_report import AnyReport
 
 PICTURE = "report/templates/picture.html"
@@ -99,8 +100,21 @@ def wrong_pairs(
     return cast("ConsensusRegistration", result)
 
 
+def stars() -> TruncatedRegistration:
+    """Thirty directions, seen turned; ten are taken for others."""
+    random = np.random.default_rng(3)
+    source = random.standard_normal((30, 3))
+    source /= np.linalg.norm(source, axis=1)[:, np.newaxis]
+    target = source[:, [1, 2, 0]] + random.uniform(-0.01, 0.01, (30, 3))
+    target[20:] = np.roll(target[20:], 3, axis=0)
+    model = {"rotation_only": True, "objective": "truncated", "max_residual": 0.05}
+    about = {"source": "catalogue", "target": "seen"}
+    return cast("TruncatedRegistration", certify(source, target, about=about, **model))
+
+
 WRONG = {
     "wrong-pairs": wrong_pairs,
+    "stars": stars,
     "unknown-scale": lambda: wrong_pairs(size=0.4, scale="asymmetric"),
     "two-bodies": lambda: wrong_pairs(second=True),
 }
@@ -127,7 +141,8 @@ class Reports(SphinxDirective):
             inlines, _ = self.state.inline_text(words, self.lineno)
             if name in WRONG:
                 result = WRONG[name]()
-                self.write(name, ConsensusReport.of(result, documentation="../"))
+                page = TruncatedReport if result.fit.problem.rotation_only else ConsensusReport
+                self.write(name, page.of(result, documentation="../"))
                 drawn, further = result.fit, f" {result.headline}"
             else:
                 drawn = registrations[name]()
