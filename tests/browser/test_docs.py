@@ -135,7 +135,7 @@ def test_the_gallery_leads_to_reports_and_they_to_the_proofs(page: Page):
     led = page.eval_on_selector_all("article table a", where)
 
     assert sorted(map(led_path, led)) == list(map(str, REPORTS))
-    assert len(led) == page.locator("article table svg").count() == 13
+    assert len(led) == page.locator("article table svg").count() == 14
     for path in REPORTS:
         page.goto(path.as_uri())
         proofs = page.eval_on_selector_all("#proof a", where)

@@ -27,6 +27,7 @@ from certreg.registration import certify
 from certreg.results import Absent
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
     from pathlib import Path
 
 
@@ -157,18 +158,30 @@ def test_without_parquet_a_table_needs_no_further_library(
     assert (tmp_path / "summary.csv").read_bytes().split() == [b"a", b"1", b"2"]
 
 
-class Mistaking(Executor):
-    """Takes its first result for an exception, as dask does where the worker has died since."""
+class Stumbling(Executor):
+    """Carries out what it is given, but for the first call."""
 
     def __init__(self) -> None:
         self.calls = 0
 
     def submit(self, fn: Any, /, *args: Any, **kwargs: Any) -> Future[Any]:
         self.calls += 1
-        future, result = Future[Any](), fn(*args, **kwargs)
-        if self.calls > 1:
-            future.set_result(result)
-            return future
+        if self.calls == 1:
+            return self.stumbled(lambda: fn(*args, **kwargs))
+        future = Future[Any]()
+        future.set_result(fn(*args, **kwargs))
+        return future
+
+    def stumbled(self, work: Callable[[], Any]) -> Future[Any]:
+        """What becomes of the first call."""
+        raise NotImplementedError
+
+
+class Mistaking(Stumbling):
+    """Takes its first result for an exception, as dask does where the worker has died since."""
+
+    def stumbled(self, work: Callable[[], Any]) -> Future[Any]:
+        future, result = Future[Any](), work()
         try:
             _, _, _ = result
         except TypeError as error:
@@ -185,19 +198,12 @@ def test_a_result_that_is_taken_for_an_error_is_made_again():
     assert crew.executor.calls == 4
 
 
-class Refusing(Executor):
-    """Refuses its first call at once, as a pool that has broken down does; carries out others."""
+class Refusing(Stumbling):
+    """Refuses its first call, as a pool that has broken down does."""
 
-    def __init__(self) -> None:
-        self.calls = 0
-
-    def submit(self, fn: Any, /, *args: Any, **kwargs: Any) -> Future[Any]:
-        self.calls += 1
-        if self.calls == 1:
-            raise BrokenExecutor
-        future = Future[Any]()
-        future.set_result(fn(*args, **kwargs))
-        return future
+    def stumbled(self, work: Callable[[], Any]) -> Future[Any]:
+        del work
+        raise BrokenExecutor
 
 
 def test_a_pool_that_refuses_a_task_is_renewed_and_the_task_is_done():

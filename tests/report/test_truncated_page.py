@@ -244,16 +244,16 @@ def test_a_pair_of_no_length_has_no_angle():
     assert np.isnan(widest_angles(zero, one, np.full(1, 0.5)))
 
 
+def of_gap_alone(certificate: Any, gap: int) -> Any:
+    """What is claimed where nothing but a gap is."""
+    kept, small = certificate.body.claims, Dyadic(mantissa=gap, exponent=0)
+    return replace(kept, gap=small, labels="?" * 12, sin2_half_angle=None, unique=False)
+
+
 def test_a_certificate_that_proves_little_is_reported_as_no_more(tmp_path: Path):
     found = result()
     kept = found.certificate
-    claims = replace(
-        kept.body.claims,
-        gap=Dyadic(mantissa=3, exponent=0),
-        labels="?" * 12,
-        sin2_half_angle=None,
-        unique=False,
-    )
+    claims = of_gap_alone(kept, 3)
     path = tmp_path / "weak.json"
     replace(kept, body=replace(kept.body, claims=claims)).save(path)
     page = report_of(path).html().decode()
@@ -265,13 +265,7 @@ def test_a_certificate_that_proves_little_is_reported_as_no_more(tmp_path: Path)
 
 def test_a_certificate_whose_rotation_meets_nothing_has_no_report(tmp_path: Path):
     kept = result().certificate
-    claims = replace(
-        kept.body.claims,
-        gap=Dyadic(mantissa=13, exponent=0),
-        labels="?" * 12,
-        sin2_half_angle=None,
-        unique=False,
-    )
+    claims = of_gap_alone(kept, 13)
     w, x, y, z = kept.body.quaternion
     path = tmp_path / "far.json"
     replace(kept, body=replace(kept.body, quaternion=(-x, w, -z, y), claims=claims)).save(path)
