@@ -110,7 +110,7 @@ golden: kernels  ## compare what users see now and at a commit: make golden BASE
 record: kernels  ## renew tests/golden/records, where what users see is meant to differ: make record, or ONLY=<case> (seconds)
 	@PYTHONPATH=tests $(RUN) tests/golden/net.py $(ONLY)
 
-fuzz: $(READY)  ## a million broken files for the readers (two minutes)
+fuzz: $(READY)  ## 1.7 million broken files for the readers (five minutes)
 	@$(RUN) tests/fuzz_readers.py
 
 fit-rates: kernels  ## warnings of a fit: ten misfits, 2,000 good problems (half a minute)

@@ -151,7 +151,11 @@ def test_the_version_is_one_everywhere():
     citation = (ROOT / "CITATION.cff").read_text("utf-8")
     cited = re.findall(r"^version: (\S+)$", citation, flags=re.MULTILINE)
 
+    changes = (ROOT / "CHANGELOG.md").read_text("utf-8")
+    released = f"## {certreg.__version__} (unreleased)" not in changes
+
     assert cited == [certreg.__version__]
+    assert ("\ndate-released: " in citation) == released
     assert PYPROJECT["project"]["dynamic"] == ["version"]
     assert PYPROJECT["tool"]["hatch"]["version"]["path"] == "certreg/__init__.py"
 
