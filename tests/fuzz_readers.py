@@ -1,4 +1,4 @@
-"""Every reader on broken files: `make fuzz` for 1.7 million, `python tests/fuzz_readers.py N` for N.
+"""Every reader on broken files: `make fuzz` for 1.7 million, `tests/fuzz_readers.py N` for N.
 
 A reader may only accept finite numbers of the right shape or raise InvalidFileError with one
 printable line that names the file; within two seconds, and without much memory. Seeds are fixed.
