@@ -66,7 +66,7 @@ def verify(
     Parameters
     ----------
     certificate
-        What is to be checked; nothing in it is trusted.
+        What is to be checked; nothing in it is trusted. Of a folder, its certificate.json.
     problem
         If given, the certificate must be about exactly these points and weights; needed where the
         certificate is too large to carry its points.

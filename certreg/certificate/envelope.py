@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
 FORMAT = "certreg-certificate/1"
 FILE = json.JSONEncoder(sort_keys=True, allow_nan=False, indent=1)
+CERTIFICATE = "certificate.json"  # of a folder that certify --out wrote
 LINE = json.JSONEncoder(sort_keys=True, allow_nan=False, separators=(",", ":"))
 PIECE = 3 << 18  # bytes of data encoded at a time: a multiple of three
 
@@ -196,6 +197,8 @@ def certificate_bytes(
         return certificate.to_json()
     if isinstance(certificate, bytes):
         return certificate
+    if Path(certificate).is_dir():
+        certificate = Path(certificate) / CERTIFICATE
     if os.fspath(certificate).endswith(".jsonl"):
         message = (
             f"{shown(certificate)}: holds a certificate a line: let `certreg verify` check them "

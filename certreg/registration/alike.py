@@ -1,13 +1,24 @@
-"""What is done for springs alike in every way alone, and says so."""
+"""What is done for problems alone, or for springs alike in every way alone, and says so."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
 from certreg.errors import InvalidProblemError
+from certreg.problem import RegistrationProblem
 
 if TYPE_CHECKING:
-    from certreg.problem import RegistrationProblem
+    from typing import Any
+
+
+def require_problem(problem: Any, name: str) -> None:
+    """Nothing for a problem; InvalidProblemError for what else the function of this name gets."""
+    if not isinstance(problem, RegistrationProblem):
+        message = (
+            f"{name} takes a RegistrationProblem, not {type(problem).__name__}: of two clouds "
+            "RegistrationProblem(source, target) makes one"
+        )
+        raise InvalidProblemError(message, array="problem")
 
 
 def require_alike(problem: RegistrationProblem, what: str) -> None:

@@ -31,7 +31,7 @@ from certreg.native import Integrator
 from certreg.objective import Isotropic
 from certreg.problem import RegistrationProblem, Scale, lift
 from certreg.registration.agreement import agreement, require_sound_trajectory
-from certreg.registration.alike import require_alike, require_rigid
+from certreg.registration.alike import require_alike, require_problem, require_rigid
 from certreg.registration.optimum import exact_pose, optimal_pose
 from certreg.registration.parts import logged
 from certreg.registration.result import (
@@ -146,10 +146,11 @@ def simulate(
         For other integrators or steps; for "euler" on general springs; for all but "midpoint" with
         a free scale.
     InvalidProblemError
-        For the symmetric scale, which no springs have.
+        For the symmetric scale, which no springs have; for what is no problem, as two clouds.
     DegenerateProblemError
         Where the dynamics is not defined or too stiff.
     """
+    require_problem(problem, "simulate")
     settings = _with_step(settings, step)
     if problem.factors is not None:
         return spring_simulation.simulated_springs(problem, integrator, settings=settings)

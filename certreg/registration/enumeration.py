@@ -10,6 +10,7 @@ from certreg.certificate import check_own, count_certificate, require_accepted
 from certreg.equilibrium import METHODS, EquilibriumSet, compare, search
 from certreg.errors import UndecidedError
 from certreg.objective import Isotropic
+from certreg.registration.alike import require_problem
 from certreg.registration.ambiguity import equilibria_at
 from certreg.registration.covariance import pose_covariance
 from certreg.registration.fit import fit_of
@@ -97,6 +98,8 @@ def equilibria(
 
     Raises
     ------
+    InvalidProblemError
+        For what is no problem, as two clouds: they make one, `RegistrationProblem(source, target)`.
     ValueError
         For other methods; with a free scale for all but "spectral".
     UndecidedError
@@ -104,6 +107,7 @@ def equilibria(
     ContradictionError
         Where two methods disagree.
     """
+    require_problem(problem, "equilibria")
     if problem.factors is not None:
         found = spring_enumeration.enumerated_springs(problem, method, progress=progress)
         listed = spring_enumeration.ListedSpringEquilibria.of(found)

@@ -13,8 +13,9 @@ import numpy as np
 import pytest
 from strategies import AXES, BENT, random_problem
 
+import certreg
 from certreg.dynamics import SimulationSettings, Trajectory, optimal_damping
-from certreg.errors import ContradictionError, InvalidProblemError
+from certreg.errors import ContradictionError, InvalidFileError, InvalidProblemError
 from certreg.objective import Isotropic
 from certreg.problem import RegistrationProblem, exact_moments
 from certreg.registration import certify
@@ -205,3 +206,23 @@ def test_without_a_certificate_the_rows_of_a_fit_have_no_names(bare: Registratio
     assert {row.label for row in alone.worst} == {None}
     assert [row.row for row in alone.worst] == [row.row for row in named.fit.worst]
     assert alone.explained == named.fit.explained
+
+
+@pytest.mark.parametrize("function", ["equilibria", "simulate"])
+def test_two_clouds_where_a_problem_is_asked_for_are_told_what_makes_one(function: str):
+    asked: Any = getattr(certreg, function)
+    with pytest.raises(InvalidProblemError) as refused:
+        asked(np.eye(3), np.eye(3))
+
+    assert str(refused.value) == (
+        f"{function} takes a RegistrationProblem, not ndarray: of two clouds "
+        "RegistrationProblem(source, target) makes one"
+    )
+
+
+def test_the_folder_of_a_result_is_verified_by_its_certificate(bare: Registration, tmp_path: Path):
+    bare.save(tmp_path / "out")
+
+    assert certreg.verify(tmp_path / "out").ruling is Ruling.PROVED
+    with pytest.raises(InvalidFileError, match=r"certificate\.json: cannot be read"):
+        certreg.verify(tmp_path)
