@@ -104,8 +104,8 @@ test-checker: $(READY)
 test-huge: kernels  ## certify two mapped clouds of 8 GB each in 200 MB of memory beside what starting takes (ten minutes of a quiet machine, 16 GB of disk)
 	@$(RUN) tests/huge.py
 
-golden: kernels  ## compare what users see now and at a commit: make golden BASE=<commit> (minutes)
-	@$(RUN) tests/golden/run.py $(BASE) $(ONLY)
+golden: kernels  ## compare what users see now and at a commit: make golden BASE=<commit>; WORDS=counted: fields decide (ten minutes)
+	@$(RUN) tests/golden/run.py $(BASE) $(ONLY) $(if $(filter counted,$(WORDS)),--count-words)
 
 record: kernels  ## renew tests/golden/records, where what users see is meant to differ: make record, or ONLY=<case> (seconds)
 	@PYTHONPATH=tests $(RUN) tests/golden/net.py $(ONLY)

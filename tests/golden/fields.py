@@ -1,122 +1,270 @@
-"""Which fields differ between two records, and by how much: a diff of many files hides it."""
+"""Which fields differ between two records, by how much, and whether that is what was stated.
+
+A diff of many files hides both. `bounds.toml` states which fields may change and how far a number
+of each other field may move; a field that it does not name may do neither.
+"""
 
 from __future__ import annotations
 
-import json
-import re
+import math
+import tomllib
 from collections import defaultdict
 from dataclasses import dataclass, field
-from itertools import zip_longest
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from documents import read_documents
+
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Iterable, Mapping, Sequence
 
     from comparison import Difference
 
-NUMBER = re.compile(r"[-+]?\b\d+(?:\.\d+)?(?:e[-+]?\d+)?\b")
+BOUNDS = Path(__file__).parent / "bounds.toml"
+BEYOND = "BEYOND ITS BOUND"  # the verdict that is a failure
+
+Values = dict[str, list[Any]]
+
+
+@dataclass(frozen=True)
+class Stated:
+    """What may become of some fields, and why.
+
+    names: as in the table, where * stands for anything. paths: of these files alone. where: of
+    documents in which one of these fields differs, too; of all, if there is none. changes: whatever
+    it was, it may be something else. Else a float may move by `absolute`, or by `share` of the
+    largest magnitude that the fields `of` have in that document; its own, if there is none. either
+    sign: of a vector that is known up to its sign, the magnitudes are compared.
+    """
+
+    names: tuple[str, ...]
+    reason: str
+    paths: tuple[str, ...] = ("*",)
+    where: tuple[str, ...] = ()
+    changes: bool = False
+    share: float = 0.0
+    absolute: float = 0.0
+    of: tuple[str, ...] = ()
+    either_sign: bool = False
+
+    def __str__(self) -> str:
+        where = f"where {' or '.join(self.where)} differs, " if self.where else ""
+        if self.changes:
+            return f"{where}may change"
+        kinds = (
+            (self.share, f"{self.share:.1e} of {' or '.join(self.of) or 'its size'}"),
+            (self.absolute, f"{self.absolute:.1e}"),
+        )
+        sign = ", either sign" * self.either_sign
+        return f"{where}at most {' or '.join(words for bound, words in kinds if bound)}{sign}"
+
+    def fits(self, path: str, name: str, base: Values, head: Values) -> bool:
+        """Whether this is about a field of a document in a file."""
+        return (
+            any(_is_like(name, pattern) for pattern in self.names)
+            and any(_is_like(path, pattern) for pattern in self.paths)
+            and (not self.where or any(not _same(base, head, other) for other in self.where))
+        )
+
+
+@dataclass(frozen=True)
+class Bounds:
+    """Everything that is stated: of fields, the first that fits; of files, which may be gone."""
+
+    fields: tuple[Stated, ...] = ()
+    gone: Mapping[str, str] = field(default_factory=dict)
+
+    def of(self, path: str, name: str, base: Values, head: Values) -> Stated | None:
+        return next((each for each in self.fields if each.fits(path, name, base, head)), None)
+
+    def reason_gone(self, path: str) -> str | None:
+        """Why a file of this path may be gone."""
+        return next((self.gone[each] for each in self.gone if _is_like(path, each)), None)
 
 
 @dataclass
 class Field:
-    """All differences of one field, over all files that hold it.
+    """All differences of one field, over all documents for which the same is stated.
 
-    new, gone, other: the values that only the head or only the base holds, and those of another
-    word, truth or exact number. moved: the floats that are not the same; `largest` is the largest
-    difference of them, `share` the same as a part of the largest magnitude in that document.
+    new, gone: the values that only the head or only the base holds. words: sentences that are not
+    the same, which nobody judges here. other: values of another truth, word, type or exact number.
+    moved: the floats that are not the same; `largest` is the largest difference of them, `share`
+    the same as a part of the magnitude that its bound is a share of. beyond: how many of them all
+    are not as stated.
     """
 
     name: str
+    stated: Stated | None = None
     files: set[str] = field(default_factory=set)
     new: int = 0
     gone: int = 0
+    words: int = 0
     other: int = 0
     moved: int = 0
     largest: float = 0.0
     share: float = 0.0
+    beyond: int = 0
+    example: str = ""
 
     def __str__(self) -> str:
-        counts = ((self.new, "new"), (self.gone, "gone"), (self.other, "other"))
-        told = [f"{count} {word}" for count, word in counts if count]
-        moved = f"{self.moved} moved by {self.largest:.1e}, a share of {self.share:.1e}, at most"
+        kinds = ("new", "gone", "words", "other")
+        told = [f"{count} {kind}" for kind in kinds if (count := getattr(self, kind))]
+        share = f", a share of {self.share:.1e}" if math.isfinite(self.share) else ""
+        moved = f"{self.moved} moved by {self.largest:.1e}{share}, at most"
         told += [moved] * bool(self.moved)
         return f"{self.name}: {', '.join(told)}, in {len(self.files)} files"
 
-    def add(self, path: str, base: list[Any], head: list[Any]) -> None:
+    @property
+    def verdict(self) -> str:
+        if self.beyond:
+            return BEYOND
+        if self.gone + self.other or (self.moved and self._may_change):
+            return "changed as stated"
+        if self.moved:
+            return "within its bound"
+        return "new" if self.new else "other words"
+
+    def add(self, path: str, base: Values, head: Values) -> None:
         """Count what differs of the field in a document of a file."""
-        if repr(base) == repr(head):  # 3 is not 3.0, nor is 1 true
-            return
+        before, after = base.get(self.name, []), head.get(self.name, [])
+        counted = self.beyond
         self.files.add(path)
-        self.new += max(len(head) - len(base), 0)
-        self.gone += max(len(base) - len(head), 0)
-        numbers = [abs(value) for value in (*base, *head) if _is_float(value)]
-        for before, after in zip(base, head, strict=False):
-            if _is_float(before) and _is_float(after):
-                self.moved += before != after
-                self.largest = max(self.largest, abs(before - after))
-                self.share = max(self.share, abs(before - after) / (max(numbers) or 1.0))
+        if not before:
+            self.new += len(after)
+        elif _is_prose(self.name, before, after):
+            self.words += 1
+        elif not after:
+            self.gone += len(before)
+            self.beyond += 0 if self._may_change else len(before)
+        else:
+            self._hold(before, after, self._size(base, head))
+        if self.beyond > counted and not self.example:
+            self.example = f"{path}: {_short(before)} was, {_short(after)} is"
+
+    @property
+    def _may_change(self) -> bool:
+        return self.stated is not None and self.stated.changes
+
+    def _hold(self, before: list[Any], after: list[Any], size: float) -> None:
+        """Values beside values; those of a longer list are other ones."""
+        others = abs(len(before) - len(after))
+        for old, new in zip(before, after, strict=False):
+            if isinstance(old, float) and isinstance(new, float):
+                self._move(old, new, size)
             else:
-                self.other += (type(before), before) != (type(after), after)
+                others += repr(old) != repr(new)  # 3 is not 3.0, nor is 1 true
+        self.other += others
+        self.beyond += 0 if self._may_change else others
+
+    def _move(self, old: float, new: float, size: float) -> None:
+        if old == new or (math.isnan(old) and math.isnan(new)):
+            return
+        if self.stated is not None and self.stated.either_sign:
+            old, new = abs(old), abs(new)
+        move = abs(old - new) if math.isfinite(old) and math.isfinite(new) else math.inf
+        share = move / size if size else math.inf
+        self.moved += 1
+        self.largest, self.share = max(self.largest, move), max(self.share, share)
+        if self._may_change:
+            return
+        absolute, part = (self.stated.absolute, self.stated.share) if self.stated else (0.0, 0.0)
+        self.beyond += move > absolute and share > part
+
+    def _size(self, base: Values, head: Values) -> float:
+        """The largest magnitude of the numbers that a share is taken of."""
+        names = (self.stated.of if self.stated else ()) or (self.name,)
+        numbers = [
+            abs(value)
+            for name in names
+            for value in (*base.get(name, []), *head.get(name, []))
+            if isinstance(value, float) and math.isfinite(value)
+        ]
+        return max(numbers, default=0.0)
 
 
-def changed_fields(differences: Iterable[Difference]) -> tuple[Field, ...]:
-    """The fields that differ, by their names: those of JSON, then the lines of all other text.
+def changed_fields(
+    differences: Iterable[Difference], bounds: Bounds | None = None
+) -> tuple[Field, ...]:
+    """The fields of all documents that differ, by their names, each held to what is stated.
 
-    A line of text is a field by its words; "numbers in text" are those of lines of the same words.
+    Of documents that both records hold, and of new ones in files of both.
     """
-    found = dict[str, Field]()
+    found = dict[tuple[str, Stated | None], Field]()
+    stated = bounds or Bounds()
     for difference in differences:
-        sides = (_parts(text or "") for text in (difference.base, difference.head))
-        for base, head in zip_longest(*sides, fillvalue=dict[str, list[Any]]()):
-            for name in {**base, **head}:
-                row = found.setdefault(name, Field(name))
-                row.add(difference.path, base.get(name, []), head.get(name, []))
-    return tuple(row for _, row in sorted(found.items()) if row.files)
+        if difference.base is None or difference.head is None:
+            continue
+        sides = read_documents(difference.base), read_documents(difference.head)
+        lost = sides[0].keys() - sides[1].keys()
+        for place in (place for place in {**sides[0], **sides[1]} if place not in lost):
+            base, head = (side.get(place, Values()) for side in sides)
+            for name in (name for name in {**base, **head} if not _same(base, head, name)):
+                entry = stated.of(difference.path, name, base, head)
+                found.setdefault((name, entry), Field(name, entry)).add(difference.path, base, head)
+    return tuple(sorted(found.values(), key=lambda row: (row.name, str(row.stated))))
 
 
-def _parts(text: str) -> list[dict[str, list[Any]]]:
-    """Of the text of a file, then of each document in it, the values by the names of the fields.
+def gone_files(differences: Iterable[Difference], bounds: Bounds) -> dict[str | None, list[str]]:
+    """The files of which a document, or all, is in the base alone, by the reason that is stated.
 
-    Places within lists have no names.
+    Those that nobody stated stand under None.
     """
-    documents, rest = _documents(text)
-    parts = [defaultdict[str, list[Any]](list) for _ in (rest, *documents)]
-    for line in rest.splitlines():
-        words = NUMBER.sub("#", line)
-        parts[0][f"text: {words}"].append(True)
-        parts[0][f"numbers in text: {words}"] += map(float, NUMBER.findall(line))
-    for values, document in zip(parts[1:], documents, strict=True):
-        for name, value in _leaves(document):
-            values[name].append(value)
-    return [dict(values) for values in parts]
+    found = defaultdict[str | None, list[str]](list)
+    for difference in differences:
+        sides = (read_documents(text or "") for text in (difference.base, difference.head))
+        if difference.head is None or next(sides).keys() - next(sides).keys():
+            found[bounds.reason_gone(difference.path)].append(difference.path)
+    return dict(found)
 
 
-def _documents(text: str) -> tuple[list[Any], str]:
-    """The JSON documents that stand in a text, from the beginning of a line on, and the rest."""
-    decoder, documents, rest, place = json.JSONDecoder(), list[Any](), list[str](), 0
-    for start in re.finditer(r"(?m)^\{", text):
-        if start.start() < place:
-            continue
-        try:
-            document, end = decoder.raw_decode(text, start.start())
-        except ValueError:
-            continue
-        rest.append(text[place : start.start()])
-        documents.append(document)
-        place = end
-    return documents, "".join([*rest, text[place:]])
+def read_bounds(path: Path = BOUNDS) -> Bounds:
+    """The table of what may change, and how far numbers may move."""
+    table = tomllib.loads(path.read_text("utf-8"))
+    lists = ("names", "paths", "where", "of")
+    fields = tuple(
+        Stated(**{**entry, **{key: tuple(entry[key]) for key in lists if key in entry}})
+        for entry in table.get("field", [])
+    )
+    gone = {entry["path"]: entry["reason"] for entry in table.get("gone", [])}
+    return Bounds(fields, gone)
 
 
-def _leaves(value: Any, name: str = "") -> Iterator[tuple[str, Any]]:
-    if isinstance(value, dict):
-        for key, part in value.items():
-            yield from _leaves(part, f"{name}.{key}" if name else str(key))
-    elif isinstance(value, list):
-        for part in value:
-            yield from _leaves(part, f"{name}[]")
-    else:
-        yield name, value
+def _same(base: Values, head: Values, name: str) -> bool:
+    """Whether a field is the same; the sign of a zero is no difference."""
+    before, after = base.get(name, []), head.get(name, [])
+    return len(before) == len(after) and all(
+        repr(old) == repr(new) or (isinstance(old, float) and isinstance(new, float) and old == new)
+        for old, new in zip(before, after, strict=True)
+    )
 
 
-def _is_float(value: Any) -> bool:
-    return isinstance(value, float)
+def _is_prose(name: str, before: Sequence[Any], after: Sequence[Any]) -> bool:
+    """Whether a field is told in sentences, on both sides, or says why another has no value."""
+    if ".reasons." in f".{name}":
+        return True
+    told = [value for value in (*before, *after) if value is not None]
+    sentences = all(isinstance(value, str) and " " in value for value in told)
+    return bool(told and after) and sentences
+
+
+def _is_like(name: str, pattern: str) -> bool:
+    """Whether a name fits a pattern in which * is anything, and brackets are themselves."""
+    first, *parts = pattern.split("*")
+    if not parts:
+        return name == pattern
+    if not (name.startswith(first) and name.endswith(parts[-1])):
+        return False
+    rest = name[len(first) : len(name) - len(parts[-1])]
+    if len(name) < len(first) + len(parts[-1]):
+        return False
+    for part in parts[:-1]:
+        found = rest.find(part)
+        if found < 0:
+            return False
+        rest = rest[found + len(part) :]
+    return True
+
+
+def _short(values: Sequence[Any], length: int = 60) -> str:
+    text = repr(values[0] if len(values) == 1 else list(values))
+    return text if len(text) <= length else f"{text[:length]}..."

@@ -1,15 +1,19 @@
-"""`make golden BASE=<commit> [ONLY=<prefix>]`: what users see, at a commit and now, compared.
+"""`make golden BASE=<commit> [ONLY=<prefix>] [WORDS=counted]`: what users see, at a commit and now.
 
 The commit is taken from git into build/golden; "now" is the working tree as it stands. Both run in
 this environment, on the same files, at the same time. What was recorded is kept as long as it would
 be the same: a run that was stopped goes on, and the record of the base serves the next time. ONLY
-records the cases whose names begin so. Exit code 1 where something differs that
-tests/golden/meant.toml does not list. Which fields changed in all files, meant or not, and by how
-much a number did at most, is written to build/golden/fields.txt.
+records the cases whose names begin so.
+
+Exit code 1 where a field of a document changed, or a number moved, by more than
+tests/golden/bounds.toml states; and where something differs in the text of a file that
+tests/golden/meant.toml does not list, unless words are but counted. The table of both is printed
+and written to build/golden/fields.txt.
 """
 
 from __future__ import annotations
 
+import argparse
 import hashlib
 import io
 import os
@@ -23,7 +27,9 @@ from typing import TYPE_CHECKING
 
 from comparison import MEANT, compare, differences, read_meant
 from corpus import ROOT, write_corpus
-from fields import changed_fields
+from fields import BEYOND, changed_fields, gone_files, read_bounds
+from table import table
+from wording import changed_words
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -38,10 +44,20 @@ SHOWN = 40  # lines of each difference on the terminal; all are in the file of d
 
 
 def main() -> int:
-    if len(sys.argv) not in {2, 3}:
-        sys.exit("which commit is the base? make golden BASE=<commit>")
-    commit = git("rev-parse", "--verify", f"{sys.argv[1]}^{{commit}}").decode().strip()
-    only = sys.argv[2] if len(sys.argv) == 3 else ""
+    parser = argparse.ArgumentParser(description="What users see, at a commit and now.")
+    parser.add_argument("base", help="the commit: make golden BASE=<commit>")
+    parser.add_argument("only", nargs="?", default="", help="cases whose names begin so")
+    parser.add_argument("--count-words", action="store_true", help="words decide nothing")
+    asked = parser.parse_args()
+    base, head = recorded(asked.base, asked.only)
+    compared = compare(base, head, read_meant())
+    words = told(compared, whole=not asked.only, counted=asked.count_words)
+    return judged(base, head) or words
+
+
+def recorded(base_name: str, only: str) -> tuple[Path, Path]:
+    """The folders with the records of the commit and of the working tree, made as far as needed."""
+    commit = git("rev-parse", "--verify", f"{base_name}^{{commit}}").decode().strip()
     inputs, base, head = (BUILD / name for name in ("inputs", "base", "head"))
     left = marked(commit, inputs)
     shutil.rmtree(inputs, ignore_errors=True)
@@ -63,9 +79,7 @@ def main() -> int:
     record_all({head / out: ROOT, base / out: base / "checkout"}, base / "begun", only)
     if marked(commit, inputs) != mark:
         sys.exit(f"a command has written to {inputs}, which both sides read: mend its case")
-    rows = changed_fields(differences(base / out, head / out))
-    (BUILD / "fields.txt").write_text("".join(f"{row}\n" for row in rows), "utf-8")
-    return told(compare(base / out, head / out, read_meant()), whole=not only)
+    return base / out, head / out
 
 
 def record_all(sides: Mapping[Path, Path], begun: Path, only: str) -> None:
@@ -145,22 +159,36 @@ def record(checkout: Path, out: Path, *options: str | Path) -> None:
     subprocess.run([*command, "--inputs", BUILD / "inputs"], env=environment, check=True)
 
 
-def told(found: Comparison, *, whole: bool) -> int:
-    """The comparison in words; 1 where something differs that is not meant."""
+def told(found: Comparison, *, whole: bool, counted: bool) -> int:
+    """The comparison of texts; 1 where something differs that is not meant.
+
+    Where words are but counted, only in one line, and it is no failure.
+    """
     report = BUILD / "differences.diff"
     report.write_text("".join(difference.diff for difference in found.unmeant), "utf-8")
-    for difference in found.unmeant:
+    for difference in () if counted else found.unmeant:
         lines = difference.diff.splitlines(keepends=True)
         sys.stdout.write("".join(lines[:SHOWN]))
         if len(lines) > SHOWN:
             sys.stdout.write(f"... {len(lines) - SHOWN} more lines\n")
-    for meant in found.unmet if whole else ():
+    for meant in found.unmet if whole and not counted else ():
         entry = f"{meant.path}, {meant.found!r} ({meant.reason})"
         sys.stdout.write(f"listed in {MEANT.name}, but no longer there: {entry}\n")
     count = len(found.unmeant)
     outcome = f"{count} differ, all of it in {report}" if count else "all as they were"
     sys.stdout.write(f"{found.files} recorded files: {outcome}\n")
-    return 1 if count else 0
+    return 1 if count and not counted else 0
+
+
+def judged(base: Path, head: Path) -> int:
+    """The table of fields and words; 1 where a field is beyond its bound, or gone unsaid."""
+    bounds = read_bounds()
+    found = list(differences(base, head))
+    rows, gone = changed_fields(found, bounds), gone_files(found, bounds)
+    page = table(rows, gone, changed_words(found))
+    (BUILD / "fields.txt").write_text(page, "utf-8")
+    sys.stdout.write(page)
+    return 1 if None in gone or any(row.verdict == BEYOND for row in rows) else 0
 
 
 if __name__ == "__main__":
