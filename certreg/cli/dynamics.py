@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from typing import TYPE_CHECKING, cast
 
 import click
@@ -164,7 +165,12 @@ def _write_list(problem: RegistrationProblem, enumeration: SpringEnumeration, ou
         click.echo(f"note: {place} not written: {why}", err=True)
         return
     certificate.save(out)
-    click.echo(f"note: certificate of the list: {place} (certreg verify {place})", err=True)
+    _tell_certificate("list", place)
+
+
+def _tell_certificate(subject: str, place: str) -> None:
+    typed = shlex.quote(place)
+    click.echo(f"note: certificate of the {subject}: {place} (certreg verify {typed})", err=True)
 
 
 def _write_poses(enumeration: Enumeration | SpringEnumeration, folder: Path) -> None:
@@ -195,7 +201,7 @@ def _write_count(problem: RegistrationProblem, out: Path) -> None:
         return
     certificate.save(out)
     place = printable(out)
-    click.echo(f"note: certificate of the count: {place} (certreg verify {place})", err=True)
+    _tell_certificate("count", place)
 
 
 @click.command(epilog=EXIT_CODES)

@@ -124,14 +124,18 @@ def certify(
     else:
         click.echo(registration.summary())
         if path is not None:
-            place = printable(path)
-            click.echo(f"\nCertificate: {place}  (re-check it: certreg verify {place})")
-            click.echo(
-                f"Report: {printable(path.with_name(report.REPORT))}  (open it in a browser)"
-            )
+            _tell_files(path)
     for words in demands.unmet(registration):
         click.echo(f"certreg: {words}: exit code 4", err=True)
     return code_of_registration(registration, demands)
+
+
+def _tell_files(certificate: Path) -> None:
+    """Where the certificate and the page are, and what to type to check it again."""
+    place, page = printable(certificate), certificate.with_name(report.REPORT)
+    click.echo(f"\nCertificate: {place}  (re-check it: certreg verify {shlex.quote(place)})")
+    if page.exists():
+        click.echo(f"Report: {printable(page)}  (open it in a browser)")
 
 
 def _told_of_consensus(
@@ -150,12 +154,7 @@ def _told_of_consensus(
     else:
         click.echo(result.summary())
         if path is not None:
-            place = printable(path)
-            click.echo(f"\nCertificate: {place}  (re-check it: certreg verify {place})")
-            if path.with_name(report.REPORT).exists():
-                click.echo(
-                    f"Report: {printable(path.with_name(report.REPORT))}  (open it in a browser)"
-                )
+            _tell_files(path)
     unmet = demands.unmet_by(result.fit.rmse, warned=bool(result.warnings))
     for words in unmet:
         click.echo(f"certreg: {words}: exit code 4", err=True)
@@ -187,9 +186,10 @@ def demo(out: Path) -> int:
             click.echo(f"  report:      {path.with_name(report.REPORT)}\n")
     click.echo("Every certificate above was accepted by the checker. Check them yourself:")
     certificate = shown(out / STORIES[0].name / "certificate.json")
-    click.echo(f"  {_own_name()} verify {certificate}")
+    click.echo(f"  {_own_name()} verify {shlex.quote(certificate)}")
     click.echo("or, with nothing but Python, anywhere:")
-    click.echo(f"  python3 -I -S {shown(Path(str(files('certreg') / 'verify.py')))} {certificate}")
+    program = shown(Path(str(files("certreg") / "verify.py")))
+    click.echo(f"  python3 -I -S {shlex.quote(program)} {shlex.quote(certificate)}")
     return code
 
 
