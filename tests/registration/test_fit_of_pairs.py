@@ -22,7 +22,7 @@ X = RNG.uniform(size=(N, 3))
 TURN = Rotation.from_rotvec([0.4, -0.9, 0.3]).as_matrix()
 Y = X @ TURN.T + [0.2, 0.1, -0.4] + SIGMA * RNG.standard_normal((N, 3))
 Y[:WRONG] = Y[::-1][:WRONG]  # wrong ones first: no row of the fit has its own number
-NORMALS = Rotation.random(N, rng=RNG).as_matrix()[:, 0]
+NORMALS = Rotation.from_quat(RNG.standard_normal((N, 4))).as_matrix()[:, 0]
 MET = list(range(WRONG, N))
 LEFT_OUT = "with --max-residual it is taken only where it is named"
 
