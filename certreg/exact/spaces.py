@@ -42,7 +42,8 @@ class Space(Brief):
     @property
     def value(self) -> int:
         """The mean of the values, rounded down."""
-        return sum(self.values) // len(self.values)
+        count = len(self.values)
+        return sum(self.values) // count if count > 1 else self.values[0]
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -51,8 +51,8 @@ static inline fixed difference(fixed a, fixed b) { return sum(a, signed_by(b, UI
 
 /* The sum of `count` products, rounded down: by columns of words from the third on, as what the lower ones carry is
  * less than 2^-60 of the last place. A number is that of its bits less 2^256 where it is negative: so the other
- * factor is taken off above. */
-static inline __attribute__((always_inline)) fixed summed(const fixed *a, const fixed *b, const int count)
+ * factor is taken off above. With `low` 1 the lowest words are taken for 0: to some 2^-126, sooner. */
+static inline __attribute__((always_inline)) fixed summed(const fixed *a, const fixed *b, int count, int low)
 {
     unsigned __int128 column = 0, off = 0;
     fixed total;
@@ -63,12 +63,12 @@ static inline __attribute__((always_inline)) fixed summed(const fixed *a, const 
 #pragma GCC unroll 8
         for (int n = 0; n < count; n++) {
 #pragma GCC unroll 8
-            for (int i = c < WORDS ? 0 : k; i < WORDS && i <= c; i++) {
+            for (int i = c - low < WORDS ? low : k; i < WORDS && i <= c - low; i++) {
                 const unsigned __int128 part = (unsigned __int128)a[n].word[i] * b[n].word[c - i];
                 column += part;
                 carried += column < part;
             }
-            if (k > 0) {
+            if (k > low) {
                 off += b[n].word[k - 1] & sign_of(a[n]);
                 off += a[n].word[k - 1] & sign_of(b[n]);
             }
@@ -83,9 +83,15 @@ static inline __attribute__((always_inline)) fixed summed(const fixed *a, const 
     return total;
 }
 
-static __attribute__((noinline)) fixed product(fixed a, fixed b) { return summed(&a, &b, 1); }
+static __attribute__((noinline)) fixed product(fixed a, fixed b, int low)
+{
+    return low ? summed(&a, &b, 1, 1) : summed(&a, &b, 1, 0);
+}
 
-static __attribute__((noinline)) fixed dot(const fixed *a, const fixed *b) { return summed(a, b, 4); }
+static __attribute__((noinline)) fixed dot(const fixed *a, const fixed *b, int low)
+{
+    return low ? summed(a, b, 4, 1) : summed(a, b, 4, 0);
+}
 
 static inline double to_double(fixed a)
 {
@@ -109,31 +115,32 @@ static inline fixed of_double(double x)
     return signed_by(a, x < 0 ? UINT64_MAX : 0);
 }
 
-/* To twice the digits of a double; the divisor is not 0. */
-static inline fixed quotient(fixed a, fixed b)
+/* To the digits of a double, or, unless `low`, to twice as many; the divisor is not 0. */
+static inline fixed quotient(fixed a, fixed b, int low)
 {
     const double over = to_double(b);
-    const fixed first = of_double(to_double(a) / over), rest = difference(a, product(first, b));
+    const fixed first = of_double(to_double(a) / over);
+    if (low)
+        return first;
+    const fixed rest = difference(a, product(first, b, low));
     return sum(first, of_double(to_double(rest) / over));
 }
 
 /* One correction of all vectors: the largest e, or error of a squared length; infinite where the values
- * are not well apart. */
-static double corrected(fixed matrix[4][4], fixed basis[4][4], fixed values[4])
+ * are not well apart. low: as above. */
+static double corrected(fixed matrix[4][4], fixed basis[4][4], fixed values[4], int low)
 {
     static const fixed one = {{0, 0, 0, 1}};
-    fixed images[4][4], turned[4][4];
+    fixed images[4][4], turned[4][4], change[4][4];
     double largest = 0;
     for (int i = 0; i < 4; i++) {
-        const fixed over = difference(dot(basis[i], basis[i]), one); /* |v|^2 - 1 */
+        const fixed over = difference(dot(basis[i], basis[i], low), one); /* |v|^2 - 1 */
         for (int j = 0; j < 4; j++)
-            images[i][j] = dot(matrix[j], basis[i]);
-        const fixed form = dot(basis[i], images[i]);
-        values[i] = difference(form, product(over, difference(form, product(over, form))));
-        const fixed square = product(product(over, over), of_double(0.375));
-        const fixed longer = difference(square, product(over, of_double(0.5))); /* 1 / |v| - 1 */
-        for (int k = 0; k < 4; k++)
-            turned[i][k] = sum(basis[i][k], product(longer, basis[i][k]));
+            images[i][j] = dot(matrix[j], basis[i], low);
+        const fixed form = dot(basis[i], images[i], low);
+        values[i] = difference(form, product(over, difference(form, product(over, form, low)), low));
+        const fixed square = product(product(over, over, low), of_double(0.375), low);
+        change[i][i] = difference(square, product(over, of_double(0.5), low)); /* 1 / |v| - 1 */
         largest = fmax(largest, fabs(to_double(over)));
     }
     for (int i = 1; i < 4; i++)
@@ -141,16 +148,17 @@ static double corrected(fixed matrix[4][4], fixed basis[4][4], fixed values[4])
             return INFINITY;
     for (int i = 0; i < 4; i++)
         for (int j = 0; j < i; j++) {
-            const fixed along = dot(basis[i], basis[j]), gap = difference(values[i], values[j]);
-            const fixed form = dot(basis[j], images[i]);
-            const fixed e = quotient(difference(form, product(values[i], along)), gap);
-            const fixed f = quotient(difference(product(values[j], along), form), gap);
-            for (int k = 0; k < 4; k++) {
-                turned[i][k] = sum(turned[i][k], product(e, basis[j][k]));
-                turned[j][k] = sum(turned[j][k], product(f, basis[i][k]));
-            }
-            largest = fmax(largest, fmax(fabs(to_double(e)), fabs(to_double(f))));
+            const fixed along = dot(basis[i], basis[j], low), gap = difference(values[i], values[j]);
+            const fixed form = dot(basis[j], images[i], low);
+            change[i][j] = quotient(difference(form, product(values[i], along, low)), gap, low);
+            change[j][i] = quotient(difference(product(values[j], along, low), form), gap, low);
+            largest = fmax(largest, fmax(fabs(to_double(change[i][j])), fabs(to_double(change[j][i]))));
         }
+    for (int k = 0; k < 4; k++) {
+        const fixed column[4] = {basis[0][k], basis[1][k], basis[2][k], basis[3][k]};
+        for (int i = 0; i < 4; i++)
+            turned[i][k] = sum(basis[i][k], dot(change[i], column, low));
+    }
     memcpy(basis, turned, sizeof turned);
     return largest;
 }
@@ -184,8 +192,8 @@ int certreg_eigenbasis(const uint64_t *upper, uint64_t *found)
             doubles[4 * i + j] = doubles[4 * j + i] = to_double(given[i][j]);
         }
     proposed(doubles, basis);
-    for (int step = 0; step < STEPS && largest > ENOUGH; step++) {
-        largest = corrected(given, basis, values);
+    for (int step = 0; step < STEPS && (step < 2 || largest > ENOUGH); step++) {
+        largest = corrected(given, basis, values, step == 0); /* whose corrections have the digits of doubles */
         if (!(largest < NEAR))
             return 0;
     }

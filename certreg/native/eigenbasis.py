@@ -34,15 +34,16 @@ def fixed_eigenbasis(
     compiled = _compiled()
     if compiled is None:
         return None
-    up, down, number = max(FIXED_BITS - shift, 0), max(shift - FIXED_BITS, 0), int.from_bytes
-    upper = [entry << up >> down for k, row in enumerate(matrix) for entry in row[k:]]
+    (a, b, c, d), (_, e, f, g), (_, _, h, i), (*_, j) = matrix
+    upper, up, number = (a, b, c, d, e, f, g, h, i, j), FIXED_BITS - shift, int.from_bytes
+    upper = [entry << up for entry in upper] if up >= 0 else [entry >> -up for entry in upper]
     given = b"".join([entry.to_bytes(_SIZE, "little", signed=True) for entry in upper])
     found = _Found()
     if not compiled(given, found):
         return None
     parts = _NUMBERS.unpack(found.raw)
-    a = tuple([number(part, "little", signed=True) for part in parts])
-    return a[:4], (a[4:8], a[8:12], a[12:16], a[16:])
+    n = tuple([number(part, "little", signed=True) for part in parts])
+    return n[:4], (n[4:8], n[8:12], n[12:16], n[16:])
 
 
 @cache

@@ -3,6 +3,8 @@
 #define CERTREG_JACOBI_H
 #include <math.h>
 
+#define CERTREG_NO_TURN 0x1p-70 /* radians, about: of an entry of a unit vector no double has such digits */
+
 /* Columns p and q of an n x n matrix turned in their plane, with `step` n and `along` 1; rows, with 1 and n. */
 static inline void certreg_turn_pair(double *a, int n, int p, int q, int step, int along, double c, double s)
 {
@@ -22,9 +24,10 @@ static inline __attribute__((always_inline)) void certreg_jacobi(double *a, doub
     for (int sweep = 0; sweep < sweeps; sweep++)
         for (int p = 0; p < n - 1; p++)
             for (int q = p + 1; q < n; q++) {
-                if (a[n * p + q] == 0)
+                const double apart = a[n * q + q] - a[n * p + p], off = 2 * a[n * p + q];
+                if (fabs(off) <= CERTREG_NO_TURN * fabs(apart))
                     continue;
-                const double theta = (a[n * q + q] - a[n * p + p]) / (2 * a[n * p + q]);
+                const double theta = apart / off;
                 const double t = (theta < 0 ? -1 : 1) / (fabs(theta) + sqrt(theta * theta + 1));
                 const double c = 1 / sqrt(t * t + 1), s = t * c;
                 certreg_turn_pair(a, n, p, q, n, 1, c, s);
