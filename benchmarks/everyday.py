@@ -93,7 +93,7 @@ def _works() -> Iterator[tuple[str, str, Callable[[], object], int]]:
     asked = "certify, bare, then equilibria, covariance and fit"
     yield asked, asked + of, answered, 60
     yield "certify", "certify, everything" + of, lambda: certreg.certify(few), 60
-    yield "simulate", "simulate, splitting" + of, lambda: certreg.simulate(few, "splitting"), 100
+    yield "simulate", "simulate, splitting" + of, lambda: certreg.simulate(few, "splitting"), 200
     yield "certify, many", f"certify, bare, N = {power_of_ten(MANY)}", lambda: bare(many), 20
     million = RegistrationProblem(*random_clouds(MILLION))
     yield "certify, a million", f"certify, N = {power_of_ten(MILLION)}", lambda: bare(million), 3
