@@ -6,6 +6,7 @@ Floating point proposes: a step decides how fast a run ends, never where it may 
 from __future__ import annotations
 
 import math
+from array import array
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import lru_cache
@@ -126,9 +127,9 @@ def step_parameters(
     bodies, basins: (count,) records BODY and BASIN. Raises DegenerateProblemError where explicit
     Euler would need too small a step.
     """
-    steps = np.empty(len(bodies), dtype=integrator.step)
     if integrator is Integrator.EULER:
         limit = _stable_euler_steps(bodies, basins, settings)
+        steps = np.empty(len(bodies), dtype=integrator.step)
         steps["h"] = np.minimum(settings.step or EULER_STEP, limit)
         return steps
     if len(bodies) == 1:  # plain floats, which NumPy takes ten times as long for
@@ -137,6 +138,7 @@ def step_parameters(
         return record_of(own, integrator.step, (1,))
     _, _, stiffest = spring_ratios(bodies, basins).T
     own = _own_step(integrator, stiffest, bodies["damping"], settings.step, np)
+    steps = np.empty(len(bodies), dtype=integrator.step)
     for part, numbers in zip(integrator.step.names or (), own, strict=True):
         steps[part] = numbers
     return steps
@@ -200,9 +202,9 @@ def spring_ratios(bodies: Records, basins: Records) -> NDArray[np.float64]:
 
 
 def _ratios_of_one(bodies: Records, basins: Records) -> list[float]:
-    q, cross, inertia = basins["quaternions"][0, 0], bodies["cross"][0], bodies["inertia"][0]
+    body, basin = array("d", bodies.tobytes()), array("d", basins.tobytes())  # sooner than parts
     with suppress(ValueError, ZeroDivisionError):  # what NumPy finds then, if anything, is told
-        return spring_ratios_of_one(q.tolist(), cross.ravel().tolist(), inertia.tolist())
+        return spring_ratios_of_one(basin[:4], body[:9], body[9:15])
     return _ratios_of_many(bodies, basins)[0].tolist()
 
 

@@ -64,7 +64,7 @@ SHORT_STEP = 0.1  # of the integrator's own: below, a run that did not end is to
 FAR_DAMPING = 4.0  # times the best one, or a fourth of it: as above
 NO_SPRING = 1e-12  # of the stiffest: what rounding makes of none, a thousand times over
 LARGE_TURN = 0.5  # radians of all perturbations, from which on a run is told of them
-MODEST = 1e60  # numbers of a state: no product of three of them and numbers of a body overflows
+MODEST = 1e60  # norm of a state: no product of three of its numbers and those of a body overflows
 NO_TURN, NO_TURN_QUATERNION = np.eye(3).ravel().tolist(), (1.0, 0.0, 0.0, 0.0)
 
 
@@ -116,7 +116,7 @@ def require_dynamics(objective: Isotropic) -> None:
 
 def _overflows(moving: Body, batch: Batch) -> bool:
     """Whether the energy of the last state of a body is beyond the doubles."""
-    if all(-MODEST < number < MODEST for number in array("d", batch.states.tobytes())):
+    if math.hypot(*array("d", batch.states.tobytes())) < MODEST:
         return False
     with np.errstate(over="ignore", invalid="ignore"):
         end = moving.energies(plain(with_matrices(batch.states, batch.integrator))[0])

@@ -75,7 +75,7 @@ def named(numbers: Any, record: RecordType) -> Records:
 def record_of(numbers: Sequence[float], record: RecordType, shape: tuple[int, ...] = ()) -> Records:
     """One record, of this shape, of so many numbers: a list is read faster here than by NumPy."""
     doubles = array("d", numbers)
-    if len(doubles) != width(record):
+    if len(doubles) * doubles.itemsize != record.itemsize:
         raise ValueError(f"{len(doubles)} numbers: expected {width(record)}")
     return np.ndarray(shape, record, doubles)
 

@@ -53,6 +53,7 @@ PORTION = 512  # bodies that one call takes: Ctrl-C is answered within milliseco
 _POINTER = ctypes.c_void_p
 _FixedSums, _About = ctypes.c_uint64 * (width(EXACT_SUMS) * FIXED_WORDS), ctypes.c_int64 * 8
 _LongSums, _Lowest = ctypes.c_uint64 * (width(EXACT_SUMS) * EXACT_WORDS), ctypes.c_int64 * 3
+_address, _first = ctypes.addressof, ctypes.c_char.from_buffer
 _Ratios, _FOUR, _SIX, _NINE = ctypes.c_double * 3, *map(struct.Struct, ("4d", "6d", "9d"))
 _FewSums = ctypes.c_uint64 * (width(EXACT_SUMS) * FEW_WORDS)
 
@@ -164,7 +165,7 @@ class Library:
             points = [array.tobytes() for array in arrays]  # sooner done than asking for addresses
             if self.handle.certreg_few_sums(count, *points, few, lowest) == SUMMED:
                 exponents = _exponents(lowest)
-                places = tuple([0 if bit is None else bit for bit in exponents])
+                places = exponents if None not in exponents else tuple([b or 0 for b in exponents])
                 return ExactSums(integers=_long_numbers(few), places=places, lowest=exponents)
         arrays = [np.ascontiguousarray(array) for array in arrays]
         points = [_POINTER(array.ctypes.data) for array in arrays]
@@ -388,7 +389,7 @@ def _exponents(lowest: Iterable[int]) -> tuple[int | None, ...]:
 
 def _addresses(arrays: Iterable[Any]) -> list[int]:
     """Of contiguous, writable arrays that are not empty; `array.ctypes` takes thrice as long."""
-    return [ctypes.addressof(ctypes.c_char.from_buffer(array)) for array in arrays]
+    return [_address(_first(array)) for array in arrays]
 
 
 @lru_cache(maxsize=16)

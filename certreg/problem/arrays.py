@@ -156,6 +156,8 @@ def mapped_file(array: NDArray[Any]) -> mmap.mmap | None:
     were read are the system's: it takes them back when memory is scarce.
     """
     owner: Any = array
+    while type(owner) is np.ndarray:  # of most arrays that is all, and sooner done
+        owner = owner.base
     while owner is not None and not isinstance(owner, mmap.mmap):
         base = owner.obj if isinstance(owner, memoryview) else getattr(owner, "base", None)
         owner = None if base is owner else base  # an array of Cython's names itself

@@ -110,10 +110,10 @@ class Sums:
         cls, integers: Sequence[int], units: Sequence[int], lowest: Sequence[int | None]
     ) -> Self:
         """Sums given over units of source, target, weights, over those of their lowest bits."""
-        x, y, w = (
-            0 if low is None else unit - low for unit, low in zip(units, lowest, strict=True)
-        )
-        if x or y or w:
+        if units != lowest:
+            x, y, w = (
+                0 if low is None else unit - low for unit, low in zip(units, lowest, strict=True)
+            )
             shifts = [w + of_source * x + of_target * y for of_source, of_target in cls.coordinates]
             integers = [
                 k << shift if shift >= 0 else k >> -shift
