@@ -165,7 +165,7 @@ class Library:
             points = [array.tobytes() for array in arrays]  # sooner done than asking for addresses
             if self.handle.certreg_few_sums(count, *points, few, lowest) == SUMMED:
                 exponents = _exponents(lowest)
-                places = exponents if None not in exponents else tuple([b or 0 for b in exponents])
+                places = tuple([bit or 0 for bit in exponents])
                 return ExactSums(integers=_long_numbers(few), places=places, lowest=exponents)
         arrays = [np.ascontiguousarray(array) for array in arrays]
         points = [_POINTER(array.ctypes.data) for array in arrays]

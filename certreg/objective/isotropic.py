@@ -80,7 +80,7 @@ class Isotropic(Brief):
     @cached_property
     def largest_entry(self) -> int:
         """Of K, without its sign."""
-        return max([max(max(row), -min(row)) for row in self.davenport])
+        return max([max(*row, -min(row)) for row in self.davenport])
 
     @property
     def shift(self) -> int:
