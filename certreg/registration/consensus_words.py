@@ -169,10 +169,11 @@ def bound_words(problem: ConsensusProblem | TruncatedProblem) -> str:
 
 
 def bound_share(problem: ConsensusProblem | TruncatedProblem) -> float:
-    """The largest bound over the smaller cloud's box."""
-    points = _points(problem)
-    source, target = points.source, points.target
-    return float(problem.bounds.max()) / min(diameter(source), diameter(target))
+    """The largest bound over the smaller cloud's box; over the target's where the scale is free."""
+    points, size = _points(problem), diameter(_points(problem).target)
+    if not (isinstance(problem, ConsensusProblem) and problem.problem.scaled):
+        size = min(size, diameter(points.source))
+    return float(problem.bounds.max()) / size
 
 
 def _points(

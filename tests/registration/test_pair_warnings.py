@@ -14,7 +14,6 @@ from campaign_work import InProcess
 from commands import certreg as run
 from commands import strict_json, write_csv
 from jsonschema import Draft202012Validator
-from strategies import random_rotation
 
 import certreg
 from certreg.problem import diameter
@@ -31,7 +30,7 @@ SCHEMA = json.loads((files("certreg.report") / "schemas" / "certreg-result-1.jso
 CUBE = np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
 CUBE = np.vstack([CUBE, 0.5 * CUBE[:4]])
 SIZE = diameter(CUBE)
-TURN = random_rotation(np.random.default_rng(1))
+TURN = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])  # boxes stay as large
 TURNED = ("--rotation-only", "--objective", "truncated")
 MODELS = {"most": (), "scaled": ("--scale", "asymmetric"), "turned": TURNED}
 OPTIONS: dict[str, dict[str, Any]] = {
@@ -128,3 +127,20 @@ def test_one_wide_bound_of_many_is_warned_of(model):
 
     assert [one.code for one in found.warnings] == [FitCode.WIDE_BOUND]
     assert "the bound is 30 % of the cloud's size" in str(found)
+
+
+@pytest.mark.parametrize("size", [1e-3, 1.0, 1e3])
+def test_with_a_free_scale_a_bound_is_wide_beside_the_target_alone(size):
+    for share, wide in ((WIDE * 1.001, True), (WIDE * 0.999, False)):
+        found = certified("scaled", share * SIZE, size * CUBE, CUBE @ TURN.T)
+        assert [one.code for one in found.warnings] == [FitCode.WIDE_BOUND] * wide
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_of_a_known_scale_a_bound_is_wide_beside_the_smaller_cloud(turned):
+    far = np.where(np.arange(len(CUBE)) < 3, 3.0, 1.0)[:, np.newaxis] * CUBE  # three are wrong
+    clouds = (far, CUBE @ TURN.T) if turned else (CUBE, far @ TURN.T)
+    found = certified("most", WIDE * 1.001 * SIZE, *clouds)
+
+    assert diameter(far) > 2.0 * SIZE
+    assert FitCode.WIDE_BOUND in [one.code for one in found.warnings]
