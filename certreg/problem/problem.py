@@ -216,7 +216,7 @@ class RegistrationProblem(Brief):
 
     @property
     def model_options(self) -> str:
-        """What to type for a motion as this: with --scale, with --rotation-only, or nothing."""
+        """What to type for such a motion: ``--scale``, ``--rotation-only``, or nothing."""
         return options_of(self.scale, rotation_only=self.rotation_only)
 
     def damped(self, damping: float) -> RegistrationProblem:

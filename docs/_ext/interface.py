@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import inspect
 import json
+import re
 import shutil
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -20,6 +22,7 @@ if TYPE_CHECKING:
     from sphinx.util.typing import ExtensionMetadata
 
 SCHEMAS = Path(__file__).resolve().parents[2] / "certreg" / "report" / "schemas"
+OPTION = re.compile(r"(?<![`\w-])(--[a-z][a-z-]*)")  # as words they would be set with a dash
 PUBLISHED = "schemas"  # the folder of the site that holds them
 
 
@@ -45,7 +48,7 @@ class CommandLine(MarkdownDirective):
         ]
         content = [
             nodes.literal_block(usage, usage, language="text", classes=["usage"]),
-            *self.markdown(command.help or ""),
+            *self.markdown(OPTION.sub(r"`\1`", inspect.cleandoc(command.help or ""))),
             _definitions(options),
         ]
         if command.epilog:
@@ -58,9 +61,15 @@ def _definitions(records: list[tuple[str, str]]) -> nodes.definition_list:
     shown = nodes.definition_list(classes=["options"])
     for name, meaning in records:
         term = nodes.term("", "", nodes.literal(text=name))
-        body = nodes.definition("", nodes.paragraph(text=meaning))
+        body = nodes.definition("", nodes.paragraph("", "", *_words(meaning)))
         shown += nodes.definition_list_item("", term, body)
     return shown
+
+
+def _words(text: str) -> list[nodes.Node]:
+    """Words, with the options among them as they are typed."""
+    parts = OPTION.split(text)
+    return [nodes.literal(text=part) if k % 2 else nodes.Text(part) for k, part in enumerate(parts)]
 
 
 class Schemas(MarkdownDirective):

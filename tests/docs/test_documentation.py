@@ -350,6 +350,25 @@ def test_the_keys_of_a_schema_are_listed_with_their_paths(extension: Callable[[s
     ]
 
 
+def test_options_in_the_words_of_the_help_are_set_as_they_are_typed(
+    extension: Callable[[str], Any],
+):
+    """In prose two hyphens become a dash, which no shell takes."""
+    interface = extension("interface")
+    (shown,) = interface._definitions([("--labels FILE", "Not --pose: with --max-residual. [s R]")])
+    _, meaning = shown.children
+
+    assert [node.astext() for node in meaning.findall(nodes.literal)] == [
+        "--pose",
+        "--max-residual",
+    ]
+    assert meaning.astext() == "Not --pose: with --max-residual. [s R]"
+    assert (
+        interface.OPTION.sub(r"`\1`", "as of --scale, x--y, `--z`")
+        == "as of `--scale`, x--y, `--z`"
+    )
+
+
 def test_nothing_of_another_document_is_kept_with_a_page(extension: Callable[[str], Any]):
     page, other = new_document("page"), new_document("other")
     other.settings.known = "all that is known of all pages"
