@@ -169,11 +169,14 @@ def bound_words(problem: ConsensusProblem | TruncatedProblem) -> str:
 
 
 def bound_share(problem: ConsensusProblem | TruncatedProblem) -> float:
-    """The largest bound over the smaller cloud's box; over the target's where the scale is free."""
+    """The largest bound over the smaller cloud's box; over the target's where the scale is free.
+
+    0 for a cloud of one point, which has no size; no pose of it is unique.
+    """
     points, size = _points(problem), diameter(_points(problem).target)
     if not (isinstance(problem, ConsensusProblem) and problem.problem.scaled):
         size = min(size, diameter(points.source))
-    return float(problem.bounds.max()) / size
+    return float(problem.bounds.max()) / size if size else 0.0
 
 
 def _points(

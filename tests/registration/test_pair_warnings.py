@@ -144,3 +144,15 @@ def test_of_a_known_scale_a_bound_is_wide_beside_the_smaller_cloud(turned):
 
     assert diameter(far) > 2.0 * SIZE
     assert FitCode.WIDE_BOUND in [one.code for one in found.warnings]
+
+
+@pytest.mark.parametrize(
+    ("source", "begun", "code"),
+    [(np.eye(3), "PARTLY PROVED: ", 4), (np.eye(3)[[2, 2, 2]], "CERTIFIED, NOT UNIQUE: ", 3)],
+)
+def test_directions_that_are_one_fix_no_rotation(source, begun, code):
+    found = certified("turned", 0.1, source, np.eye(3)[[2, 2, 2]])
+
+    assert str(found).startswith(begun)
+    assert found.exit_code == code
+    assert found.warnings == ()
