@@ -100,11 +100,14 @@ def require_same(path: Path, manifest: Manifest) -> None:
     wanted = flat(json.loads(manifest.to_json()))
     for key in sorted(kept.keys() | wanted.keys()):
         if kept.get(key) != wanted.get(key):
-            message = (
-                f"{shown(path)}: another campaign stands there: its {shown(key)} is "
-                f"{shown(kept.get(key))}, here it is {shown(wanted.get(key))}: choose another "
-                "folder, or give what it was begun with"
+            differs = (
+                f"its {shown(key)} is {shown(kept[key])}, here it is {shown(wanted[key])}: choose "
+                "another folder, or give what it was begun with"
+                if key in kept.keys() & wanted.keys()
+                else f"only {'it' if key in kept else 'this version'} knows {shown(key)}: choose "
+                "another folder, or go on with the version of certreg that began it"
             )
+            message = f"{shown(path)}: another campaign stands there: {differs}"
             raise InvalidFileError(
                 message, path=path, column=key, value=kept.get(key), limit=wanted.get(key)
             )

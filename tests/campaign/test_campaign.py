@@ -253,6 +253,21 @@ def test_another_campaign_in_the_folder_is_refused(tmp_path):
     assert tree(tmp_path) == before
 
 
+@pytest.mark.parametrize(
+    ("old", "new", "who"),
+    [(b'"seed"', b'"older": 1,\n  "seed"', "it"), (b'"seed": 7', b'"sown": 7', "this version")],
+)
+def test_a_campaign_of_another_version_is_not_told_to_give_what_cannot_be_given(
+    tmp_path, old, new, who
+):
+    finish(FEW, tmp_path / "out")
+    kept = tmp_path / "out" / MANIFEST
+    kept.write_bytes(kept.read_bytes().replace(old, new))
+
+    with pytest.raises(InvalidFileError, match=rf"only {who} knows settings\.\w+: .*that began it"):
+        finish(FEW, tmp_path / "out")
+
+
 @pytest.mark.parametrize("text", [b"[]", b"{", b"\xff", b"null", b"[" * 50_000])
 def test_a_manifest_that_is_none_is_refused(tmp_path, text):
     (tmp_path / MANIFEST).write_bytes(text)

@@ -26,7 +26,9 @@ from certreg.report.viewer import Names
 if TYPE_CHECKING:
     from pathlib import Path
 
-SCHEMA = json.loads((files("certreg.report") / "schemas" / "certreg-result-1.json").read_text("utf-8"))
+SCHEMA = json.loads(
+    (files("certreg.report") / "schemas" / "certreg-result-1.json").read_text("utf-8")
+)
 CUBE = np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
 CUBE = np.vstack([CUBE, 0.5 * CUBE[:4]])
 SIZE = diameter(CUBE)
