@@ -67,7 +67,7 @@ def test_rows_of_either_side_that_come_again_are_counted_once_each():
     pairs = np.array([[0, 5], [0, 6], [0, 7], [1, 7], [2, 8], [3, 8]])
     (note,) = repeated_rows_note(Path("p.csv"), pairs)
 
-    assert "1 rows of the source and 2 of the target are in several pairs" in note
+    assert "1 row of the source and 2 of the target are in several pairs" in note
 
 
 def test_the_first_pair_that_names_a_row_again_is_told():

@@ -18,7 +18,7 @@ from jsonschema import Draft202012Validator
 import certreg
 from certreg.problem import diameter
 from certreg.registration import FitCode
-from certreg.registration.pair_warnings import WIDE, poor_warning, reason_against
+from certreg.registration.pair_warnings import WIDE, few_warning, poor_warning, reason_against
 from certreg.report.cards import AMBER, GREEN
 from certreg.report.pages import report_on
 from certreg.report.viewer import Names
@@ -46,6 +46,18 @@ def certified(model: str, bound: float, source: Any = CUBE, target: Any = None) 
     """Of a cube and some points in it, turned."""
     seen = source @ TURN.T if target is None else target
     return certreg.certify(source, seen, max_residual=bound, **OPTIONS[model])
+
+
+@pytest.mark.parametrize(
+    ("met", "n", "few"),
+    [(3, 3, True), (4, 39, False), (4, 40, True), (6, 60, True), (7, 999, False)],
+)
+def test_few_pairs_are_told_what_helps(met, n, few):
+    warning = few_warning(met, n)
+
+    assert (warning is not None) is few
+    if warning is not None:
+        assert warning.remedy == "give more pairs, or a smaller bound if right pairs keep it"
 
 
 @pytest.mark.parametrize("model", MODELS)

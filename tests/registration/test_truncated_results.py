@@ -223,6 +223,9 @@ def test_a_bound_that_holds_by_chance_is_warned_of(given):
         in str(wide)
     )
     assert [one.code.value for one in wide.warnings] == ["wide-bound", "poor-fit"]
+    poor = wide.warnings[1]
+    assert poor.text.endswith("19.5 %: wrong pairs may be among those within, or noise is large")
+    assert poor.remedy == "check the pairs within, or give a smaller bound if right pairs keep it"
     assert not narrow.warnings
     assert f"least squares     of these {len(wide.rows)}: " in str(wide)
     assert words not in str(narrow)
