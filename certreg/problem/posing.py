@@ -45,19 +45,29 @@ class FloatingPose:
 
     gap: between the two largest eigenvalues of the Davenport matrix; error: how far these may be
         off, the residual of eigenvectors that LAPACK did not find included.
-    cross_covariance: (3, 3), sum w (y - mean)(x - mean)^T.
-    source_mean, target_mean: (3,), weighted; source_spread, target_spread: sums of
-        w |x - mean|^2, w |y - mean|^2.
+    numbers: (39,), all that native/pose.h tells; a similarity takes more of them than a pose.
     """
 
     pose: Pose
     gap: float
     error: float
-    cross_covariance: NDArray[np.float64]
-    source_mean: NDArray[np.float64]
-    target_mean: NDArray[np.float64]
-    source_spread: float
-    target_spread: float
+    numbers: NDArray[np.float64]
+
+    @property
+    def cross_covariance(self) -> NDArray[np.float64]:
+        """(3, 3), sum w (y - mean)(x - mean)^T."""
+        return self.numbers[CROSS].reshape(3, 3)
+
+    @property
+    def means(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """(3,) each, weighted: of source and target."""
+        return self.numbers[SOURCE_MEAN], self.numbers[TARGET_MEAN]
+
+    @property
+    def spreads(self) -> tuple[float, float]:
+        """The sums of w |x - mean|^2 and w |y - mean|^2."""
+        mass, here, scatter, there, spread = self.numbers[DECIDING].tolist()[:5]
+        return scatter - here / mass, spread - there / mass
 
 
 def floating_pose(
@@ -101,11 +111,7 @@ def floating_pose(
         ),
         gap=gap,
         error=residual + davenport_error(rounding_of(math.sqrt(scatter * spread)), norm),
-        cross_covariance=numbers[CROSS].reshape(3, 3),
-        source_mean=numbers[SOURCE_MEAN],
-        target_mean=numbers[TARGET_MEAN],
-        source_spread=scatter - here / mass,
-        target_spread=spread - there / mass,
+        numbers=numbers,
     )
 
 

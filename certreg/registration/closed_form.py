@@ -170,8 +170,8 @@ def _by_moments(moments: Moments, kind: Scale) -> Pose | Similarity:
 
 def _scaled_by_sums(found: FloatingPose, kind: Scale) -> Similarity:
     alignment = float(np.sum(found.pose.rotation * found.cross_covariance))
-    scale = _best_scale(kind, alignment, found.source_spread, found.target_spread)
-    return _similarity(found.pose, scale, found.source_mean, found.target_mean)
+    scale = _best_scale(kind, alignment, *found.spreads)
+    return _similarity(found.pose, scale, *found.means)
 
 
 def _best_scale(kind: Scale, alignment: float, source: float, target: float) -> float:

@@ -164,7 +164,7 @@ def test_the_numbers_that_decide_are_what_they_are_called(n):
         np.testing.assert_allclose(numbers[mean], w @ cloud / w.sum(), rtol=1e-13)
     shown = floating_pose(x, y, w)
     assert shown is not None
-    for spread, cloud in ((shown.source_spread, x), (shown.target_spread, y)):
+    for spread, cloud in zip(shown.spreads, (x, y), strict=True):
         off = cloud - w @ cloud / w.sum()
         np.testing.assert_allclose(spread, w @ (off * off).sum(axis=1), rtol=1e-12)
 
@@ -180,8 +180,8 @@ def test_about_the_origin_sums_are_not_about_the_means_and_nothing_is_shifted():
     for mean in (posing.SOURCE_MEAN, posing.TARGET_MEAN, posing.TRANSLATION):
         assert numbers[mean].tolist() == [0.0] * 3
     assert shown is not None
-    np.testing.assert_allclose(shown.source_spread, w @ (x * x).sum(axis=1), rtol=1e-13)
-    np.testing.assert_allclose(shown.target_spread, w @ (y * y).sum(axis=1), rtol=1e-13)
+    sizes = [w @ (cloud * cloud).sum(axis=1) for cloud in (x, y)]
+    np.testing.assert_allclose(shown.spreads, sizes, rtol=1e-13)
 
 
 def test_what_rounding_takes_from_the_sum_of_each_block_is_added_at_the_end():
