@@ -10,6 +10,7 @@ import click
 from certreg.cli.as_json import json_option
 from certreg.cli.numbers import NUMBER
 from certreg.cli.options import CLOUD, EXIT_CODES, FOLDER, cloud_options
+from certreg.cli.writing import WritingCommand
 from certreg.dynamics import ONLY_MIDPOINT, Record, SimulationSettings
 from certreg.io import require_vacant, write_atomically, write_together
 from certreg.registration import (
@@ -65,7 +66,7 @@ Exit codes: 0 all are listed, proved, and one of them alone is optimal
 TRAJECTORY = ".npz"  # the one format of a trajectory
 
 
-@click.command(epilog=LIST_CODES)
+@click.command(cls=WritingCommand, epilog=LIST_CODES)
 @cloud_options
 @click.option(
     "--method",
@@ -204,7 +205,7 @@ def _write_count(problem: RegistrationProblem, out: Path) -> None:
     _tell_certificate("count", place)
 
 
-@click.command(epilog=EXIT_CODES)
+@click.command(cls=WritingCommand, epilog=EXIT_CODES)
 @cloud_options
 @click.option(
     "--integrator",

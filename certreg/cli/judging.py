@@ -11,6 +11,7 @@ import click
 from certreg.cli.as_json import json_option
 from certreg.cli.options import CLOUD, bound_clouds, certificate_argument, cloud_options
 from certreg.cli.progress import note
+from certreg.cli.writing import WritingCommand, require_apart
 from certreg.cli.wrong_pairs import consensus_options
 from certreg.errors import InvalidFileError
 from certreg.geometry import GivenPose, Similarity, why_no_rotation
@@ -163,7 +164,7 @@ def _told_of_labels(
     return kept.exit_code
 
 
-@click.command()
+@click.command(cls=WritingCommand)
 @click.argument("result", type=click.Path(path_type=Path))
 @click.argument("cloud", type=CLOUD)
 @click.option("--out", required=True, type=CLOUD, help="File to write: .csv, .txt, .ply or .npy.")
@@ -216,7 +217,10 @@ def _header_words(out: Path, *, labelled: bool) -> str:
     return " without their labels: a .csv file keeps them" if labelled else ""
 
 
-@click.command(epilog="Exit code 0 when the report was written, 1 if the checker refuses, else 2.")
+@click.command(
+    cls=WritingCommand,
+    epilog="Exit code 0 when the report was written, 1 if the checker refuses, else 2.",
+)
 @certificate_argument
 @bound_clouds(lightly=False)
 @click.option("--out", type=CLOUD, help="File to write; default: report.html beside CERTIFICATE.")
@@ -234,9 +238,7 @@ def report(
     these, as for `certreg verify`.
     """
     place = certificate.with_name(REPORT) if out is None else out
-    if place.exists() and certificate.exists() and place.samefile(certificate):
-        message = f"{printable(place)}: is the certificate itself: give another --out"
-        raise InvalidFileError(message, path=place)
+    require_apart(place, [certificate])
     write_atomically(place, html_page(report_of(certificate, clouds, noted=note)))
     click.echo(f"{printable(place)}: open it in a browser; it needs no network")
     return DONE

@@ -10,6 +10,7 @@ from certreg.certificate import verify as checked
 from certreg.certificate import verify_lines, verify_with_coq
 from certreg.cli.numbers import NUMBER
 from certreg.cli.options import CLOUD, bound_clouds, certificate_argument
+from certreg.cli.writing import WritingCommand
 from certreg.registration import DONE, REFUSED
 
 if TYPE_CHECKING:
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
     from certreg.verify import Clouds
 
 
-@click.command()
+@click.command(cls=WritingCommand)
 @certificate_argument
 @bound_clouds(lightly=True)
 @click.option(

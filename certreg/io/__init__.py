@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from certreg.io.poses import read_result_pose as read_result_pose
     from certreg.io.springs import OF_COLUMNS as OF_COLUMNS
     from certreg.io.springs import SpringSource as SpringSource
+    from certreg.io.standard_input import is_standard_input as is_standard_input
     from certreg.io.streams import Place as Place
     from certreg.io.streams import number as number
     from certreg.io.streams import reading as reading
@@ -73,6 +74,7 @@ __getattr__ = lazy_face(
             "OF_COLUMNS",
             "SpringSource",
         ),
+        "standard_input": ("is_standard_input",),
         "streams": (
             "Place",
             "number",

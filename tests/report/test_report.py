@@ -545,7 +545,7 @@ def test_the_certificate_is_not_overwritten_by_its_report(folder: Path, link: An
     run = certreg("report", file, "--out", out)
 
     assert (run.code, run.out) == (2, "")
-    assert re.fullmatch(r"certreg: [^\n]*is the certificate itself[^\n]*\n", run.err)
+    assert re.fullmatch(r"certreg: [^\n]*would overwrite [^\n]*\n", run.err)
     assert file.read_bytes() == out.read_bytes() == content
 
 
@@ -565,7 +565,7 @@ def test_the_certificate_is_not_overwritten_under_any_name_of_it(
     run = certreg("report", *arguments.get(given, [file]))
 
     assert (run.code, run.out) == (2, "")
-    assert "is the certificate itself: give another --out" in run.err
+    assert "which is read: give --out another name" in run.err
     assert file.read_bytes() == content
 
 
