@@ -24,6 +24,7 @@ from certreg.io.streams import (
     count,
     header,
     held_bytes,
+    in_column,
     rows_of_words,
     typed_number,
 )
@@ -183,7 +184,10 @@ def _from_text(
             what += f", in {declared.points} rows: mend the row or the header"
             raise place.refusal(what, value=len(words), limit=width)
         for axis, column in columns.items():
-            column.append(typed_number(place, words[slots[axis]], types[axis]))
+            try:
+                column.append(typed_number(place, words[slots[axis]], types[axis]))
+            except InvalidFileError as error:
+                raise in_column(error, place, axis) from error
     if held != declared.points:
         message = (
             f"{shown(file)}: the header declares {declared.points} points, the file holds {held}: "

@@ -31,6 +31,7 @@ from certreg.io.streams import (
     count,
     header,
     held_bytes,
+    in_column,
     large_file,
     rows_of_words,
     typed_number,
@@ -247,7 +248,10 @@ def _ascii_columns(
                 f"{what}: mend the row", value=len(words), limit=len(element.properties)
             )
         for slot, kind, column in slots:
-            column.append(typed_number(place, numbers[slot], kind))
+            try:
+                column.append(typed_number(place, numbers[slot], kind))
+            except InvalidFileError as error:
+                raise in_column(error, place, element.properties[slot].name) from error
     return {name: np.array(column) for name, column in columns.items()}
 
 

@@ -24,6 +24,8 @@ if TYPE_CHECKING:
     from typing import BinaryIO
 
 NUMBER = re.compile(r"[+-]?([0-9]+(\.[0-9]*)?|\.[0-9]+)([eE][+-]?[0-9]+)?")
+MISSING = {"", "nan", "na", "n/a", "#n/a", "null", "none", "inf", "infinity"}
+NO_NUMBER = "is not a number: remove the row, from both clouds, or write a plain decimal number"
 COUNT = re.compile(r"[0-9]{1,18}")  # 10^18 < 2^63: any count that a file can keep
 MAX_TEXT_BYTES = 1 << 30  # ten million points
 MAX_LINE_BYTES = 1 << 16  # a row of a cloud with many extra columns
@@ -171,6 +173,19 @@ def number(place: Place, text: str) -> float:
         what = f"'{shown(text)}' is not a {'finite ' if match else ''}number"
         raise place.refusal(f"{what}: write plain decimal numbers", value=text)
     return value
+
+
+def in_column(error: InvalidFileError, place: Place, column: str) -> InvalidFileError:
+    """The refusal of a number of a point, with its column; of one that is missing, the remedy."""
+    words = str(error).removeprefix(f"{place}: ")
+    if is_missing(str(error.value)):
+        words = f"'{shown(error.value)}' {NO_NUMBER}"
+    return place.at(shown(column)).refusal(words, value=error.value, limit=error.limit)
+
+
+def is_missing(text: str) -> bool:
+    """Whether a field is what programs write where they have no number."""
+    return text.strip().lstrip("+-").lower() in MISSING
 
 
 def count(place: Place, text: str) -> int:

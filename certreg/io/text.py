@@ -32,7 +32,17 @@ from certreg.io.labels import (
 )
 from certreg.io.noise import noise_of_columns
 from certreg.io.semicolons import DecimalCommas, separated_by_semicolons
-from certreg.io.streams import COUNT, NUMBER, Place, lines, number, reading
+from certreg.io.streams import (
+    COUNT,
+    NO_NUMBER,
+    NUMBER,
+    Place,
+    in_column,
+    is_missing,
+    lines,
+    number,
+    reading,
+)
 from certreg.verify import Clouds, shown
 
 if TYPE_CHECKING:
@@ -131,11 +141,16 @@ def _table(
         if len(row) != width:
             words = f"{len(row)} columns, not {width}: mend the row"
             raise place.refusal(words, value=len(row), limit=width)
-        coordinates.extend(value(place, row[axis]) for axis in axes)
+        try:
+            coordinates.extend(value(place, row[axis]) for axis in axes)
+            for name, column in columns.noise.items():
+                kept[name].append(_noise(place, name, value(place, row[column])))
+        except InvalidFileError as error:
+            if error.column is not None:
+                raise
+            raise _in_its_column(error, place, row, columns) from error
         if called is not None:
             names.append(text_of_field(row[called].strip()))
-        for name, column in columns.noise.items():
-            kept[name].append(_noise(place, name, value(place, row[column])))
     if not coordinates:
         raise place.refusal("no points: add rows", value=0, limit=1)
     if commas is not None:
@@ -152,6 +167,20 @@ def _table(
         kept.get("weight"),
         (*columns.notes, *(() if commas is None else commas.notes)),
     )
+
+
+def _in_its_column(
+    error: InvalidFileError, place: Place, row: list[str], columns: Columns
+) -> InvalidFileError:
+    """The refusal of a number of a row, with its column: the first one that is read and has it."""
+    read = (*columns.axes, *columns.noise.values())
+    fields = [_with_point(row[column]) for column in read]
+    return in_column(error, place, columns.names[read[fields.index(_with_point(error.value))]])
+
+
+def _with_point(field: object) -> str:
+    """A field as a decimal comma may have been changed in it."""
+    return str(field).strip().replace(",", ".")
 
 
 def _columns(
@@ -172,6 +201,10 @@ def _columns(
     if _labelled(plain, more=spaced) and not symbols:
         return columns_in_order(len(first), labelled=True), False
     if any(plain):
+        missing = next((field for field in first if field.strip() and is_missing(field)), None)
+        if missing is not None:
+            place = place.at(f"column {first.index(missing) + 1}")
+            raise place.refusal(f"'{shown(missing)}' {NO_NUMBER}", value=missing)
         k = plain.index(False)
         words = f"'{shown(first[k])}' is not a number, and the row is no header of names"
         remedy = "write plain decimal numbers, or add a header such as label,x,y,z"

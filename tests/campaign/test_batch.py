@@ -97,7 +97,7 @@ BROKEN = {
     "a0.csv,none.csv,,,,,,": "none.csv: cannot be read",
     "a0.csv": "1 columns, not 8: mend the row",
     ",b0.csv,,,,,,": "line 5: give source: a file",
-    "a0.csv,nan.csv,,,,,,": "nan.csv, line 2: 'nan' is not a number",
+    "a0.csv,nan.csv,,,,,,": "nan.csv, line 2, x: 'nan' is not a number: remove the row",
     "a0.csv,b0.csv,-1,,,,,": "sigma is -1.0: a standard deviation must be > 0",
     "a0.csv,b0.csv,abc,,,,,": "line 8, sigma: 'abc' is not a number",
     "a0.csv,short.csv,,,,,,": "a0.csv has 6 points, .*short.csv has 1",

@@ -107,8 +107,9 @@ UNCLEAR = {
     "sigma of zero": ("x,y,z,sigma\n1,2,3,0\n", "line 2: sigma 0.0: give a standard deviation"),
     "tiny sigma": ("x,y,z,sigma\n1,2,3,1e-170\n", "line 2: sigma"),
     "a negative weight": ("x,y,z,weight\n1,2,3,1\n1,2,3,-1\n", r"line 3: weight -1\.0: .* >= 0"),
-    "no weight": ("x,y,z,weight\n1,2,3,\n", "line 2: '' is not a number"),
-    "NaN": ("x,y,z,weight\n1,2,3,nan\n", "line 2: 'nan' is not a number"),
+    "no weight": ("x,y,z,weight\n1,2,3,\n", "line 2, weight: '' is not a number: remove the row"),
+    "beyond the doubles": ("x;y;z\n1,5;2,0e999;3\n", "line 2, y: '2.0e999' is not a finite number"),
+    "NaN": ("x,y,z,weight\n1,2,3,nan\n", "line 2, weight: 'nan' is not a number: remove the row"),
 }
 
 

@@ -215,7 +215,10 @@ def test_fields_of_several_numbers_move_no_point_wherever_they_stand(data: str):
 def test_a_missing_point_of_an_organised_cloud_is_named(data: str):
     content = pcd(F4, [*POINTS[:2], [1.0, float("nan"), 2.0], POINTS[3]], data, height=2)
 
-    with pytest.raises(InvalidFileError, match=r"row 2 .*nan|line 14: 'nan'"):
+    with pytest.raises(
+        InvalidFileError,
+        match=r"row 2 .*nan|line 14, y: 'nan' is not a number: remove",
+    ):
         read(content, ".pcd")
 
 
@@ -445,21 +448,21 @@ REFUSED: dict[str, tuple[str, bytes, str]] = {
         "row 1 (counting from 0)",
     ),
     "a list beyond the end": ("ply", ply(FACES)[:-4], "row 1 (counting from 0)"),
-    "a word in ply": ("ply", ASCII.replace(b"3\n", b"three\n"), "line 12: 'three'"),
+    "a word in ply": ("ply", ASCII.replace(b"3\n", b"three\n"), "line 12, z: 'three'"),
     "a fraction for an integer": (
         "ply",
         ASCII.replace(b"double x", b"int x").replace(b"\n1 0 0", b"\n1.5 0 0"),
-        "line 9: '0.0'",
+        "line 9, x: '0.0'",
     ),
     "too large for its type": (
         "ply",
         head("ascii", "element vertex 1", "property uchar x", *XYZ[1:]) + b"256 0 0\n",
-        "line 8: '256'",
+        "line 8, x: '256'",
     ),
     "digits without end": (
         "ply",
         head("ascii", "element vertex 1", "property int x", *XYZ[1:]) + b"0" * 5000 + b"1 0 0\n",
-        "line 8: '000",
+        "line 8, x: '000",
     ),
     "a short ascii row": ("ply", ASCII.replace(b"0 2 0\n", b"0 2\n"), "line 11: 2 numbers"),
     "an ascii row too few": ("ply", ASCII.replace(b"vertex 4", b"vertex 5"), "row 4 "),
@@ -501,7 +504,7 @@ REFUSED: dict[str, tuple[str, bytes, str]] = {
     "unknown version": ("pcd", pcd(F4, POINTS, VERSION="1.0"), "line 2: unknown version"),
     "a short viewpoint": ("pcd", pcd(F4, POINTS, VIEWPOINT="0 0 0"), "line 9: the viewpoint"),
     "NaN in pcd": ("pcd", pcd(F4, NAN), "row 1 (counting from 0) is [nan, 1.0, 2.0]"),
-    "NaN in ascii pcd": ("pcd", pcd(F4, NAN, "ascii"), "line 13: 'nan'"),
+    "NaN in ascii pcd": ("pcd", pcd(F4, NAN, "ascii"), "line 13, x: 'nan' is not a number: remove"),
     "integers beyond 2^53": (
         "pcd",
         pcd([(a, "I", 8, 1) for a in "xyz"], [[1, 2, 3], [1, 2, 2**53 + 1]]),
@@ -510,7 +513,7 @@ REFUSED: dict[str, tuple[str, bytes, str]] = {
     "written integers beyond 2^53": (
         "pcd",
         pcd([(a, "I", 8, 1) for a in "xyz"], [[1, 2, 2**53 + 1]], "ascii"),
-        "line 12: '9007199254740993'",
+        "line 12, z: '9007199254740993'",
     ),
     "a short pcd row": ("pcd", pcd(F4, POINTS, "ascii")[:-5] + b"\n", "line 15: 1 numbers"),
     "a pcd row too many": ("pcd", pcd(F4, POINTS, "ascii") + b"1 2 3\n", "line 16"),
