@@ -28,6 +28,7 @@ from certreg.io.text import TEXT_FORMATS, notes_on, parse_points, read_numbers
 from certreg.problem import (
     RegistrationProblem,
     first_row,
+    remedy_of_shape,
 )
 from certreg.results import Brief
 from certreg.verify import shown
@@ -215,7 +216,8 @@ def parse_cloud(stream: BinaryIO, file: Path, *, noise: bool = True) -> Cloud:
     points = npy.parse_array(stream, file)
     if points.ndim != 2 or points.shape[1] != 3 or len(points) == 0:
         what = f"holds an array of shape {points.shape}"
-        message = f"{shown(file)}: {what}: expected (N, 3) with N >= 1"
+        remedy = remedy_of_shape(points.shape, "array")
+        message = f"{shown(file)}: {what}: expected (N, 3) with N >= 1{remedy}"
         raise InvalidFileError(message, path=file, value=points.shape)
     return Cloud(path=file, points=points, labels=None, ignored=())
 

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from certreg.problem.arrays import finite_doubles as finite_doubles
     from certreg.problem.arrays import mapped_file as mapped_file
     from certreg.problem.arrays import real_numbers as real_numbers
+    from certreg.problem.arrays import remedy_of_shape as remedy_of_shape
     from certreg.problem.arrays import row_blocks as row_blocks
     from certreg.problem.blocks import Block as Block
     from certreg.problem.blocks import SpringBlock as SpringBlock
@@ -103,6 +104,7 @@ __getattr__ = lazy_face(
             "finite_doubles",
             "mapped_file",
             "real_numbers",
+            "remedy_of_shape",
             "row_blocks",
         ),
         "blocks": (

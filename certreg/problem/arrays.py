@@ -27,15 +27,22 @@ def cloud_array(cloud: Any, name: str) -> NDArray[Any]:
     """An array (N, 3), N >= 1, of real numbers of any type, not copied if it is one."""
     array = _frame_points(cloud, name) if data_frame(cloud) else real_numbers(_held(cloud), name)
     if array.ndim != 2 or array.shape[1] != 3:
-        hint = f"; transpose it: {name}.T" if array.ndim == 2 and array.shape[0] == 3 else ""
-        if array.ndim == 2 and array.shape[1] == 4 and not hint:
-            hint = f"; of homogeneous coordinates give {name}[:, :3] / {name}[:, 3:]"
-        message = f"{name} has shape {array.shape}: expected (N, 3), one point per row{hint}"
+        remedy = remedy_of_shape(array.shape, name)
+        message = f"{name} has shape {array.shape}: expected (N, 3), one point per row{remedy}"
         raise InvalidProblemError(message, array=name, value=array.shape)
     if len(array) == 0:
         message = f"{name} has no points: at least one correspondence is needed"
         raise InvalidProblemError(message, array=name, value=0, limit=1)
     return array
+
+
+def remedy_of_shape(shape: tuple[int, ...], name: str) -> str:
+    """What makes points (N, 3) of an array that is none, to end a message; empty where unknown."""
+    if len(shape) == 2 and shape[0] == 3:
+        return f"; transpose it: {name}.T"
+    if len(shape) == 2 and shape[1] == 4:
+        return f"; of homogeneous coordinates give {name}[:, :3] / {name}[:, 3:]"
+    return ""
 
 
 def data_frame(given: Any) -> bool:

@@ -542,6 +542,12 @@ REFUSED: dict[str, tuple[str, bytes, str]] = {
     ),
     # npz
     "empty npz": ("npz", b"", "is not an .npz file"),
+    "transposed npy": ("npy", npy(ARRAY.T), "expected (N, 3) with N >= 1; transpose it: array.T"),
+    "homogeneous npy": (
+        "npy",
+        npy(np.ones((5, 4))),
+        "; of homogeneous coordinates give array[:, :3] / array[:, 3:]",
+    ),
     "npy as npz": ("npz", npy(POINTS), "is not an .npz file"),
     "no arrays": ("npz", archive({}), "holds nothing"),
     "two clouds": ("npz", npz({"a": POINTS, "b": POINTS}), "a (4, 3), b (4, 3)"),
