@@ -85,6 +85,16 @@ def test_a_command_that_needs_a_library_names_it_in_one_line(
     assert remedy in line
 
 
+def test_what_brings_two_missing_libraries_is_said_at_once(without, tmp_path: Path):
+    without("matplotlib", "sympy")
+    run = certreg("reproduce", "--out", tmp_path / "out")
+
+    remedy = "which are not installed: pip install 'certreg[figures,derive]'"
+    assert (run.code, run.out) == (2, "")
+    assert run.err == f"certreg: reproduce needs matplotlib and sympy, {remedy}\n"
+    assert not (tmp_path / "out").exists()
+
+
 @pytest.mark.parametrize("name", ["clarabel", "scipy"])
 def test_without_the_solver_the_relaxation_is_null_and_says_why(name: str, without):
     without(name)
