@@ -126,14 +126,15 @@ def library(module: str, purpose: str, otherwise: str = "") -> Any:
 
 def require(*modules: str, purpose: str) -> None:
     """That libraries of extras load, before anything is computed for which they are needed."""
-    missing = [ORIGINS[module] for module in modules if not _installed(module)]
+    missing = [module for module in modules if not _installed(module)]
     if len(missing) > 1:
-        names = " and ".join(origin.name for origin in missing)
-        extras = ",".join(dict.fromkeys(origin.extra for origin in missing if origin.extra))
+        origins = [ORIGINS[module] for module in missing]
+        names = " and ".join(origin.name for origin in origins)
+        extras = ",".join(dict.fromkeys(origin.extra for origin in origins if origin.extra))
         message = (
             f"{purpose} needs {names}, which are not installed: pip install 'certreg[{extras}]'"
         )
-        raise MissingToolError(message, tool=missing[0].name)
+        raise MissingToolError(message, tool=missing[0])
     for module in modules:
         library(module, purpose)
 

@@ -95,6 +95,13 @@ def test_what_brings_two_missing_libraries_is_said_at_once(without, tmp_path: Pa
     assert not (tmp_path / "out").exists()
 
 
+def test_of_two_missing_libraries_the_first_is_the_tool_by_the_name_that_python_knows(without):
+    without("flint", "sympy")
+    with pytest.raises(MissingToolError, match="needs python-flint and sympy") as caught:
+        _loading.require("flint", "sympy", purpose="this")
+    assert caught.value.tool == "flint"
+
+
 @pytest.mark.parametrize("name", ["clarabel", "scipy"])
 def test_without_the_solver_the_relaxation_is_null_and_says_why(name: str, without):
     without(name)
