@@ -9,6 +9,7 @@ from certreg._loading import lazy_face
 if TYPE_CHECKING:
     from certreg.campaign.listing import read_listing as read_listing
     from certreg.campaign.pairs import RESULTS as RESULTS
+    from certreg.campaign.pairs import TABLES as TABLES
     from certreg.campaign.pairs import PairCampaign as PairCampaign
     from certreg.campaign.pairs import Tally as Tally
     from certreg.campaign.pairs import write_pair_results as write_pair_results
@@ -40,6 +41,7 @@ __getattr__ = lazy_face(
         "pairs": (
             "PairCampaign",
             "RESULTS",
+            "TABLES",
             "Tally",
             "write_pair_results",
         ),

@@ -21,7 +21,7 @@ from certreg.campaign.listing import NEEDED, SPRING_FILES
 from certreg.campaign.row_bounds import asked_of_bounds, bounds_file, fault_of_bounds
 from certreg.campaign.runner import contents
 from certreg.campaign.store import Manifest, current_versions, digest_of
-from certreg.campaign.table import Block, Column, write_table
+from certreg.campaign.table import COLUMNS, PARQUET, SUMMARY, Block, Column, write_table
 from certreg.campaign.task import Task, TaskResult
 from certreg.errors import CertregError
 from certreg.io import (
@@ -64,6 +64,7 @@ LEAST_SHARDS = 64  # where there are so many pairs: all workers have work
 OPTIMAL = "optimal"  # the damping of the fastest decay
 UNSAFE = re.compile(r"[^A-Za-z0-9_-]+")
 RESULTS = "results.jsonl"
+TABLES = (RESULTS, SUMMARY, COLUMNS, PARQUET)  # made anew whenever a campaign has ended
 SHOWN_ERRORS = 10  # one by one; the others are counted
 STEM = 60  # characters of a pair's name in the name of its certificate
 DEFAULT_LIMITS = Limits()
@@ -158,6 +159,11 @@ class PairCampaign:
                     "limits": self.limits,
                 }
                 yield Task(shard=shard, function=certify_pairs, arguments=arguments)
+
+    def inputs(self) -> Iterator[Path]:
+        """All files that the rows name, those of a row after those of the row before."""
+        folder = self.listing.path.parent
+        return (folder / name for row in self.listing.rows() for name in _named(row))
 
     def _filled(self, row: PairRow) -> PairRow:
         """A row that says what the defaults do where it is empty."""
@@ -366,10 +372,14 @@ def _told(registration: Any, pair: Pair) -> tuple[dict[str, Any], int]:
 
 def _inputs(row: PairRow, folder: Path) -> dict[str, str | None]:
     """The SHA-256 of each file that a row names; None where it cannot be read twice."""
+    return {name: digest_of(folder / name) for name in _named(row)}
+
+
+def _named(row: PairRow) -> list[str]:
+    """The files of a row, as the list names them."""
     names = [row.fields[field] for field in FILES if field in row.fields]
     bounds = bounds_file(row)
-    names += [] if bounds is None else [bounds]
-    return {name: digest_of(folder / name) for name in names}
+    return names if bounds is None else [*names, bounds]
 
 
 def _problem(row: PairRow, folder: Path) -> tuple[RegistrationProblem, Pair]:

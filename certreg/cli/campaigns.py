@@ -11,6 +11,7 @@ from certreg.campaign import (
     CERTIFICATES,
     RESULTS,
     SUMMARY,
+    TABLES,
     PairCampaign,
     Tally,
     completed,
@@ -31,6 +32,7 @@ from certreg.cli.options import (
     model_options,
 )
 from certreg.cli.progress import Progress
+from certreg.cli.writing import require_folder_apart
 from certreg.cli.wrong_pairs import consensus_options
 from certreg.errors import InvalidFileError
 from certreg.registration import worst
@@ -161,6 +163,7 @@ def _kept(campaign: PairCampaign, scheduler: str | None, out: Path, *, parquet: 
     if parquet:
         require_parquet()
     manifest = campaign.manifest()
+    _require_kept(campaign, out)
     with (
         occupied(out, manifest),
         workers_at(scheduler) as workers,
@@ -173,6 +176,13 @@ def _kept(campaign: PairCampaign, scheduler: str | None, out: Path, *, parquet: 
     click.echo(f"{done} of {manifest.count} pairs registered: {place}/{RESULTS}")
     click.echo(f"Table: {place}/{SUMMARY}, certificates: {place}/{CERTIFICATES}")
     return tally
+
+
+def _require_kept(campaign: PairCampaign, out: Path) -> None:
+    """That no row reads a table that an earlier run left, and this one makes anew."""
+    left = [name for name in TABLES if (out / name).exists()]
+    if left:
+        require_folder_apart(out, left, campaign.inputs())
 
 
 @contextmanager

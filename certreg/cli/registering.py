@@ -20,6 +20,7 @@ from certreg.cli.options import (
     fit_options,
     limit_options,
 )
+from certreg.cli.writing import WritingCommand
 from certreg.cli.wrong_pairs import consensus_options
 from certreg.registration import (
     DONE,
@@ -45,7 +46,7 @@ if TYPE_CHECKING:
     from certreg.registration import ConsensusRegistration, FitDemands, TruncatedRegistration
 
 
-@click.command(epilog=EXIT_CODES)
+@click.command(cls=WritingCommand, files=report.FILES, epilog=EXIT_CODES)
 @cloud_options
 @limit_options
 @fit_options

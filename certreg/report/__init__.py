@@ -24,7 +24,8 @@ if TYPE_CHECKING:
     from certreg.report.document import result_document as result_document
     from certreg.report.document import scaled_document as scaled_document
     from certreg.report.document import simulation_document as simulation_document
-    from certreg.report.folder import REPORT as REPORT
+    from certreg.report.file_names import FILES as FILES
+    from certreg.report.file_names import REPORT as REPORT
     from certreg.report.folder import write_folder as write_folder
     from certreg.report.judged_pose import assessment_summary as assessment_summary
     from certreg.report.markup import printable as printable
@@ -76,10 +77,8 @@ __getattr__ = lazy_face(
             "scaled_document",
             "simulation_document",
         ),
-        "folder": (
-            "REPORT",
-            "write_folder",
-        ),
+        "file_names": ("FILES", "REPORT"),
+        "folder": ("write_folder",),
         "markup": (
             "printable",
             "rendered",

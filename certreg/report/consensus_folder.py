@@ -10,7 +10,15 @@ from certreg.io import PAIR_COLUMNS, csv_field, write_together
 from certreg.registration import TruncatedRegistration
 from certreg.report.consensus_fields import consensus_document
 from certreg.report.document import dumps, pose_document
-from certreg.report.folder import CERTIFICATE, FIT, POSE, REPORT, RESULT, SURE_POSE, TRAJECTORY
+from certreg.report.file_names import (
+    CERTIFICATE,
+    FIT,
+    POSE,
+    REPORT,
+    RESULT,
+    SURE_POSE,
+    TRAJECTORY,
+)
 from certreg.report.pages import html_page, report_on
 from certreg.report.truncated_fields import truncated_document
 

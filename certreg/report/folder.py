@@ -9,6 +9,16 @@ from certreg.dynamics import Record
 from certreg.errors import InvalidFileError
 from certreg.io import write_together
 from certreg.report.document import dumps, pose_document, result_document
+from certreg.report.file_names import (
+    CERTIFICATE,
+    FILES,
+    FIT,
+    POSE,
+    REPORT,
+    RESULT,
+    SURE_POSE,
+    TRAJECTORY,
+)
 from certreg.report.pages import html_page, report_on
 from certreg.report.residual_table import residual_table
 from certreg.verify import INLINE_MAX
@@ -18,10 +28,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from certreg.registration import AnyRegistration
-
-CERTIFICATE, RESULT, POSE = "certificate.json", "result.json", "pose.txt"
-SURE_POSE = "pose.json"  # with its uncertainty: in the matrix other programs read no words
-TRAJECTORY, REPORT, FIT = "trajectory.npz", "report.html", "fit.csv"
 
 
 def write_folder(
@@ -56,11 +62,10 @@ def write_folder(
     if registration.certificate is not None:
         contents[CERTIFICATE] = registration.certificate.to_json()
         contents[REPORT] = html_page(report_on(registration))
-    names = (CERTIFICATE, RESULT, POSE, SURE_POSE, FIT, TRAJECTORY, REPORT)
     try:
         write_together(
-            {place / name: contents[name] for name in names if name in contents},
-            obsolete=[place / name for name in names if name not in contents],
+            {place / name: contents[name] for name in FILES if name in contents},
+            obsolete=[place / name for name in FILES if name not in contents],
         )
     except InvalidFileError as error:
         message = f"{place}: the files of this registration could not be written there: {error}"

@@ -93,6 +93,22 @@ def test_lines_come_in_the_order_of_the_list(folder):
     assert [entry["name"] for entry in lines(run.out)] == [f"p{k}" for k in range(70)]
 
 
+def test_a_table_that_a_row_reads_is_not_made_anew(folder):
+    """The folder of a campaign is its own; but a cloud that was put there since is kept."""
+    path = listing(folder, "a0.csv,b0.csv", "out/summary.csv,b1.csv")
+    out = folder / "out"
+    assert certreg("batch", path, "--out", out).code == 2  # the cloud is not there yet
+    table = out / "summary.csv"
+    assert certreg("batch", path, "--out", out).err.startswith(f"certreg: {table}: would overwrite")
+    table.write_bytes((folder / "a1.csv").read_bytes())
+    held = tree(out)
+    again = certreg("batch", path, "--out", out)
+
+    said = f"{table}: would overwrite {table}, which is read: choose another folder"
+    assert (again.code, again.out, again.err) == (2, "", f"certreg: {said}\n")
+    assert tree(out) == held
+
+
 BROKEN = {
     "a0.csv,none.csv,,,,,,": "none.csv: cannot be read",
     "a0.csv": "1 columns, not 8: mend the row",

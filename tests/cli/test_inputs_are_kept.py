@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 from commands import certreg
 
+from certreg.report import FILES
+
 if TYPE_CHECKING:
     from collections.abc import Callable
 
@@ -66,6 +68,38 @@ def test_another_name_of_the_file_is_no_other_file(
     said = f"certreg: {out}: would overwrite x.csv, which is read: give --out another name\n"
     assert (run.code, run.out, run.err) == (2, "", said)
     assert (place / "x.csv").read_bytes() == out.read_bytes() == content
+
+
+@pytest.mark.parametrize(
+    ("typed", "read"),
+    [
+        ("certify fit.csv y.npy", "fit.csv"),
+        ("certify x.npy y.npy --weights pose.txt", "pose.txt"),
+        ("certify x.npy trajectory.npz", "trajectory.npz"),  # which a failed run would remove
+        ("certify x.npy y.npy --pairs fit.csv", "fit.csv"),
+        ("certify x.npy y.npy --normals fit.csv", "fit.csv"),
+        ("certify x.npy y.npy --max-residual pose.txt", "pose.txt"),
+    ],
+)
+def test_a_file_that_is_read_is_not_written_in_a_folder(place: Path, typed: str, read: str):
+    for name, of in (("fit.csv", "x.csv"), ("trajectory.npz", "x.npz")):
+        (place / name).write_bytes((place / of).read_bytes())
+    held = {file: file.read_bytes() for file in place.iterdir()}
+    run = certreg(*typed.split(), "--out", place)
+
+    said = (
+        f"certreg: {place / read}: would overwrite {read}, which is read: choose another folder\n"
+    )
+    assert (run.code, run.out, run.err) == (2, "", said)
+    assert {file: file.read_bytes() for file in place.iterdir()} == held
+
+
+def test_a_folder_with_inputs_of_other_names_is_written_to_again_and_again(place: Path):
+    held = {file: file.read_bytes() for file in place.iterdir() if file.name != "pose.txt"}
+    for _ in range(2):
+        assert certreg("certify", "x.csv", "y.npy", "--out", ".").code == 0
+    assert {file: file.read_bytes() for file in held} == held
+    assert {file.name for file in place.iterdir()} - {file.name for file in held} == set(FILES)
 
 
 def test_a_file_of_another_name_may_be_overwritten(place: Path):
