@@ -628,13 +628,13 @@ class RotationStatement(Movable, Modelled):
         """
         if (self.both, self.sin_half_angle, self.target) == (None, None, None):
             return tuple
-        g, q, real = self.separation or Fraction(0), self.pose, weight * Fraction(unit, one)
+        g, q, (n, d) = self.separation or Fraction(0), self.pose, weight.as_integer_ratio()
         norm = sum(map(mul, q, q))
         level = quadratic(K, q) * unit * g.denominator - g.numerator * one * norm
         alone = proves_separation(K, unit * g.denominator, q, level)
         require(g.numerator > 0 and angle and alone, "radius.separation is not proved")
         room = room_of_eigenvector(g, angle or Fraction(0), self.radii()[0])
-        x, y = (root_up(*(k * real).as_integer_ratio()) for k in spreads)
+        x, y = (root_up(k * n * unit, d * one) for k in spreads)
         over = max(k.denominator for k in (weight, x, y, room))  # powers of two
         M, X, Y, most = (k.numerator * (over // k.denominator) for k in (weight, x, y, room))
 

@@ -161,9 +161,9 @@ def _radius(
     if sin2_half_angle is None or degrees is None:
         return None
     g = dyadic_below(SAFE * objective.eigenvalue_difference(0, 1), RADIUS_BITS)
-    most = 16 * objective.size + g.value  # so much along the quaternion is enough
+    rest = 16 * objective.size  # and g: so much along the quaternion is enough
     q = objective.optimum
-    if not proves_optimality(objective, q, most, most - g.value, bits=SEPARATING_BITS):
+    if not proves_optimality(objective, q, rest + g.value, rest, bits=SEPARATING_BITS):
         return None
     return isotropic_radius(
         objective.moments, separation=g, sin2_half_angle=sin2_half_angle.value, degrees=degrees
@@ -311,13 +311,14 @@ def _optimality(objective: Isotropic) -> tuple[Dyadic, Dyadic] | None:
     """The mu and delta that pass, delta as small as the residual of the quaternion allows."""
     q, shape = objective.optimum, objective.classification
     gap = objective.eigenvalue_difference(0, 1) if len(shape.pattern) > 1 else Fraction(0)
-    mu = dyadic_below(gap / 2, BOUND_BITS) if shape.unique else Dyadic(mantissa=0, exponent=0)
+    none = Dyadic(mantissa=0, exponent=0)
+    mu = dyadic_below(gap, BOUND_BITS).scaled(-1) if shape.unique else none
     smallest = objective.size * power_of_two(-min(4 * objective.eigenspaces.pose_bits, LEAST_BITS))
-    residual = objective.squared_residual(q)
-    first, least = max(4 * residual / gap if gap else Fraction(0), smallest), mu.value
+    (r, s), (g, h) = objective.squared_residual(q).as_integer_ratio(), gap.as_integer_ratio()
+    first, least = max(Fraction(4 * r * h, s * g) if g else Fraction(0), smallest), mu.value
+    guess = dyadic_above(first, BOUND_BITS)
     for attempt in range(ATTEMPTS):
-        guess = first * power_of_two(GROWTH_BITS * attempt)
-        delta = dyadic_above(guess, BOUND_BITS)
+        delta = guess.scaled(GROWTH_BITS * attempt)
         if proves_optimality(objective, q, least, delta.value):
             return mu, delta
     return None

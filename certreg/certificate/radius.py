@@ -29,6 +29,8 @@ from typing import TYPE_CHECKING, Any
 from certreg.exact import (
     Dyadic,
     dyadic_below,
+    dyadic_root_above,
+    in_one_unit,
     power_of_two,
     rational_root_above,
 )
@@ -39,7 +41,8 @@ if TYPE_CHECKING:
     from certreg.problem import ExactMoments, SpringMoments
 
 RADIUS_BITS = 24  # of mantissa: short numbers, at most 2^-23 of them lost
-SAFE = 1 - power_of_two(-40)  # what is asked for is a little less than what is proved
+SAFE_BITS = 40
+SAFE = 1 - power_of_two(-SAFE_BITS)  # what is asked for is a little less than what is proved
 MOST_DEGREES = 90.0  # beyond, the sine of the angle falls again
 
 
@@ -84,23 +87,28 @@ def isotropic_radius(
     """
     s, sine = sines(degrees)
     n, d = sin2_half_angle.as_integer_ratio()
-    own = 2 * rational_root_above(Fraction(n, d - n))  # > 2 tan: more than the angle
-    most = SAFE * separation.value * (sine - own) / 2  # of beta
-    if most <= 0:
-        return None
+    tangent = dyadic_root_above(Fraction(n, d - n))  # the angle is less than twice that
     source, target = (
-        rational_root_above(trace(scatter)) * power_of_two(moments.weight_exponent + e)
+        dyadic_root_above(trace(scatter)).scaled(moments.weight_exponent + e)
         for scatter, e in (
             (moments.source_scatter, moments.source_exponent),
             (moments.target_scatter, moments.target_exponent),
         )
     )
-    both, mass = source + target, moments.total_weight  # most = both r + mass r^2
-    root = rational_root_above(both * both + 4 * mass * most)
+    mass = Dyadic(mantissa=moments.mass, exponent=moments.weight_exponent)
+    given = separation, sine, tangent.scaled(1), source, target, mass
+    (g, turn, own, x, y, m), unit = in_one_unit(*given)
+    most = SAFE.numerator * g * (turn - own)  # beta is g (sin a - a0) / 2 at most: less by `SAFE`
+    if most <= 0:
+        return None
+    # With r itself, and both = x + y: (most / over) = both r + m r^2
+    both, places = x + y, unit - SAFE_BITS - 1
+    most, over = most << max(places, 0), 1 << max(-places, 0)
+    root = rational_root_above(Fraction(both * both * over + 4 * m * most, over))
     return Radius(
         sin_half_angle=s,
-        target=dyadic_below(most / source, RADIUS_BITS),
-        both=dyadic_below(2 * most / (both + root), RADIUS_BITS),
+        target=dyadic_below(Fraction(most, x * over), RADIUS_BITS),
+        both=dyadic_below(Fraction(2 * most, over) / (both + root), RADIUS_BITS),
         separation=separation,
     )
 
@@ -139,7 +147,7 @@ def _weight_and_lever(moments: SpringMoments) -> tuple[Fraction, Fraction]:
 
 
 @lru_cache(maxsize=64)
-def sines(degrees: float) -> tuple[Dyadic, Fraction]:
+def sines(degrees: float) -> tuple[Dyadic, Dyadic]:
     """Of half the angle, rounded down, and of the angle that has this sine of its half.
 
     Raises ValueError outside of (0, 90].
@@ -148,5 +156,6 @@ def sines(degrees: float) -> tuple[Dyadic, Fraction]:
         message = f"the angle is {degrees!r} degrees: give more than 0, and at most 90"
         raise ValueError(message)
     half = dyadic_below(SAFE * Fraction(math.sin(math.radians(degrees) / 2)), RADIUS_BITS)
-    cosine = rational_root_above(1 - half.value**2) * (1 - power_of_two(-60))
-    return half, 2 * half.value * cosine
+    cosine = dyadic_root_above(1 - half.value**2)
+    sine = 2 * half.mantissa * cosine.mantissa * ((1 << 60) - 1)
+    return half, Dyadic(mantissa=sine, exponent=half.exponent + cosine.exponent - 60)

@@ -19,7 +19,9 @@ if TYPE_CHECKING:
     from certreg.exact.dyadic import double_below as double_below
     from certreg.exact.dyadic import dyadic_above as dyadic_above
     from certreg.exact.dyadic import dyadic_below as dyadic_below
+    from certreg.exact.dyadic import dyadic_root_above as dyadic_root_above
     from certreg.exact.dyadic import half_angle_bound as half_angle_bound
+    from certreg.exact.dyadic import in_one_unit as in_one_unit
     from certreg.exact.dyadic import nearest_double as nearest_double
     from certreg.exact.dyadic import nearest_or_zero as nearest_or_zero
     from certreg.exact.dyadic import nearest_quotient as nearest_quotient
@@ -61,7 +63,9 @@ __getattr__ = lazy_face(
             "double_below",
             "dyadic_above",
             "dyadic_below",
+            "dyadic_root_above",
             "half_angle_bound",
+            "in_one_unit",
             "nearest_double",
             "nearest_or_zero",
             "nearest_quotient",

@@ -50,6 +50,12 @@ class Dyadic:
         return Dyadic(mantissa=self.mantissa, exponent=self.exponent + exponent)
 
 
+def in_one_unit(*numbers: Dyadic) -> tuple[list[int], int]:
+    """Integers k and one e such that the numbers are k 2^e: sums of them need no fractions."""
+    least = min([number.exponent for number in numbers])
+    return [number.mantissa << number.exponent - least for number in numbers], least
+
+
 def weight_of_sigma(sigma: float) -> float:
     """The double nearest to 1/sigma^2; `1/(s*s)` in floating point misses it one time in four.
 
@@ -177,12 +183,17 @@ def root_above(value: Fraction) -> float:
 
 def rational_root_above(value: Fraction | int) -> Fraction:
     """A number just above the square root of value (>= 0): by 2^-63 of it, at most."""
+    return dyadic_root_above(value).value
+
+
+def dyadic_root_above(value: Fraction | int) -> Dyadic:
+    """The same number."""
     if value == 0:
-        return Fraction(0)
+        return Dyadic(mantissa=0, exponent=0)
     n, d = value.numerator, value.denominator
     places = 64 - (n.bit_length() - d.bit_length()) // 2
     scaled = -((-n << 2 * places) // d) if places >= 0 else -(-n // (d << -2 * places))
-    return (math.isqrt(scaled - 1) + 1) * power_of_two(-places)
+    return Dyadic(mantissa=math.isqrt(scaled - 1) + 1, exponent=-places)
 
 
 def half_angle_bound(sin2_half_angle: Fraction) -> float:

@@ -11,6 +11,7 @@ import math
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
+from operator import mul
 from typing import TYPE_CHECKING, Any, Literal
 
 from certreg.exact import (
@@ -395,11 +396,8 @@ class Isotropic(Brief):
     def relative_loss(self, q: Sequence[int]) -> float:
         """How far R(q) is from the best alignment, 0, to the worst, 1; 0 if all are as good.
 
-        The mean of the eigenvalues with the squares of the projections of q as weights.
+        The mean of what eigenvalues are below the first, with the squares of the projections of q
+        as weights.
         """
-        spaces = self.eigenspaces.spaces
-        best, worst = spaces[0].value, spaces[-1].value
-        weights = [inside**2 for inside in self._projections(q)]
-        values = [value for space in spaces for value in space.values]
-        lost = sum(w * (best - value) for w, value in zip(weights, values, strict=True))
-        return max(0, lost) / (sum(weights) * (best - worst) or 1)
+        weights, drops = [p * p for p in self._projections(q)], self.eigenvalue_drops
+        return max(0, sum(map(mul, weights, drops))) / (sum(weights) * drops[-1] or 1)

@@ -239,5 +239,7 @@ def arun(cross_covariance: NDArray[np.float64]) -> NDArray[np.float64]:
     With the determinant rule of [Umeyama1991]: without it a mirrored cloud returns a reflection.
     """
     u, _, vt = np.linalg.svd(cross_covariance)
-    sign = -1.0 if is_reflection(u) != is_reflection(vt) else 1.0
-    return quaternion_of_rotation((u * (1.0, 1.0, sign)) @ vt)
+    rotation = u @ vt
+    if is_reflection(rotation):
+        rotation = (u * (1.0, 1.0, -1.0)) @ vt
+    return quaternion_of_rotation(rotation)
