@@ -1,10 +1,11 @@
-"""What is loaded when it is first asked for: the names of a wing's face, the libraries of others.
+"""What is had when it is first asked for: names of a wing's face, libraries of others, properties.
 
 A library that is not installed is told from one that is and does not load: the remedies differ.
 """
 
 from __future__ import annotations
 
+import functools
 import shlex
 import sys
 from dataclasses import dataclass
@@ -14,6 +15,23 @@ from traceback import walk_tb
 from typing import TYPE_CHECKING, Any
 
 from certreg.errors import MissingToolError
+
+if TYPE_CHECKING or sys.version_info >= (3, 12):
+    cached_property = functools.cached_property
+else:
+
+    class cached_property(functools.cached_property):  # noqa: N801 - of that name
+        """As from Python 3.12 on: without a lock, which takes longer than many a property.
+
+        Two threads may both compute a value: it is the same, of an object that does not change.
+        """
+
+        def __get__(self, instance: Any, owner: Any = None) -> Any:
+            if instance is None:
+                return self
+            value = instance.__dict__[self.attrname] = self.func(instance)
+            return value
+
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence

@@ -117,9 +117,9 @@ def threshold(holds: Callable[[Fraction], bool], low: Fraction, high: Fraction) 
 # --- The examples ---------------------------------------------------------------------------------
 
 
-def axes(source: Any = AXES, target: Any = AXES) -> Certificate:
+def axes(source: Any = AXES, target: Any = AXES, weights: Any = None) -> Certificate:
     """The stretched octahedron: delta = 2^-40, mu = 10, all else as strong as they prove."""
-    certificate = oracle.produce(source, target, pattern=[1, 1, 1, 1])
+    certificate = oracle.produce(source, target, weights, pattern=[1, 1, 1, 1])
     return stated(changed(certificate, pose=[1, 0, 0, 0]), Fraction(1, 2**40), Fraction(10))
 
 
@@ -1198,6 +1198,15 @@ def radius_cases() -> Iterator[Case]:
                 "both": [1, -60],
             }
             yield Case(f"radius of {sizes}: {answer}", outcome_of(scaled), answer)
+    # Weights that are no integers, and a delta finer than the units of all sums.
+    for w, delta in ((Fraction(1, 4), Fraction(1, 2**40)), (Fraction(1), Fraction(1, 2**200))):
+        short = stated(axes(weights=[float(w)] * len(AXES)), w * delta, w * (10 + delta))
+        most = 10 * (root(Fraction(3, 4)) - root(4 * delta / 10)) / lever
+        for factor, answer in ((less**3, "VERIFIED"), (more, too_large)):
+            radius = moved(separation=20 * (1 - NEAR / 16) * w, target=factor * most)["radius"]
+            short["radius"] = {**radius, "both": [1, -60]}
+            name = f"radius of weight {w}, delta {float(delta):.0e}: {answer}"
+            yield Case(name, outcome_of(short), answer)
     loose = stated(axes(), Fraction(10), Fraction(10))
     unsure = {**loose, "radius": moved(**least)["radius"]}
     yield Case("radius without an angle", outcome_of(unsure), refused)

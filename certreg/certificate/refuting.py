@@ -9,11 +9,11 @@ r_i / b_i; Lawson's method finds them: each weight times the residual that it le
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from certreg._loading import cached_property
 from certreg.certificate.consensus import Group
 from certreg.geometry import davenport_matrices, rotation_matrices
 from certreg.native import LawsonColumns, lawson_columns

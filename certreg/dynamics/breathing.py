@@ -19,11 +19,11 @@ import enum
 import math
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from certreg._loading import cached_property
 from certreg.dynamics.body import exponent_of, require_thick
 from certreg.dynamics.breathing_run import BreathingRun
 from certreg.dynamics.integrators import SimulationSettings

@@ -11,12 +11,12 @@ from __future__ import annotations
 import enum
 import math
 from dataclasses import dataclass
-from functools import cached_property
 from itertools import product
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from certreg._loading import cached_property
 from certreg.dynamics.integrators import (
     MIDPOINT_MOST,
     MIDPOINT_SHARE,

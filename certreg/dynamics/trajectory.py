@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import enum
 from dataclasses import dataclass
-from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from certreg._loading import cached_property
 from certreg.dynamics.body import state_at_rest
 from certreg.geometry import quaternion_from_matrix, rotation_matrices, rotation_matrix
 from certreg.native import MATRIX_STATE, Integrator, plain

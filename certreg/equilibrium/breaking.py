@@ -19,10 +19,10 @@ from __future__ import annotations
 
 import enum
 from dataclasses import dataclass
-from functools import cached_property
 from math import isqrt
 from typing import TYPE_CHECKING
 
+from certreg._loading import cached_property
 from certreg.equilibrium.eigenlines import eigenlines, energy_is_at_least
 from certreg.exact import power_of_two
 from certreg.geometry import dot, rotation_matrix, squared_norm

@@ -9,10 +9,10 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import cached_property
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
+from certreg._loading import cached_property
 from certreg.results import Brief
 
 if TYPE_CHECKING:

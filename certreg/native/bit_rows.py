@@ -8,11 +8,11 @@ from __future__ import annotations
 import ctypes
 import sys
 from dataclasses import dataclass
-from functools import cached_property
 from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
+from certreg._loading import cached_property
 from certreg.native.library import library_if_any
 
 if TYPE_CHECKING:

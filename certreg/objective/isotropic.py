@@ -10,10 +10,10 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cached_property
 from operator import mul
 from typing import TYPE_CHECKING, Any, Literal
 
+from certreg._loading import cached_property
 from certreg.exact import (
     Resolution,
     Space,

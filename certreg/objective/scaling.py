@@ -11,10 +11,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cached_property
 from math import isqrt
 from typing import TYPE_CHECKING
 
+from certreg._loading import cached_property
 from certreg.errors import DegenerateProblemError
 from certreg.exact import Dyadic, dyadic_above, dyadic_below, power_of_two
 from certreg.problem import Scale, trace

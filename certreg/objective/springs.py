@@ -8,12 +8,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cached_property
 from itertools import combinations, product
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from certreg._loading import cached_property
 from certreg.exact import nullspace, power_of_two, rational_root_above
 from certreg.geometry import dot, homogeneous, quadratic_form, rotation_matrix, squared_norm
 from certreg.objective import quartics

@@ -7,11 +7,11 @@ generated, can be held against it.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from certreg._loading import cached_property
 from certreg.dynamics import state_at_rest
 from certreg.native import MATRIX_STATE, named
 

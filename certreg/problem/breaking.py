@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from certreg._loading import cached_property
 from certreg.errors import InvalidProblemError
 from certreg.exact import power_of_two
 from certreg.problem.bounds import NAME, checked_bounds

@@ -9,12 +9,12 @@ from __future__ import annotations
 import ctypes
 import math
 from dataclasses import dataclass
-from functools import cached_property
 from itertools import product
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from certreg._loading import cached_property
 from certreg.native import library_if_any
 from certreg.problem.arrays import row_blocks
 from certreg.problem.blocks import SpringBlock

@@ -7,11 +7,11 @@ from __future__ import annotations
 
 import ctypes
 from dataclasses import dataclass
-from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from certreg._loading import cached_property
 from certreg.errors import InvalidProblemError
 from certreg.native import library_if_any
 from certreg.problem.floating_springs import (

@@ -13,11 +13,11 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from certreg._loading import cached_property
 from certreg.errors import InvalidProblemError
 from certreg.exact import power_of_two
 from certreg.native import MEANS, named

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import hashlib
 from dataclasses import dataclass
-from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from certreg._loading import cached_property
 from certreg.errors import InvalidProblemError
 from certreg.problem.bounds import NAME, checked_bounds
 from certreg.problem.model import Scale

@@ -5,11 +5,11 @@ from __future__ import annotations
 import enum
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from certreg._loading import cached_property
 from certreg.registration.robustness import NONE_PROVED, Robustness
 from certreg.registration.row_names import RowNames
 from certreg.results import Absent, Explained, Optimality, Saved, present, presenter

@@ -9,9 +9,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass, fields
 from fractions import Fraction
-from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
+from certreg._loading import cached_property
 from certreg.dynamics import (
     ONLY_MIDPOINT,
     BreathingTrajectory,

@@ -34,12 +34,12 @@ import enum
 import math
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from certreg import problem as problems
+from certreg._loading import cached_property
 from certreg.exact import nearest_or_zero, power_of_two, rank
 from certreg.geometry import squared_norm
 from certreg.problem import trace

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from certreg._loading import cached_property
 from certreg.geometry import is_reflection
 from certreg.problem import PosedPairs
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from certreg._loading import cached_property
 from certreg.certificate import RotationState, SimilarityBody
 from certreg.dynamics import Trajectory
 from certreg.equilibrium import by_eigenspaces

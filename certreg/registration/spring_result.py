@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
+from certreg._loading import cached_property
 from certreg.certificate import sin2_half_angle_between
 from certreg.exact import half_angle_bound
 from certreg.problem import lift
