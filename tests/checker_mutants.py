@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import json
 import sys
+import time
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -17,7 +18,7 @@ from typing import TYPE_CHECKING
 
 from checker_boundaries import Case, quick_cases
 from consensus_boundaries import consensus_cases
-from list_boundaries import early_list_cases, list_cases
+from list_boundaries import early_list_cases, list_cases, remember_forty
 from scaled_boundaries import scaled_cases
 from similarity_boundaries import similarity_cases
 from springs_boundaries import springs_cases
@@ -1538,12 +1539,12 @@ def noticed(text: str, mutant: Mutant, cases: list[Case], early: Sequence[Case] 
     """A question that a mutant of the text answers wrongly; None if it survives.
 
     That case goes to the front of the list: most mutants fail where others did. The early ones
-    are asked before in any case: they cost nothing.
+    are asked before in any case: they cost nothing; the costly ones always last.
     """
     if text.count(mutant.old) != 1:
         raise ValueError(f"{mutant.says}: the text stands {text.count(mutant.old)} times")
     found = failing(text.replace(mutant.old, mutant.new), [*early, *cases])
-    cases.sort(key=lambda case: case.name != found)
+    cases.sort(key=lambda case: (SECONDS.get(case.name, 0.0) > COSTLY, case.name != found))
     return found
 
 
@@ -1553,36 +1554,58 @@ def _compiled(part: str) -> CodeType:
     return compile(part, str(FILE), "exec", annotations.compiler_flag)
 
 
-def failing(text: str, cases: Sequence[Case]) -> str | None:
-    """The first question that the checker with this text answers wrongly."""
+def checker_of(text: str) -> ModuleType:
+    """The checker with this text."""
     checker = ModuleType("mutated_checker")
     sys.modules[checker.__name__] = checker  # where a dataclass looks for its annotations
     try:
-        for part in text.split("\n\n\n"):  # its functions, classes, groups of constants
+        parts = text.split("\n\n\n")  # its functions, classes, groups of constants
+        for part in parts:
             exec(_compiled(part), vars(checker))  # noqa: S102  (the shipped text)
-    except Exception as error:  # noqa: BLE001  (any mutant)
-        return f"not even loaded: {error!r}"
+        deciding = [part for part in parts if part.startswith(("def has_rank(", "def are_forty("))]
+        remember_forty(checker, "".join(deciding))
     finally:
         del sys.modules[checker.__name__]
+    return checker
+
+
+def failing(text: str, cases: Sequence[Case]) -> str | None:
+    """The first question that the checker with this text answers wrongly."""
+    try:
+        checker = checker_of(text)
+    except Exception as error:  # noqa: BLE001  (any mutant)
+        return f"not even loaded: {error!r}"
     return next((case.name for case in cases if not case.passes(checker)), None)
+
+
+SECONDS: dict[str, float] = {}  # of cases that are costly, by name
+COSTLY = 0.01  # seconds
+
+
+def by_cost(text: str, cases: Sequence[Case]) -> list[Case]:
+    """The cases, those first that the checker with this text answers soonest."""
+    checker, spent = checker_of(text), dict[str, float]()
+    for case in cases:
+        start = time.process_time()
+        case.passes(checker)
+        spent[case.name] = time.process_time() - start
+    SECONDS.update({name: seconds for name, seconds in spent.items() if seconds > COSTLY})
+    return sorted(cases, key=lambda case: spent[case.name])
 
 
 def answers(every: int = 1) -> dict[str, str | None]:
     """By which question each mutant, or one in `every`, was noticed; None for survivors."""
     text, found = FILE.read_text(encoding="utf-8"), {}
-    for group, subjects in GROUPS:
-        cases = quick_cases(*subjects)
+    asked = [(group, quick_cases(*subjects)) for group, subjects in GROUPS]
+    asked.append((SPRINGS, springs_cases()))
+    asked.append((SIMILARITY, similarity_cases()))
+    asked.append((TRUNCATED, [*truncated_cases()]))
+    asked.append((CONSENSUS, [*consensus_cases(), *sprung_cases()]))
+    asked.append((SCALED, scaled_cases()))
+    for group, questions in asked:
+        # Of few mutants it would take longer to find the order than it saves.
+        cases = by_cost(text, questions) if every == 1 else list(questions)
         found |= {mutant.says: noticed(text, mutant, cases) for mutant in group[::every]}
-    cases = springs_cases()
-    found |= {mutant.says: noticed(text, mutant, cases) for mutant in SPRINGS[::every]}
-    cases = similarity_cases()
-    found |= {mutant.says: noticed(text, mutant, cases) for mutant in SIMILARITY[::every]}
-    cases = [*truncated_cases()]
-    found |= {mutant.says: noticed(text, mutant, cases) for mutant in TRUNCATED[::every]}
-    cases = [*consensus_cases(), *sprung_cases()]
-    found |= {mutant.says: noticed(text, mutant, cases) for mutant in CONSENSUS[::every]}
-    cases = scaled_cases()
-    found |= {mutant.says: noticed(text, mutant, cases) for mutant in SCALED[::every]}
     early = early_list_cases()
     cases = list_cases()[len(early) :]  # each takes 50 ms
     lists = LISTS[every - 1 :: every**2]  # the first one takes two seconds

@@ -11,7 +11,15 @@ from importlib import import_module
 
 import numpy as np
 import pytest
-from list_boundaries import Listed, good, listed, other, six_planes, with_lines
+from list_boundaries import (
+    Listed,
+    good,
+    listed,
+    other,
+    remember_forty,
+    six_planes,
+    with_lines,
+)
 from springs_forgeries import dumped, mutations, number
 
 from certreg.certificate.springs_list import SpringsListBody
@@ -20,6 +28,13 @@ from certreg.problem import RegistrationProblem
 checker = import_module("certreg.verify")
 SECONDS = 2.0
 NEAR = Fraction(1, 10**17)  # sine of an angle: the true lines are known to 2^-64
+
+
+@pytest.fixture
+def remembering(monkeypatch: pytest.MonkeyPatch):
+    """Of forms that many lists share it is decided once whether they have forty lines."""
+    monkeypatch.setattr(checker, "are_forty", checker.are_forty)
+    remember_forty(checker)
 
 
 def accepted(document) -> bool:
@@ -57,6 +72,7 @@ def sine_squared(p, q) -> Fraction:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("count", [4, pytest.param(1200, marks=pytest.mark.long)])
+@pytest.mark.usefixtures("remembering")
 def test_a_mutated_list_is_refused_unless_it_is_true(count):
     case = listed()
     assert is_true(case.document, case)
@@ -99,6 +115,7 @@ def structural(rng: random.Random, document):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("count", [6, pytest.param(600, marks=pytest.mark.long)])
+@pytest.mark.usefixtures("remembering")
 def test_a_list_with_lines_left_out_doubled_or_moved_is_refused_unless_it_is_true(count):
     rng, passed = random.Random(count), 0
     for k in range(count):
