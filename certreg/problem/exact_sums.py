@@ -24,7 +24,7 @@ from typing import TYPE_CHECKING, ClassVar, Self, TypeVar
 import numpy as np
 
 from certreg.native import MissingLibraryError, loaded_library
-from certreg.problem.arrays import BLOCK_POINTS, row_blocks
+from certreg.problem.arrays import row_blocks
 from certreg.problem.problem import lift
 
 if TYPE_CHECKING:
@@ -176,9 +176,9 @@ def over_blocks(summed: Callable[[slice], S], n: int, threads: int, empty: S) ->
 
     All end when one fails, or at Ctrl-C.
     """
-    if n <= BLOCK_POINTS:
-        return summed(slice(0, n))
     blocks = list(row_blocks(n))
+    if len(blocks) == 1:
+        return summed(blocks[0])
     count, end = min(threads, len(blocks)), threading.Event()
 
     def share(first: int) -> S:
