@@ -30,7 +30,7 @@ NO_INDEX_SETTINGS := env -u UV_DEFAULT_INDEX -u UV_INDEX -u UV_INDEX_URL -u UV_E
 unexport PYTHONDONTWRITEBYTECODE
 
 .DELETE_ON_ERROR:
-.PHONY: help demo docs test test-all test-long test-lowest chromium coq test-browser open-pages test-huge test-oracles golden record proofs fuzz fit-rates acceptance consensus-peers radius spring-minima spring-stability breathing cone-rates list-rates list-certificates slips brackets scale-rates scaled-pairs-rates truncated-rates candidate-rates planted umeyama hard compare-checkers kills generate kernels report-asset check-report-asset lint bench peers lock clean
+.PHONY: help demo docs test test-all test-long test-lowest chromium coq test-browser open-pages test-huge test-oracles golden record rates proofs fuzz fit-rates acceptance consensus-peers radius spring-minima spring-stability breathing cone-rates list-rates list-certificates slips brackets scale-rates scaled-pairs-rates truncated-rates candidate-rates planted umeyama hard compare-checkers kills generate kernels report-asset check-report-asset lint bench peers lock clean
 
 help:  ## this list
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/make \1\t\2/p' Makefile | expand -t 20
@@ -109,6 +109,9 @@ golden: kernels  ## compare what users see now and at a commit: make golden BASE
 
 record: kernels  ## renew tests/golden/records, where what users see is meant to differ: make record, or ONLY=<case> (seconds)
 	@PYTHONPATH=tests $(RUN) tests/golden/net.py $(ONLY)
+
+rates: kernels  ## one large sample: make rates NAME=<module of benchmarks/rates>, ARGS="..." for what it takes
+	@PYTHONPATH=.:tests $(RUN) -m benchmarks.rates.$(NAME) $(ARGS)
 
 fuzz: $(READY)  ## 1.7 million broken files for the readers (five minutes)
 	@$(RUN) tests/fuzz_readers.py

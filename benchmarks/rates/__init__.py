@@ -1,0 +1,1 @@
+"""Large samples that take minutes, one module each: `make rates NAME=<module>`."""
