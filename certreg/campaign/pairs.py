@@ -32,7 +32,7 @@ from certreg.io import (
     read_problem,
     written_atomically,
 )
-from certreg.problem import Scale
+from certreg.problem import Cell, Loss, Scale, require_supported
 from certreg.registration import (
     MISUSED,
     NOT_CERTIFIED,
@@ -399,6 +399,10 @@ def _problem(row: PairRow, folder: Path) -> tuple[RegistrationProblem, Pair]:
     fault = fault or fault_of_bounds(row)
     if fault is not None:
         raise row.place.refusal(fault)
+    scale, only = Scale(fields.get("scale", Scale.NONE)), fields.get("rotation_only") == "yes"
+    springs = not fields.keys().isdisjoint(("springs", *SPRING_FILES))
+    loss = Loss.of(fields.get("objective"), fields.get("max_residual"))
+    require_supported(Cell(springs=springs, scale=scale, rotation_only=only, loss=loss))
     pairs, damping = fields.get("pairs"), fields.get("damping", OPTIMAL)
     problem, pair = read_problem(
         folder / fields["source"],
@@ -414,9 +418,7 @@ def _problem(row: PairRow, folder: Path) -> tuple[RegistrationProblem, Pair]:
             files={kind: folder / fields[kind] for kind in SPRING_FILES if kind in fields},
         ),
     )
-    problem = problem.modelled(
-        fields.get("scale", Scale.NONE), rotation_only=fields.get("rotation_only") == "yes"
-    )
+    problem = problem.modelled(scale, rotation_only=only)
     # Of wrong pairs it is that of the pairs within, which `certify` takes by itself.
     damped = "damping" in fields and damping == OPTIMAL and "max_residual" not in fields
     return optimally_damped(problem) if damped else problem, pair

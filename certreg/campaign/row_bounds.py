@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from certreg.errors import InvalidFileError
 from certreg.io import number, read_bounds
-from certreg.registration import CONSENSUS, TRUNCATED
+from certreg.problem import Loss
 from certreg.verify import shown
 
 if TYPE_CHECKING:
@@ -28,8 +28,9 @@ def fault_of_bounds(row: PairRow) -> str | None:
     beside = [name for name in ("objective", "effort") if name in fields]
     if beside and "max_residual" not in fields:
         return f"{beside[0]} goes with max_residual: give that, too"
-    if fields.get("objective", CONSENSUS) not in {CONSENSUS, TRUNCATED}:
-        return f"objective is '{shown(fields['objective'])}': write {CONSENSUS} or {TRUNCATED}"
+    if fields.get("objective", Loss.CONSENSUS) not in {Loss.CONSENSUS, Loss.TRUNCATED}:
+        known = f"write {Loss.CONSENSUS} or {Loss.TRUNCATED}"
+        return f"objective is '{shown(fields['objective'])}': {known}"
     return None
 
 

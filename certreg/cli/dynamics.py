@@ -11,13 +11,12 @@ from certreg.cli.as_json import json_option
 from certreg.cli.numbers import NUMBER
 from certreg.cli.options import CLOUD, EXIT_CODES, FOLDER, cloud_options
 from certreg.cli.writing import WritingCommand
-from certreg.dynamics import ONLY_MIDPOINT, Record, SimulationSettings
+from certreg.dynamics import Record, SimulationSettings
 from certreg.io import require_vacant, write_atomically, write_together
 from certreg.registration import (
     DONE,
     NOT_CERTIFIED,
     NOT_UNIQUE,
-    ONLY_SPECTRAL,
     SimulatedBreathing,
     certified_count,
     certified_list,
@@ -54,7 +53,6 @@ if TYPE_CHECKING:
     from certreg.problem import RegistrationProblem
     from certreg.registration import Enumeration, SimulatedSprings, SpringEnumeration
 
-SPECTRAL = "spectral"
 LIST_CODES = """
 \b
 Exit codes: 0 all are listed, proved, and one of them alone is optimal
@@ -70,7 +68,7 @@ TRAJECTORY = ".npz"  # the one format of a trajectory
 @cloud_options
 @click.option(
     "--method",
-    type=click.Choice([SPECTRAL, "groebner", "homotopy", "all"]),
+    type=click.Choice(["spectral", "groebner", "homotopy", "all"]),
     help="Eigenspaces; exact elimination; proved continuation; all there are, compared. Default: "
     "spectral, of general springs homotopy.",
 )
@@ -96,8 +94,12 @@ def equilibria(
         require_vacant(poses)
     if problem.factors is not None:
         return _spring_equilibria(problem, method, out=out, poses=poses, as_json=as_json)
-    if problem.scaled:
-        _require_scaled_options(method, out)
+    if problem.scaled and out is not None:
+        message = (
+            f"--out {printable(out)}: with a free scale the number of equilibria has no "
+            "certificate: leave it out"
+        )
+        raise click.UsageError(message)
     enumeration = enumerated(problem, method)
     found = enumeration.equilibria
     if out is not None:
@@ -117,19 +119,6 @@ def equilibria(
     return DONE if found.classification.unique else NOT_UNIQUE
 
 
-def _require_scaled_options(method: str | None, out: Path | None) -> None:
-    """Nothing where a free scale has what is asked for; UsageError if not."""
-    if method not in {None, SPECTRAL}:
-        message = f"--method {method}: {ONLY_SPECTRAL}"
-        raise click.UsageError(message)
-    if out is not None:
-        message = (
-            f"--out {printable(out)}: with a free scale the number of equilibria has no "
-            "certificate: leave it out"
-        )
-        raise click.UsageError(message)
-
-
 def _spring_equilibria(
     problem: RegistrationProblem,
     method: str | None,
@@ -139,9 +128,6 @@ def _spring_equilibria(
     as_json: bool,
 ) -> int:
     """The same of general springs: 4 where the list is in doubt, or which of it is the best."""
-    if method == SPECTRAL:
-        message = "--method spectral: general springs have no eigenspaces; take homotopy, or all"
-        raise click.UsageError(message)
     enumeration = enumerated_springs(problem, method)
     if out is not None:
         _write_list(problem, enumeration, out)
@@ -229,15 +215,6 @@ def simulate(
 ) -> int:
     """Release the damped body at rest and see where it ends. Exit code 0 converged, 4 not."""
     del pair
-    if integrator == "euler" and problem.factors is not None:
-        message = (
-            "--integrator euler: for one weight per pair alone: on general springs take midpoint, "
-            "whose energy never rises, or splitting"
-        )
-        raise click.UsageError(message)
-    if integrator not in {None, "midpoint"} and problem.scaled:
-        message = f"--integrator {integrator}: {ONLY_MIDPOINT}"
-        raise click.UsageError(message)
     if step is not None and not 0.0 < step < float("inf"):
         message = f"--step is {step}: give a finite number above 0"
         raise click.UsageError(message)

@@ -22,14 +22,13 @@ from certreg.io import (
     write_atomically,
     write_cloud,
 )
-from certreg.problem import ConsensusProblem, TruncatedProblem
+from certreg.problem import ConsensusProblem, Loss, TruncatedProblem
 from certreg.registration import (
     DONE,
     GOOD,
     NO_ROTATION,
     NOT_CERTIFIED,
     REFUSED,
-    TRUNCATED,
     certify,
     judged,
     judged_labels,
@@ -154,7 +153,7 @@ def _told_of_labels(
     bounds = wrong.bounds(pair)
     labels = read_inliers(file, pair)
     kept: KeptPairs | TruncatedLabels
-    if wrong.objective == TRUNCATED:
+    if wrong.objective == Loss.TRUNCATED:
         turned = TruncatedProblem(problem, bounds)
         kept = judged_truncated_labels(turned, labels, effort=wrong.effort, about=pair.about)
     else:

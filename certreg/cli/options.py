@@ -17,6 +17,7 @@ import click
 
 # Of these wings names are asked where they are needed: they load NumPy, `certreg verify` does not.
 from certreg import certificate, io, registration
+from certreg import problem as problems
 from certreg.cli.numbers import FROM_ZERO, NUMBER
 from certreg.cli.wrong_pairs import certified_bounds
 from certreg.errors import SlowSimulationWarning
@@ -46,7 +47,7 @@ SIGMA_OR_WEIGHTS = "--sigma and --weights exclude each other: give one"
 PATIENCE = 1.0  # seconds before a long run says that it is at work
 SPRING_FILES = ("normals", "directions", "covariances", "information", "factors")
 CERTIFICATE = "certificate.json"  # as `certify --out` calls it
-RIGID = {"scale": "none", "rotation_only": False}
+RIGID = {"scale": "none", "rotation_only": False}  # where nothing is typed
 CLOUD = click.Path(dir_okay=False, path_type=Path)
 FOLDER = click.Path(file_okay=False, path_type=Path)
 
@@ -154,7 +155,7 @@ def model_options(command: Callable[..., Any]) -> Callable[..., Any]:
     @click.option("--rotation-only", is_flag=True, help="No translation: rows are directions.")
     @functools.wraps(command)
     def wrapped(*args: Any, scale: str, rotation_only: bool, **options: Any) -> Any:
-        model = {"scale": scale, "rotation_only": rotation_only}
+        model = {"scale": problems.Scale(scale), "rotation_only": rotation_only}
         return command(*args, model=model, **options)
 
     return wrapped
@@ -389,6 +390,8 @@ def cloud_options(command: Callable[..., Any]) -> Callable[..., Any]:
     ) -> Any:
         if sigma is not None and weights is not None:
             raise click.UsageError(SIGMA_OR_WEIGHTS)
+        loss = problems.Loss.of(options.get("objective"), options.get("max_residual"))
+        problems.require_supported(problems.Cell(springs=springs is not None, loss=loss, **model))
         stated, pair = io.read_problem(
             source,
             target,

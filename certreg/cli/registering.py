@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, cast
 
 import click
 
-from certreg import __version__, dynamics, report
+from certreg import __version__, report
 from certreg.cli.as_json import json_option
 from certreg.cli.options import (
     EXIT_CODES,
@@ -98,9 +98,6 @@ def certify(
     """Register SOURCE to TARGET and certify the result."""
     if no_relaxation and solver is not None:
         message = "--solver goes with the relaxation, which --no-relaxation leaves out"
-        raise click.UsageError(message)
-    if integrator not in {None, "midpoint"} and problem.scaled:
-        message = f"--integrator {integrator}: {dynamics.ONLY_MIDPOINT}"
         raise click.UsageError(message)
     about = {"certreg": __version__, **pair.about}
     asked: dict[str, Any] = {} if wrong is None else wrong.asked(pair)

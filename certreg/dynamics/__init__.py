@@ -19,7 +19,6 @@ if TYPE_CHECKING:
     from certreg.dynamics.breaking import BreakingStage as BreakingStage
     from certreg.dynamics.breaking import BreakingStatus as BreakingStatus
     from certreg.dynamics.breaking import run_breaking as run_breaking
-    from certreg.dynamics.breathing import ONLY_MIDPOINT as ONLY_MIDPOINT
     from certreg.dynamics.breathing import BreathingBody as BreathingBody
     from certreg.dynamics.breathing import BreathingStatus as BreathingStatus
     from certreg.dynamics.breathing import BreathingTrajectory as BreathingTrajectory
@@ -68,7 +67,6 @@ __getattr__ = lazy_face(
             "BreathingBody",
             "BreathingStatus",
             "BreathingTrajectory",
-            "ONLY_MIDPOINT",
             "breathing_body",
             "never_collapses",
             "simulate_breathing",

@@ -54,10 +54,6 @@ if TYPE_CHECKING:
 
 MOST_BITS_APART = 256  # sizes, scale 1 in units: 3 of its powers, 2^768, and 2^53 are doubles
 UPPER = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
-ONLY_MIDPOINT = (
-    "a body with a free scale is simulated by the midpoint rule alone, whose energy never rises: "
-    "leave out --integrator, or take 'midpoint'"
-)
 
 
 class BreathingStatus(enum.Enum):

@@ -39,6 +39,7 @@ from certreg.native import (
     named,
     plain,
 )
+from certreg.problem import Cell, Verb, require_supported
 from certreg.results import Brief
 
 if TYPE_CHECKING:
@@ -61,12 +62,6 @@ CUBE = np.array(
             for s in (1.0, -1.0)
         ),
     ]
-)
-
-
-NO_EULER = (
-    "integrator is 'euler': for one weight per pair alone; on general springs take 'midpoint', "
-    "whose energy never rises, or 'splitting'"
 )
 
 
@@ -210,10 +205,9 @@ def spring_steps(
 ) -> Records:
     """The steps (count,), records `integrator.step`: its own, or the user's where stable.
 
-    Raises ValueError for explicit Euler, which is not there for general springs.
+    Raises InvalidProblemError for explicit Euler, which is not there for general springs.
     """
-    if integrator is Integrator.EULER:
-        raise ValueError(NO_EULER)
+    require_supported(Cell(springs=True), Verb(integrator.value))
     fastest = np.array([stiffest(body, state) for body, state in zip(bodies, starts, strict=True)])
     period = np.sqrt(TRANSLATION_STIFFNESS / fastest)  # 1 on isotropic springs without noise
     steps = np.empty(len(bodies), dtype=integrator.step)

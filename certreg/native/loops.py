@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Never, Protocol
 
 import numpy as np
 
+from certreg.errors import InvalidProblemError
 from certreg.native.layout import (
     BASIN,
     BODY,
@@ -52,7 +53,8 @@ class Integrator(enum.Enum):
     @classmethod
     def _missing_(cls, value: object) -> Never:
         known = ", ".join(repr(one.value) for one in cls)
-        raise ValueError(f"integrator is {value!r}: this version knows {known}")
+        message = f"integrator is {value!r}: give {known}"
+        raise InvalidProblemError(message, array="integrator", value=value)
 
     @property
     def state(self) -> RecordType:

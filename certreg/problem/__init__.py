@@ -43,9 +43,13 @@ if TYPE_CHECKING:
     from certreg.problem.many_springs import ManySprings as ManySprings
     from certreg.problem.many_springs import many_spring_moments as many_spring_moments
     from certreg.problem.many_springs import stated_many as stated_many
+    from certreg.problem.model import DEFAULT_DAMPING as DEFAULT_DAMPING
     from certreg.problem.model import DIGEST_PREFIX as DIGEST_PREFIX
+    from certreg.problem.model import MAX_DAMPING as MAX_DAMPING
+    from certreg.problem.model import MIN_DAMPING as MIN_DAMPING
     from certreg.problem.model import PREFIXES as PREFIXES
     from certreg.problem.model import Scale as Scale
+    from certreg.problem.model import checked_damping as checked_damping
     from certreg.problem.model import checked_rotation_only as checked_rotation_only
     from certreg.problem.model import checked_scale as checked_scale
     from certreg.problem.model import options_of as options_of
@@ -61,11 +65,7 @@ if TYPE_CHECKING:
     from certreg.problem.posing import FloatingPose as FloatingPose
     from certreg.problem.posing import PosedPairs as PosedPairs
     from certreg.problem.posing import floating_pose as floating_pose
-    from certreg.problem.problem import DEFAULT_DAMPING as DEFAULT_DAMPING
-    from certreg.problem.problem import MAX_DAMPING as MAX_DAMPING
-    from certreg.problem.problem import MIN_DAMPING as MIN_DAMPING
     from certreg.problem.problem import RegistrationProblem as RegistrationProblem
-    from certreg.problem.problem import checked_damping as checked_damping
     from certreg.problem.problem import lift as lift
     from certreg.problem.random_instances import PAPER_DAMPING as PAPER_DAMPING
     from certreg.problem.random_instances import PAPER_POINTS as PAPER_POINTS
@@ -92,6 +92,11 @@ if TYPE_CHECKING:
     from certreg.problem.springs import SPRINGS_PREFIX as SPRINGS_PREFIX
     from certreg.problem.springs import GivenSprings as GivenSprings
     from certreg.problem.springs import SpringSummary as SpringSummary
+    from certreg.problem.support import Cell as Cell
+    from certreg.problem.support import Loss as Loss
+    from certreg.problem.support import Verb as Verb
+    from certreg.problem.support import refusal as refusal
+    from certreg.problem.support import require_supported as require_supported
     from certreg.problem.truncated import TruncatedProblem as TruncatedProblem
 
 __getattr__ = lazy_face(
@@ -148,6 +153,10 @@ __getattr__ = lazy_face(
             "stated_many",
         ),
         "model": (
+            "DEFAULT_DAMPING",
+            "MAX_DAMPING",
+            "MIN_DAMPING",
+            "checked_damping",
             "DIGEST_PREFIX",
             "PREFIXES",
             "Scale",
@@ -174,11 +183,7 @@ __getattr__ = lazy_face(
             "floating_pose",
         ),
         "problem": (
-            "DEFAULT_DAMPING",
-            "MAX_DAMPING",
-            "MIN_DAMPING",
             "RegistrationProblem",
-            "checked_damping",
             "lift",
         ),
         "random_instances": (
@@ -212,6 +217,13 @@ __getattr__ = lazy_face(
             "SPRINGS_PREFIX",
             "GivenSprings",
             "SpringSummary",
+        ),
+        "support": (
+            "Cell",
+            "Loss",
+            "Verb",
+            "refusal",
+            "require_supported",
         ),
         "truncated": ("TruncatedProblem",),
     },

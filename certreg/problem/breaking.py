@@ -10,8 +10,9 @@ import numpy as np
 from certreg._loading import cached_property
 from certreg.errors import InvalidProblemError
 from certreg.exact import power_of_two
-from certreg.problem.bounds import NAME, checked_bounds
+from certreg.problem.bounds import checked_bounds
 from certreg.problem.problem import RegistrationProblem, lift
+from certreg.problem.support import Verb, require_supported
 from certreg.results import Brief
 
 if TYPE_CHECKING:
@@ -42,12 +43,7 @@ class BreakingProblem(Brief):
         Raises InvalidProblemError for bounds that are not finite and > 0, for a weight of 0, for
         general springs, a free scale, and without a translation.
         """
-        if problem.factors is not None:
-            message = "springs that break have one weight each: leave normals and matrices out"
-            raise InvalidProblemError(message, array=NAME)
-        if problem.model_options:
-            message = f"springs that break move a rigid body: leave {problem.model_options} out"
-            raise InvalidProblemError(message, array=NAME)
+        require_supported(problem.cell, Verb.BREAKING)
         row = next((i for i, w in enumerate(problem.weights.tolist()) if w == 0.0), None)
         if row is not None:
             message = f"weights[{row}] is 0: such a spring neither pulls nor breaks, leave it out"

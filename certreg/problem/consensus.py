@@ -13,6 +13,7 @@ from certreg.problem.bounds import NAME, checked_bounds
 from certreg.problem.model import Scale
 from certreg.problem.problem import RegistrationProblem
 from certreg.problem.row_lengths import diameter
+from certreg.problem.support import Loss, require_supported
 from certreg.results import Brief
 
 if TYPE_CHECKING:
@@ -60,12 +61,7 @@ class ConsensusProblem(Brief):
         Raises InvalidProblemError for bounds that are not finite and > 0, or so wide that they say
         nothing; for fewer than 3 or more than 4,096 pairs; and without a translation.
         """
-        if problem.rotation_only:
-            message = (
-                f"{NAME} with --rotation-only: the most pairs are sought of motions with a "
-                "translation; add --objective truncated (objective='truncated'), or leave one out"
-            )
-            raise InvalidProblemError(message, array=NAME)
+        require_supported(problem.cell._replace(loss=Loss.CONSENSUS))
         if not LEAST_PAIRS <= problem.n <= MOST_PAIRS:
             message = (
                 f"{NAME} needs {LEAST_PAIRS} to {MOST_PAIRS} pairs, there are {problem.n}: "

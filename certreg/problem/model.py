@@ -1,13 +1,16 @@
-"""What a pose may do beside turning: shift or not, and scale or not, with its two objectives."""
+"""The motion: shift or not, scale or not, with its two objectives; and how it is damped."""
 
 from __future__ import annotations
 
+import math
 from enum import StrEnum
 from typing import Any
 
 from certreg.errors import InvalidProblemError
 
 DIGEST_PREFIX = b"certreg-problem/1\0"
+DEFAULT_DAMPING = math.sqrt(8.0)  # critical damping of every mode of noise-free data: 2 sqrt(2)
+MIN_DAMPING, MAX_DAMPING = 1e-150, 1e150  # their squares, in the spectrum, are doubles
 
 
 class Scale(StrEnum):
@@ -36,25 +39,19 @@ PREFIXES = {  # by scale and rotation_only: no digest stands for two problems
 }
 
 
-def checked_scale(scale: Any, *, springs: bool) -> Scale:
-    """A scale by its name; raises InvalidProblemError for others, and beside general springs."""
+def checked_scale(scale: Any) -> Scale:
+    """A scale by its name; raises InvalidProblemError for others."""
     try:
-        found = Scale(scale)
+        return Scale(scale)
     except ValueError as error:
         message = f"scale is {scale!r}: give {', '.join(map(repr, map(str, Scale)))}"
         raise InvalidProblemError(message, array="scale", value=scale) from error
-    if springs and found is not Scale.NONE:
-        raise InvalidProblemError(_WEIGHTS_ONLY.format("scale"), array="scale", value=scale)
-    return found
 
 
-def checked_rotation_only(rotation_only: Any, *, springs: bool) -> bool:
-    """True or False; raises InvalidProblemError for others, and for True beside general springs."""
+def checked_rotation_only(rotation_only: Any) -> bool:
+    """True or False; raises InvalidProblemError for others."""
     if not isinstance(rotation_only, bool):
         message = f"rotation_only is {rotation_only!r}: give True or False"
-        raise InvalidProblemError(message, array="rotation_only", value=rotation_only)
-    if springs and rotation_only:
-        message = _WEIGHTS_ONLY.format("rotation_only")
         raise InvalidProblemError(message, array="rotation_only", value=rotation_only)
     return rotation_only
 
@@ -65,4 +62,14 @@ def options_of(scale: Scale, *, rotation_only: bool) -> str:
     return " ".join(words + ["--rotation-only"] * rotation_only)
 
 
-_WEIGHTS_ONLY = "{} goes with one weight for each pair, not yet with general springs: leave one out"
+def checked_damping(damping: Any) -> float:
+    """A damping mu > 0 as a double; raises InvalidProblemError for anything else."""
+    try:
+        value = float(damping)
+    except (TypeError, ValueError, OverflowError):
+        value = math.nan
+    if isinstance(damping, str) or not MIN_DAMPING <= value <= MAX_DAMPING:
+        message = f"damping is {damping!r}: it must be a positive finite number, 1e-150 to 1e150"
+        limit = (MIN_DAMPING, MAX_DAMPING)
+        raise InvalidProblemError(message, array="damping", value=damping, limit=limit)
+    return value

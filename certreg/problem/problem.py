@@ -7,7 +7,6 @@ problem stated in doubles is an exact rational problem.
 from __future__ import annotations
 
 import hashlib
-import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -17,8 +16,10 @@ from certreg.errors import InvalidProblemError
 from certreg.problem.arrays import cloud_array, finite_doubles, mapped_file, row_blocks
 from certreg.problem.blocks import CHANGED, Block, SpringBlock, contiguous
 from certreg.problem.model import (
+    DEFAULT_DAMPING,
     PREFIXES,
     Scale,
+    checked_damping,
     checked_rotation_only,
     checked_scale,
     options_of,
@@ -26,6 +27,7 @@ from certreg.problem.model import (
 from certreg.problem.row_labels import require_same_labels
 from certreg.problem.spring_rows import warn_of_unused
 from certreg.problem.springs import SPRINGS_PREFIX, GivenSprings
+from certreg.problem.support import Cell, require_supported
 from certreg.problem.weighing import masses, weighed_springs
 from certreg.results import Brief
 
@@ -40,10 +42,9 @@ NO_WEIGHTS = (
     "this problem has general springs, a matrix for every pair and not a weight: what was asked is "
     "for weights only"
 )
+NO_SPRINGS = "this problem has one weight for each pair, not general springs"
 MANTISSA_BITS = 53
 FEW = 32  # numbers that are lifted faster one by one than by twenty calls of NumPy
-DEFAULT_DAMPING = math.sqrt(8.0)  # critical damping of every mode of noise-free data: 2 sqrt(2)
-MIN_DAMPING, MAX_DAMPING = 1e-150, 1e150  # their squares, in the spectrum, are doubles
 
 
 @dataclass(frozen=True, slots=True, eq=False, init=False)
@@ -174,10 +175,9 @@ class RegistrationProblem(Brief):
         return f"<RegistrationProblem: n={self.n}{springs}{scale}{only}{noise}>"
 
     def _set_model(self, scale: Any, *, rotation_only: Any) -> None:
-        springs = self.factors is not None
-        object.__setattr__(self, "scale", checked_scale(scale, springs=springs))
-        only = checked_rotation_only(rotation_only, springs=springs)
-        object.__setattr__(self, "rotation_only", only)
+        object.__setattr__(self, "scale", checked_scale(scale))
+        object.__setattr__(self, "rotation_only", checked_rotation_only(rotation_only))
+        require_supported(self.cell)
 
     def modelled(self, scale: str | Scale, *, rotation_only: bool) -> RegistrationProblem:
         """The same problem, of a motion that may do more, or less.
@@ -195,7 +195,7 @@ class RegistrationProblem(Brief):
         Raises
         ------
         InvalidProblemError
-            For other names, and for any but the default beside general springs.
+            For other names, and for what is not supported.
         """
         other = self._copied()
         other._set_model(scale, rotation_only=rotation_only)  # noqa: SLF001 - of a copy
@@ -208,6 +208,13 @@ class RegistrationProblem(Brief):
         for name in self.__slots__:
             object.__setattr__(other, name, getattr(self, name))
         return other
+
+    @property
+    def cell(self) -> Cell:
+        """What was declared, for the table of what is supported."""
+        return Cell(
+            springs=self.factors is not None, scale=self.scale, rotation_only=self.rotation_only
+        )
 
     @property
     def scaled(self) -> bool:
@@ -347,8 +354,7 @@ class RegistrationProblem(Brief):
             For a problem with weights; where a file holds no proper points any more.
         """
         if self.factors is None:
-            message = "this problem has one weight for each pair, not general springs"
-            raise InvalidProblemError(message, array="factors")
+            raise InvalidProblemError(NO_SPRINGS, array="factors")
         return SpringBlock(
             source=contiguous(self.source, rows, "source"),
             target=contiguous(self.target, rows, "target"),
@@ -429,19 +435,6 @@ def _lifted(values: list[float]) -> Lifted:
         return Lifted(integers=integers, exponent=0)
     spare = (bits & -bits).bit_length() - 1
     return Lifted(integers=[k >> spare for k in integers], exponent=spare + 1 - over.bit_length())
-
-
-def checked_damping(damping: Any) -> float:
-    """A damping mu > 0 as a double; raises InvalidProblemError for anything else."""
-    try:
-        value = float(damping)
-    except (TypeError, ValueError, OverflowError):
-        value = math.nan
-    if isinstance(damping, str) or not MIN_DAMPING <= value <= MAX_DAMPING:
-        message = f"damping is {damping!r}: it must be a positive finite number, 1e-150 to 1e150"
-        limit = (MIN_DAMPING, MAX_DAMPING)
-        raise InvalidProblemError(message, array="damping", value=damping, limit=limit)
-    return value
 
 
 def _read_only(array: NDArray[np.float64]) -> NDArray[np.float64]:

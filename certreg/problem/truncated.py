@@ -11,8 +11,8 @@ import numpy as np
 from certreg._loading import cached_property
 from certreg.errors import InvalidProblemError
 from certreg.problem.bounds import NAME, checked_bounds
-from certreg.problem.model import Scale
 from certreg.problem.row_lengths import lengths
+from certreg.problem.support import Loss, require_supported
 from certreg.results import Brief
 
 if TYPE_CHECKING:
@@ -108,15 +108,7 @@ def _require_narrow(points: RegistrationProblem, bounds: NDArray[np.float64]) ->
 
 def _require_model(points: RegistrationProblem) -> None:
     """InvalidProblemError where this is no problem of rotations alone, with weights of 1."""
-    if not points.rotation_only:
-        message = (
-            "truncated squares go without a translation for now: give --rotation-only "
-            "(rotation_only=True)"
-        )
-        raise InvalidProblemError(message, array="rotation_only", value=False)
-    if points.scale is not Scale.NONE:
-        message = f"scale is {points.scale.value!r}: truncated squares go without a free scale"
-        raise InvalidProblemError(message, array="scale", value=points.scale.value)
+    require_supported(points.cell._replace(loss=Loss.TRUNCATED))
     if not LEAST_PAIRS <= points.n <= MOST_PAIRS:
         message = f"{points.n} pairs: truncated squares take {LEAST_PAIRS} to {MOST_PAIRS} pairs"
         raise InvalidProblemError(message, array="source", value=points.n)

@@ -45,7 +45,6 @@ if TYPE_CHECKING:
     from certreg.registration.covariance import parameters_of as parameters_of
     from certreg.registration.covariance import residual_distances as residual_distances
     from certreg.registration.covariance import worst_residuals as worst_residuals
-    from certreg.registration.enumeration import ONLY_SPECTRAL as ONLY_SPECTRAL
     from certreg.registration.enumeration import Enumeration as Enumeration
     from certreg.registration.enumeration import ListedEquilibria as ListedEquilibria
     from certreg.registration.enumeration import certified_count as certified_count
@@ -150,8 +149,6 @@ if TYPE_CHECKING:
     from certreg.registration.spring_simulation import at_end_words as at_end_words
     from certreg.registration.spring_simulation import moving_words as moving_words
     from certreg.registration.spring_simulation import simulated_springs as simulated_springs
-    from certreg.registration.stating import CONSENSUS as CONSENSUS
-    from certreg.registration.stating import TRUNCATED as TRUNCATED
     from certreg.registration.truncated import TruncatedRegistration as TruncatedRegistration
     from certreg.registration.truncated import restated_truncated as restated_truncated
     from certreg.registration.truncated_labels import TruncatedLabels as TruncatedLabels
@@ -219,7 +216,6 @@ __getattr__ = lazy_face(
             "worst_residuals",
         ),
         "enumeration": (
-            "ONLY_SPECTRAL",
             "Enumeration",
             "ListedEquilibria",
             "certified_count",
@@ -334,7 +330,6 @@ __getattr__ = lazy_face(
             "SpringSolution",
         ),
         "spring_rows": ("SpringAxes",),
-        "stating": ("CONSENSUS", "TRUNCATED"),
         "truncated": ("TruncatedRegistration", "restated_truncated"),
         "truncated_labels": ("TruncatedLabels", "judged_truncated_labels"),
         "weak_shifts": ("weak_shift_words",),

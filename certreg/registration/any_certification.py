@@ -11,13 +11,13 @@ from certreg.native import Integrator
 from certreg.registration.certification import CROSS_CHECK, PARTS, certified
 from certreg.registration.parts import counted
 from certreg.registration.robustness import ROBUSTNESS_ANGLE, checked_angle
-from certreg.registration.stating import TRUNCATED, checked_objective, stated_problem_of
+from certreg.registration.stating import stated_problem_of
 from certreg.results import MAX_ANGLE, MAX_GAP, Limits
 
 if TYPE_CHECKING:
     from typing import Unpack
 
-    from certreg.problem import RegistrationProblem
+    from certreg.problem import Loss, RegistrationProblem
     from certreg.registration import (
         consensus,
         fit_of_pairs,
@@ -113,9 +113,9 @@ def certify(  # noqa: PLR0913 - each is one question, and has its usual answer
     OutOfRangeError
         Where no double can hold the pose.
     """
-    stated, named = stated_problem_of(problem, target, statement)
+    loss = problems.Loss.of(objective, max_residual)
+    stated, named = stated_problem_of(problem, target, statement, loss)
     limits = Limits(max_gap=max_gap, max_angle=max_angle)
-    checked_objective(objective, max_residual)
     if max_residual is not None:
         asked: _Asked = {
             "effort": effort,
@@ -128,7 +128,7 @@ def certify(  # noqa: PLR0913 - each is one question, and has its usual answer
             ),
             "about": {**named, **(about or {})},
         }
-        chosen = _with_wrong_pairs(stated, max_residual, objective, asked, progress)
+        chosen = _with_wrong_pairs(stated, max_residual, loss, asked, progress)
         return cast("Registration", chosen)
     if stated.factors is not None:
         found = spring_certification.certified_springs(
@@ -161,11 +161,11 @@ class _Asked(TypedDict):
 def _with_wrong_pairs(
     stated: RegistrationProblem,
     max_residual: Any,
-    objective: str | None,
+    loss: Loss,
     asked: _Asked,
     progress: Progress | None,
 ) -> ConsensusRegistration | TruncatedRegistration:
-    if objective == TRUNCATED:
+    if loss is problems.Loss.TRUNCATED:
         problem = problems.TruncatedProblem(stated, max_residual)
         done = counted(progress, truncated.TRUNCATED_PARTS)
         return truncated.certified_truncated(problem, done=done, **asked)

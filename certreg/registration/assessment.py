@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Unpack, cast
 from certreg.errors import InvalidProblemError
 from certreg.exact import double_above, nearest_double, nearest_root
 from certreg.geometry import given_pose, why_no_rotation
-from certreg.problem import ConsensusProblem, RegistrationProblem, TruncatedProblem
+from certreg.problem import ConsensusProblem, Loss, RegistrationProblem, TruncatedProblem
 from certreg.registration.any_certification import certify
 from certreg.registration.any_registration import AnyRegistration
 from certreg.registration.assessed import Assessment
@@ -29,9 +29,7 @@ from certreg.registration.slips import slip_of
 from certreg.registration.spring_assessment import judged_on_springs
 from certreg.registration.spring_result import SpringRegistration
 from certreg.registration.stating import (
-    TRUNCATED,
     ProblemOptions,
-    checked_objective,
     stated_in_clouds,
     stated_problem_of,
 )
@@ -173,10 +171,10 @@ def _judged_pairs(
         message = "labels and max_residual go together, without a pose: "
         remedy = f"give {missing[0]}" if missing else "leave the pose out"
         raise InvalidProblemError(message + remedy, array=missing[0] if missing else "pose")
-    objective = checked_objective(sought["objective"], given["max_residual"])
-    stated, about = stated_problem_of(problem, target, statement)
+    loss = Loss.of(sought["objective"], given["max_residual"])
+    stated, about = stated_problem_of(problem, target, statement, loss)
     asked: dict[str, Any] = {"effort": sought["effort"], "about": about}
-    if objective == TRUNCATED:
+    if loss is Loss.TRUNCATED:
         turned = TruncatedProblem(stated, given["max_residual"])
         return judged_truncated_labels(turned, given["labels"], **asked)
     bounded = ConsensusProblem.of(stated, given["max_residual"])

@@ -13,16 +13,14 @@ from typing import TYPE_CHECKING, Any
 
 from certreg._loading import cached_property
 from certreg.dynamics import (
-    ONLY_MIDPOINT,
     BreathingTrajectory,
     never_collapses,
     simulate_breathing,
 )
 from certreg.equilibrium import breathing_equilibria
-from certreg.errors import InvalidProblemError
 from certreg.exact import nearest_double, power_of_two
 from certreg.native import Integrator
-from certreg.problem import Scale, lift
+from certreg.problem import Verb, lift, require_supported
 from certreg.results import OUT_OF_RANGE, Absent, Explained, Presented
 
 if TYPE_CHECKING:
@@ -33,10 +31,6 @@ if TYPE_CHECKING:
     from certreg.objective import Isotropic
     from certreg.problem import RegistrationProblem
 
-NO_SYMMETRIC_MOTION = Absent(
-    "the symmetric scale minimises the energy over the scale, which no springs have: simulate with "
-    "the asymmetric one"
-)
 CONTINUUM = Absent("the equilibria form a continuum: there are infinitely many")
 
 
@@ -171,14 +165,11 @@ def simulated_breathing(
 ) -> SimulatedBreathing:
     """The motion of a body whose scale is free, released at rest where it was given at scale 1.
 
-    Raises ValueError for other integrators than midpoint, InvalidProblemError for the symmetric
-    scale, DegenerateProblemError where the dynamics is not defined.
+    Raises InvalidProblemError for other integrators than midpoint and for the symmetric scale,
+    DegenerateProblemError where the dynamics is not defined.
     """
-    if integrator is not None and Integrator(integrator) is not Integrator.MIDPOINT:
-        raise ValueError(f"integrator {integrator!r}: {ONLY_MIDPOINT}")
-    if problem.scale is Scale.SYMMETRIC:
-        message = f"not simulated: {NO_SYMMETRIC_MOTION.reason}"
-        raise InvalidProblemError(message, array="scale", value=problem.scale.value)
+    chosen = Integrator(integrator or Integrator.MIDPOINT)
+    require_supported(problem.cell, Verb(chosen.value))
     run = simulate_breathing(objective, problem.damping, settings=settings)
     kept: dict[str, Any] = {name: getattr(run, name) for name in _RUN}
     return SimulatedBreathing(**kept, problem=problem, objective=objective)

@@ -29,9 +29,8 @@ from certreg.exact import (
 )
 from certreg.native import Integrator
 from certreg.objective import Isotropic
-from certreg.problem import RegistrationProblem, Scale, lift
+from certreg.problem import RegistrationProblem, Verb, lift, refusal, require_supported
 from certreg.registration.agreement import agreement, require_sound_trajectory
-from certreg.registration.alike import require_alike, require_problem, require_rigid
 from certreg.registration.optimum import exact_pose, optimal_pose
 from certreg.registration.parts import logged
 from certreg.registration.result import (
@@ -42,6 +41,7 @@ from certreg.registration.result import (
     exact_energy_unit,
     final_state,
 )
+from certreg.registration.stating import require_problem
 from certreg.relaxation import relax
 from certreg.results import OUT_OF_RANGE, Absent, Limits
 
@@ -143,10 +143,10 @@ def simulate(
     Raises
     ------
     ValueError
-        For other integrators or steps; for "euler" on general springs; for all but "midpoint" with
-        a free scale.
+        For other steps.
     InvalidProblemError
-        For the symmetric scale, which no springs have; for what is no problem, as two clouds.
+        For other integrators; for "euler" on general springs; for all but "midpoint" with a free
+        scale; for the symmetric scale, which no springs have; for what is no problem.
     DegenerateProblemError
         Where the dynamics is not defined or too stiff.
     """
@@ -291,8 +291,9 @@ def _simulation(
     settings: SimulationSettings,
 ) -> Trajectory | SimulatedBreathing | Absent:
     """The simulated registration, or why there is none."""
-    if problem.scale is Scale.SYMMETRIC:
-        return breathing.NO_SYMMETRIC_MOTION
+    unmoved = refusal(problem.cell, Verb.MIDPOINT)  # the integrator that takes most
+    if unmoved is not None:
+        return Absent(unmoved.sentence)
     try:
         if problem.scaled:
             return breathing.simulated_breathing(problem, objective, integrator, settings=settings)
@@ -313,8 +314,7 @@ def optimally_damped(problem: RegistrationProblem) -> RegistrationProblem:
 
     Raises DegenerateProblemError where the dynamics is not defined or the optimum is not unique.
     """
-    require_alike(problem, "an optimal damping is computed")
-    require_rigid(problem, "an optimal damping is computed")
+    require_supported(problem.cell, Verb.DAMPING)
     return problem.damped(optimal_damping(Isotropic.of(problem)))
 
 

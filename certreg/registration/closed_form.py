@@ -23,6 +23,7 @@ from certreg.geometry import (
     rotation_matrix,
 )
 from certreg.problem import (
+    Cell,
     RegistrationProblem,
     Scale,
     checked_rotation_only,
@@ -35,6 +36,7 @@ from certreg.problem import (
     moments_of_clouds,
     real_numbers,
     require_same_labels,
+    require_supported,
     warn_of_unused,
 )
 
@@ -122,8 +124,8 @@ def register(
     """
     threads = checked_threads(threads)
     on_springs = any(value is not None for value in springs.values())
-    kind = checked_scale(scale, springs=on_springs)
-    about_origin = checked_rotation_only(rotation_only, springs=on_springs)
+    kind, about_origin = checked_scale(scale), checked_rotation_only(rotation_only)
+    require_supported(Cell(springs=on_springs, scale=kind, rotation_only=about_origin))
     if on_springs:
         problem = RegistrationProblem(source, target, weights=weights, **springs)
         return spring_certification.spring_pose(problem)

@@ -10,12 +10,12 @@ from certreg.certificate import check_own, count_certificate, require_accepted
 from certreg.equilibrium import METHODS, EquilibriumSet, compare, search
 from certreg.errors import UndecidedError
 from certreg.objective import Isotropic
-from certreg.registration.alike import require_problem
 from certreg.registration.ambiguity import equilibria_at
 from certreg.registration.covariance import pose_covariance
 from certreg.registration.fit import fit_of
 from certreg.registration.optimum import optimal_pose, pose_at
 from certreg.registration.parts import counted
+from certreg.registration.stating import require_method, require_problem
 from certreg.results import Brief
 
 if TYPE_CHECKING:
@@ -34,7 +34,6 @@ else:  # of a free scale, and of general springs
     spring_enumeration = late("certreg.registration.spring_enumeration")
 
 ALL = "all"  # methods
-ONLY_SPECTRAL = "with a free scale the equilibria are counted by eigenspaces alone: take 'spectral'"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -100,7 +99,6 @@ def equilibria(
     ------
     InvalidProblemError
         For what is no problem, as two clouds: they make one, `RegistrationProblem(source, target)`.
-    ValueError
         For other methods; with a free scale for all but "spectral".
     UndecidedError
         Where the homotopy comes to no list.
@@ -125,14 +123,7 @@ def enumerated(
     """All equilibria, with every search that was made; arguments and errors as `equilibria`."""
     first, *_ = METHODS
     method = method or first
-    if method not in (*METHODS, ALL):
-        message = (
-            f"method is {method!r}: this version knows {', '.join(map(repr, METHODS))} and {ALL!r}"
-        )
-        raise ValueError(message)
-    if problem.scaled and method != first:
-        message = f"method {method!r}: {ONLY_SPECTRAL}"
-        raise ValueError(message)
+    require_method(method, (*METHODS, ALL), problem.cell)
     objective = Isotropic.of(problem)
     names = tuple(METHODS) if method == ALL else (method,)
     done = counted(progress, len(names))

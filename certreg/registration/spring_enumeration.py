@@ -12,6 +12,7 @@ from certreg.objective import Springs
 from certreg.problem import spring_moments
 from certreg.registration.parts import counted
 from certreg.registration.spring_equilibria import SpringEquilibria, spring_equilibria
+from certreg.registration.stating import require_method
 from certreg.results import Brief
 
 if TYPE_CHECKING:
@@ -62,10 +63,7 @@ def enumerated_springs(
     """All equilibria of general springs, every search; arguments and errors as `equilibria`."""
     first, *_ = SPRING_METHODS
     method = method or first
-    if method not in (*SPRING_METHODS, ALL):
-        known = ", ".join(map(repr, SPRING_METHODS))
-        message = f"method is {method!r}: for general springs there are {known} and {ALL!r}"
-        raise ValueError(message)
+    require_method(method, (*SPRING_METHODS, ALL), problem.cell)
     objective = Springs(spring_moments(problem))
     names = tuple(SPRING_METHODS) if method == ALL else (method,)
     done = counted(progress, len(names))

@@ -7,14 +7,25 @@ from typing import TYPE_CHECKING, Any
 
 from certreg.errors import InvalidProblemError
 from certreg.io import stated_problem
-from certreg.problem import RegistrationProblem
+from certreg.problem import (
+    Cell,
+    RegistrationProblem,
+    Scale,
+    Verb,
+    checked_rotation_only,
+    checked_scale,
+    require_supported,
+)
 from certreg.registration.closed_form import SpringArguments
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import ArrayLike
 
+    from certreg.problem import Loss
+
 LOG = logging.getLogger(__name__)
-CONSENSUS, TRUNCATED = "consensus", "truncated"  # objectives, where pairs may be wrong
 
 
 class ProblemOptions(SpringArguments, total=False):
@@ -28,7 +39,7 @@ class ProblemOptions(SpringArguments, total=False):
 
 
 def stated_problem_of(
-    problem: Any, target: Any, statement: ProblemOptions
+    problem: Any, target: Any, statement: ProblemOptions, loss: Loss
 ) -> tuple[RegistrationProblem, dict[str, Any]]:
     """The problem, and what its certificate may say of the clouds that it was made of."""
     if isinstance(problem, RegistrationProblem):
@@ -43,7 +54,38 @@ def stated_problem_of(
             f"{type(problem).__name__} alone is neither"
         )
         raise InvalidProblemError(message, array="target")
+    require_supported(_declared(statement, loss))
     return stated_in_clouds(problem, target, statement)
+
+
+def require_problem(problem: Any, name: str) -> None:
+    """Nothing for a problem; InvalidProblemError for what else the function of this name gets."""
+    if not isinstance(problem, RegistrationProblem):
+        message = (
+            f"{name} takes a RegistrationProblem, not {type(problem).__name__}: of two clouds "
+            "RegistrationProblem(source, target) makes one"
+        )
+        raise InvalidProblemError(message, array="problem")
+
+
+def require_method(method: Any, known: Sequence[str], cell: Cell) -> None:
+    """Nothing for a method that lists the equilibria of such problems; else InvalidProblemError."""
+    if method in set(Verb):
+        require_supported(cell, Verb(method))
+    if method not in known:
+        message = f"method is {method!r}: give {', '.join(map(repr, known))}"
+        raise InvalidProblemError(message, array="method", value=method)
+
+
+def _declared(statement: ProblemOptions, loss: Loss) -> Cell:
+    """What the options declare, before any cloud is read."""
+    springs = (statement.get(name) for name in SpringArguments.__annotations__)
+    return Cell(
+        springs=any(given is not None for given in springs),
+        scale=checked_scale(statement.get("scale", Scale.NONE)),
+        rotation_only=checked_rotation_only(statement.get("rotation_only", False)),
+        loss=loss,
+    )
 
 
 def stated_in_clouds(
@@ -54,14 +96,3 @@ def stated_in_clouds(
     for note in pair.notes:
         LOG.warning("%s", note)
     return stated, pair.about
-
-
-def checked_objective(objective: Any, max_residual: Any) -> str | None:
-    """Its name, None where none was given; raises InvalidProblemError for others."""
-    if objective not in {None, CONSENSUS, TRUNCATED}:
-        message = f"objective is {objective!r}: give '{CONSENSUS}' or '{TRUNCATED}'"
-        raise InvalidProblemError(message, array="objective", value=objective)
-    if objective is not None and max_residual is None:
-        message = f"objective is {objective!r}: it goes with max_residual, give that, too"
-        raise InvalidProblemError(message, array="max_residual", value=None)
-    return objective

@@ -116,4 +116,4 @@ def test_a_pair_on_general_springs_has_no_free_scale_yet(listed: Path) -> None:
     entry = strict_json(certreg("batch", path, "--scale", "asymmetric").out)
 
     assert entry["exit_code"] == 2
-    assert "not yet with general springs" in entry["error"]["message"]
+    assert "not yet with a free scale" in entry["error"]["message"]

@@ -12,7 +12,7 @@ from commands import certreg, strict_json, write_csv
 from jsonschema import Draft202012Validator
 
 import certreg as package
-from certreg.dynamics.breathing import ONLY_MIDPOINT
+from certreg.errors import InvalidProblemError
 from certreg.problem.problem import RegistrationProblem
 
 if TYPE_CHECKING:
@@ -114,9 +114,15 @@ def test_certify_lists_and_simulates_with_a_free_scale(tmp_path: Path):
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (("simulate", "--scale", "asymmetric", "--integrator", "euler"), ONLY_MIDPOINT),
-        (("certify", "--scale", "asymmetric", "--integrator", "splitting"), ONLY_MIDPOINT),
-        (("simulate", "--scale", "symmetric"), "simulate with the asymmetric one"),
+        (
+            ("simulate", "--scale", "asymmetric", "--integrator", "euler"),
+            "by the midpoint rule alone",
+        ),
+        (
+            ("certify", "--scale", "asymmetric", "--integrator", "splitting"),
+            "by the midpoint rule alone",
+        ),
+        (("simulate", "--scale", "symmetric"), "take the asymmetric one"),
         (("equilibria", "--scale", "symmetric", "--method", "all"), "take 'spectral'"),
         (("equilibria", "--scale", "asymmetric", "--out", "c.json"), "has no certificate"),
     ],
@@ -142,9 +148,9 @@ def test_in_python_the_same_is_returned_and_shown():
     assert moved.to_dict()["scale"]["optimum"] == pytest.approx(11.0 / 6.0)
     for one in (found, moved):
         assert "scale" in one._repr_html_()
-    with pytest.raises(ValueError, match="the midpoint rule alone"):
+    with pytest.raises(InvalidProblemError, match="the midpoint rule alone"):
         package.simulate(problem, "splitting")
-    with pytest.raises(ValueError, match="take 'spectral'"):
+    with pytest.raises(InvalidProblemError, match="take 'spectral'"):
         package.equilibria(problem, "homotopy")
     nothing: Any = package.equilibria(
         RegistrationProblem(SOURCE, np.zeros((6, 3)), scale="asymmetric")

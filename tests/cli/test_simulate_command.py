@@ -15,6 +15,7 @@ import certreg as package
 from certreg import RegistrationProblem
 from certreg.dynamics.integrators import SimulationSettings
 from certreg.dynamics.trajectory import SimulationStatus
+from certreg.errors import InvalidProblemError
 from certreg.io.clouds import read_problem
 from certreg.registration import certification as pipeline
 from certreg.registration import optimally_damped
@@ -255,7 +256,7 @@ def test_the_python_function_takes_what_the_command_takes():
 
     assert isinstance(trajectory, package.Trajectory)
     assert trajectory.step == 0.005
-    with pytest.raises(ValueError, match="integrator is 'heun': this version knows 'euler'"):
+    with pytest.raises(InvalidProblemError, match="integrator is 'heun': give 'euler'"):
         package.simulate(problem, "heun")
     for step in (0.0, -1.0, math.nan, math.inf):
         with pytest.raises(ValueError, match="give a finite number above 0"):

@@ -13,6 +13,7 @@ import spring_families
 from commands import certreg, write_csv
 
 from certreg import RegistrationProblem, equilibria
+from certreg.errors import InvalidProblemError
 
 SCHEMA = json.loads(
     (files("certreg") / "report/schemas/certreg-equilibria-1.json").read_text("utf-8")
@@ -194,5 +195,5 @@ def test_in_python_the_same_text_and_document(answers):
     assert found.to_dict() == document.document
     assert repr(found) == "<SpringEquilibria: 22, 4 stable; enclosed, complete>"
     assert "exactly 22" in found._repr_html_()
-    with pytest.raises(ValueError, match="for general springs there are"):
+    with pytest.raises(InvalidProblemError, match="have no eigenspaces"):
         equilibria(RegistrationProblem(**spring_families.statement(made)), "spectral")

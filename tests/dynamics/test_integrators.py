@@ -494,7 +494,7 @@ def test_threads_change_nothing():
     for name in ("states", "steps", "status", "times", "escapes"):
         assert np.array_equal(getattr(one, name), getattr(two, name))
         assert np.array_equal(getattr(one, name), getattr(named, name))
-    with pytest.raises(ValueError, match="integrator is 'heun': this version knows 'euler'"):
+    with pytest.raises(InvalidProblemError, match="integrator is 'heun': give 'euler'"):
         simulate_many(bodies, "heun")
 
 

@@ -71,7 +71,7 @@ def test_progress_and_threads_change_no_bit():
 
 def test_explicit_euler_is_refused():
     bodies = bodies_on_springs(SOURCES, TARGETS, normals=NORMALS)
-    with pytest.raises(ValueError, match="'euler': for one weight per pair alone"):
+    with pytest.raises(InvalidProblemError, match="'euler' is for one weight per pair alone"):
         simulate_many(bodies, "euler")
 
 

@@ -24,7 +24,7 @@ from certreg.dynamics.simulation import optimal_damping, simulate
 from certreg.dynamics.trajectory import SimulationStatus
 from certreg.equilibrium.presentation import rotation_double, unit_double
 from certreg.equilibrium.spectral import by_eigenspaces
-from certreg.errors import ContradictionError, DegenerateProblemError
+from certreg.errors import ContradictionError, DegenerateProblemError, InvalidProblemError
 from certreg.exact.dyadic import dyadic_below
 from certreg.geometry.so3 import rotation_matrix
 from certreg.native import Integrator
@@ -286,7 +286,7 @@ def test_the_damping_that_certify_takes_lets_weak_springs_arrive():
     given: Any = certify(strong, relaxation=False, simulation="midpoint")
     assert given.problem.damping == 1.0
     assert given.solution.trajectory.integrator is Integrator.MIDPOINT
-    with pytest.raises(ValueError, match="leapfrog"):
+    with pytest.raises(InvalidProblemError, match="leapfrog"):
         certify(problem, relaxation=False, simulation="leapfrog")
 
 

@@ -15,7 +15,7 @@ from certreg.dynamics.integrators import SimulationSettings
 from certreg.dynamics.simulation import simulate
 from certreg.dynamics.spring_body import MovingSprings, moving_springs, without_traces
 from certreg.dynamics.spring_simulation import SpringStatus, simulate_springs, spring_steps
-from certreg.errors import DegenerateProblemError
+from certreg.errors import DegenerateProblemError, InvalidProblemError
 from certreg.geometry.so3 import rotation_matrix
 from certreg.native.layout import QUATERNION_STATE, plain
 from certreg.native.loops import Batch, Ending, Integrator, Rules
@@ -281,7 +281,7 @@ def test_a_collinear_source_is_refused():
 
 
 def test_explicit_euler_is_refused():
-    with pytest.raises(ValueError, match="take 'midpoint'"):
+    with pytest.raises(InvalidProblemError, match="take 'midpoint'"):
         simulate_springs(objective_of(planes()), 1.5, Integrator.EULER)
 
 

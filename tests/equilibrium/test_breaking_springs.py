@@ -381,8 +381,8 @@ def test_a_search_without_an_end_is_given_up(monkeypatch):
     ("options", "bound", "words"),
     [
         ({"weights": [1, 0, 1, 1]}, 1.0, r"weights\[1\] is 0: such a spring neither pulls nor"),
-        ({"normals": STAY}, 1.0, "springs that break have one weight each: leave normals"),
-        ({"scale": "asymmetric"}, 1.0, "move a rigid body: leave --scale asymmetric out"),
+        ({"normals": STAY}, 1.0, "springs that break have one weight each .*: leave out normals"),
+        ({"scale": "asymmetric"}, 1.0, "move a rigid body: leave out --scale"),
         ({}, 0.0, "max_residual is 0.0: a bound must be finite and > 0"),
     ],
 )

@@ -18,7 +18,7 @@ from certreg.equilibrium.homotopy import EigenBalls, HomotopyStatus, continuatio
 from certreg.equilibrium.krawczyk import are_distinct, proved_root
 from certreg.equilibrium.methods import METHODS, compare, search
 from certreg.equilibrium.presentation import unit_double
-from certreg.errors import ContradictionError, UndecidedError
+from certreg.errors import ContradictionError, InvalidProblemError, UndecidedError
 from certreg.exact.balls import exact_matrix
 from certreg.geometry.so3 import davenport_matrix, dot
 from certreg.objective.isotropic import Isotropic
@@ -138,7 +138,7 @@ def test_the_public_function_gives_the_same_set_by_every_method(method):
 
 def test_an_unknown_method_is_refused_with_the_known_ones():
     problem = strategies.random_problem(np.random.default_rng(3))
-    with pytest.raises(ValueError, match="'spectral', 'groebner', 'homotopy' and 'all'"):
+    with pytest.raises(InvalidProblemError, match="'spectral', 'groebner', 'homotopy', 'all'"):
         package.equilibria(problem, method="buchberger")
 
 

@@ -274,7 +274,7 @@ def test_nothing_that_fits_is_undecided():
         ({"bound": 0.0}, "max_residual is 0"),
         (
             {"rotation_only": True},
-            "max_residual with --rotation-only: the most pairs are sought of motions",
+            "inliers are counted for motions with a translation: leave out --rotation-only",
         ),
         ({"effort": 0}, "effort is 0: give a number above 0"),
         ({"effort": "much"}, "effort is 'much': give a number above 0"),

@@ -119,7 +119,7 @@ def test_what_is_not_decided_is_said():
         (
             RIGHT,
             {"rotation_only": True},
-            "max_residual with --rotation-only: the most pairs are sought of motions",
+            "inliers are counted for motions with a translation: leave out --rotation-only",
         ),
     ],
 )

@@ -13,7 +13,7 @@ from exact_springs import two_optima
 
 import certreg
 from certreg import RegistrationProblem
-from certreg.errors import InvalidFileError, OutOfRangeError
+from certreg.errors import InvalidFileError, InvalidProblemError, OutOfRangeError
 from certreg.registration.enumeration import enumerated, equilibrium_poses
 from certreg.registration.spring_enumeration import enumerated_springs
 from certreg.registration.spring_simulation import SimulatedSprings, simulated_springs
@@ -121,9 +121,11 @@ def test_the_rates_of_a_motion_on_general_springs_are_told_to_be_missing():
 
 
 def test_a_method_that_is_none_of_general_springs_is_refused_by_those_there_are():
-    known = ": for general springs there are 'homotopy', 'groebner' and 'all'"
-    with pytest.raises(ValueError, match=f"^method is 'spectral'{known}$"):
+    words = "have no eigenspaces: take 'homotopy' or 'all'$"
+    with pytest.raises(InvalidProblemError, match=words):
         enumerated_springs(problem_of(SIX), "spectral")
+    with pytest.raises(InvalidProblemError, match="method is 'newton': give 'homotopy'"):
+        enumerated_springs(problem_of(SIX), "newton")
 
 
 @pytest.mark.slow

@@ -222,7 +222,7 @@ def test_a_certificate_alone_makes_the_report_and_says_no_more(tmp_path):
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        ({"rotation_only": True}, "max_residual with --rotation-only: the most pairs are sought"),
+        ({"rotation_only": True}, "inliers are counted for motions with a translation"),
         ({"max_residual": 2.0}, "not below half the diameter of the target, "),
         ({"objective": "truncated"}, "truncated"),
     ],

@@ -200,7 +200,7 @@ def test_a_reflection_is_no_rotation_whatever_the_springs_are():
 
 
 def test_what_is_for_one_weight_per_pair_alone_says_so_in_one_line():
-    with pytest.raises(InvalidProblemError, match="not for general springs") as caught:
+    with pytest.raises(InvalidProblemError, match="optimal damping is computed for") as caught:
         optimally_damped(problem_of("plane"))
     assert "\n" not in str(caught.value)
     assert registered("plane").equilibria is None

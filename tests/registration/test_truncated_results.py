@@ -182,7 +182,7 @@ def test_no_pair_within_is_undecided():
             "objective is 'truncated': it goes with max_residual, give that, too",
         ),
         ({"objective": "least"}, "objective is 'least': give 'consensus' or 'truncated'"),
-        ({"rotation_only": False}, "truncated squares go without a translation for now: give --"),
+        ({"rotation_only": False}, "truncated squares go without a translation for now: leave"),
     ],
 )
 def test_what_is_no_such_problem_is_refused_in_one_line(options, words: str):

@@ -1,0 +1,169 @@
+"""The table of what is supported, held against what happens: every cell, every verb."""
+
+from __future__ import annotations
+
+import itertools
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+
+import certreg
+from certreg.errors import InvalidProblemError
+from certreg.problem.support import TABLE, Cell, Loss, Scale, Verb, refusal, supported
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+PAIRS = 12
+RNG = np.random.default_rng(40)
+SOURCE = RNG.normal(size=(PAIRS, 3))
+TURN = np.linalg.qr(RNG.normal(size=(3, 3)))[0]
+TURN = TURN * np.linalg.det(TURN)
+NOISE = 0.01 * RNG.normal(size=(PAIRS, 3))
+AXES = RNG.normal(size=(PAIRS, 3))
+AXES /= np.linalg.norm(AXES, axis=1)[:, None]
+SHAPES = RNG.normal(size=(PAIRS, 3, 3))
+DATA: dict[str, dict[str, Any]] = {
+    "weights": {},
+    "planes": {"normals": AXES},
+    "lines": {"directions": AXES},
+    "covariances": {"covariances": SHAPES @ SHAPES.transpose(0, 2, 1) + np.eye(3)},
+}
+MOTIONS: dict[str, dict[str, Any]] = {
+    "pose": {},
+    "rotation": {"rotation_only": True},
+    "asymmetric": {"scale": "asymmetric"},
+    "symmetric": {"scale": "symmetric"},
+    "asymmetric rotation": {"scale": "asymmetric", "rotation_only": True},
+}
+LOSSES: dict[Loss, dict[str, Any]] = {
+    Loss.SQUARES: {},
+    Loss.CONSENSUS: {"max_residual": 0.3},
+    Loss.TRUNCATED: {"max_residual": 0.3, "objective": "truncated"},
+}
+ACCEPTED = 15  # of 60; a cell that opens, or closes, changes this number knowingly
+CELLS = list(itertools.product(DATA, MOTIONS, LOSSES))
+
+
+def cell_of(data: str, motion: str, loss: Loss) -> Cell:
+    """What the cell declares."""
+    moves = MOTIONS[motion]
+    return Cell(
+        springs=data != "weights",
+        scale=Scale(moves.get("scale", "none")),
+        rotation_only=moves.get("rotation_only", False),
+        loss=loss,
+    )
+
+
+def options_of(cell: Cell, data: str) -> dict[str, Any]:
+    """What a user gives for the cell."""
+    return {
+        **(DATA[data] if cell.springs else {}),
+        "scale": cell.scale,
+        "rotation_only": cell.rotation_only,
+        **LOSSES[cell.loss],
+    }
+
+
+def target_of(cell: Cell) -> Any:
+    """Points that such a motion meets."""
+    shift = 0.0 if cell.rotation_only else np.array([1.0, 2.0, 3.0])
+    return SOURCE @ TURN.T + NOISE + shift
+
+
+def certified(cell: Cell, data: str) -> Any:
+    """The result of `certify` on points of the cell."""
+    return certreg.certify(SOURCE, target_of(cell), **options_of(cell, data))
+
+
+def refused_sentence(call: Callable[[], object]) -> str:
+    """Of the error that the call ends with."""
+    with pytest.raises(InvalidProblemError) as caught:
+        call()
+    return str(caught.value)
+
+
+def test_the_table_accepts_as_many_cells_as_documented() -> None:
+    assert len(CELLS) == 60
+    assert sum(supported(cell_of(*key)) for key in CELLS) == ACCEPTED
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("data", "motion", "loss"), CELLS)
+def test_a_cell_is_certified_and_verified_or_refused_with_remedies_that_work(
+    data: str, motion: str, loss: Loss, tmp_path: Any
+) -> None:
+    cell = cell_of(data, motion, loss)
+    refused = refusal(cell)
+    if refused is None:
+        result = certified(cell, data)
+        assert certreg.verify(result.certificate).proved
+        assert result.to_dict()["pose"]["rotation"] is not None
+        result.report(tmp_path / "report.html")
+        assert (tmp_path / "report.html").stat().st_size > 0
+        return
+    assert refused_sentence(lambda: certified(cell, data)) == refused.sentence
+    assert refused.remedies
+    for remedy in refused.remedies:
+        assert refused.sentence.count(remedy.words) == 1
+        assert certreg.verify(certified(remedy.cell, data).certificate).proved
+
+
+SQUARES = [(data, motion) for data, motion, loss in CELLS if loss is Loss.SQUARES]
+VERBS: dict[Verb, Callable[[certreg.RegistrationProblem], object]] = {
+    **{
+        verb: lambda problem, verb=verb: certreg.equilibria(problem, verb.value)
+        for verb in (Verb.SPECTRAL, Verb.HOMOTOPY)
+    },
+    **{
+        verb: lambda problem, verb=verb: certreg.simulate(problem, verb.value)
+        for verb in (Verb.MIDPOINT, Verb.SPLITTING, Verb.EULER)
+    },
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("data", "motion"), SQUARES)
+def test_every_verb_answers_or_refuses_by_the_table(data: str, motion: str) -> None:
+    cell = cell_of(data, motion, Loss.SQUARES)
+    options = options_of(cell, data)
+    if not supported(cell):
+        sentence = refusal(cell).sentence  # type: ignore[union-attr]
+        target = target_of(cell)
+        assert refused_sentence(lambda: certreg.register(SOURCE, target, **options)) == sentence
+        return
+    target = target_of(cell)
+    certreg.register(SOURCE, target, **options)
+    problem = certreg.RegistrationProblem(SOURCE, target, **options)
+    certreg.assess(problem, TURN, np.zeros(3))
+    for verb, call in VERBS.items():
+        refused = refusal(cell, verb)
+        if refused is None:
+            assert call(problem) is not None
+            continue
+        assert refused_sentence(lambda call=call: call(problem)) == refused.sentence
+        for remedy in refused.remedies:
+            other = certreg.RegistrationProblem(SOURCE, target, **options_of(remedy.cell, data))
+            assert VERBS[remedy.verb](other) is not None
+
+
+@pytest.mark.parametrize("verb", Verb)
+def test_every_refusal_names_a_remedy_that_the_table_supports(verb: Verb) -> None:
+    for data, motion in SQUARES:
+        cell = cell_of(data, motion, Loss.SQUARES)
+        if not supported(cell) or (refused := refusal(cell, verb)) is None:
+            continue
+        assert refused.remedies
+        assert all(supported(one.cell, one.verb) for one in refused.remedies)
+
+
+def test_no_rule_of_the_table_is_without_a_case() -> None:
+    for rule in TABLE:
+        verbs = rule.verbs or {Verb.CERTIFY}
+        assert any(
+            rule.applies(cell_of(*key)) and refusal(cell_of(*key), verb).reason == rule.reason  # type: ignore[union-attr]
+            for key in CELLS
+            for verb in verbs
+        )
