@@ -30,7 +30,7 @@ NO_INDEX_SETTINGS := env -u UV_DEFAULT_INDEX -u UV_INDEX -u UV_INDEX_URL -u UV_E
 unexport PYTHONDONTWRITEBYTECODE
 
 .DELETE_ON_ERROR:
-.PHONY: help demo docs test test-all test-long test-lowest chromium coq test-browser open-pages test-huge test-oracles golden record rates proofs fuzz fit-rates acceptance consensus-peers radius spring-minima spring-stability breathing cone-rates list-rates list-certificates slips brackets scale-rates scaled-pairs-rates truncated-rates candidate-rates planted umeyama hard compare-checkers kills generate kernels report-asset check-report-asset lint bench peers lock clean
+.PHONY: help demo docs test test-all test-long test-lowest chromium coq test-browser open-pages test-oracles golden record rates proofs fuzz generate kernels report-asset check-report-asset lint bench peers lock clean
 
 help:  ## this list
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/make \1\t\2/p' Makefile | expand -t 20
@@ -101,85 +101,18 @@ check-proofs:  # with any Python: it needs the standard library alone
 test-checker: $(READY)
 	@CERTREG_PROOFS=1 $(RUN) -m pytest -q tests/certificate/test_coq.py
 
-test-huge: kernels  ## certify two mapped clouds of 8 GB each in 200 MB of memory beside what starting takes (ten minutes of a quiet machine, 16 GB of disk)
-	@$(RUN) tests/huge.py
-
 golden: kernels  ## compare what users see now and at a commit: make golden BASE=<commit>; WORDS=counted: fields decide (ten minutes)
 	@$(RUN) tests/golden/run.py $(BASE) $(ONLY) $(if $(filter counted,$(WORDS)),--count-words)
 
 record: kernels  ## renew tests/golden/records, where what users see is meant to differ: make record, or ONLY=<case> (seconds)
 	@PYTHONPATH=tests $(RUN) tests/golden/net.py $(ONLY)
 
-rates: kernels  ## one large sample: make rates NAME=<module of benchmarks/rates>, ARGS="..." for what it takes
-	@PYTHONPATH=.:tests $(RUN) -m benchmarks.rates.$(NAME) $(ARGS)
+# Peers are measured where `make peers` put them.
+rates: kernels  ## one large sample: make rates NAME=brackets [ARGS="..."]; without NAME those there are
+	@PYTHONPATH=.:tests $(BENCH) -m benchmarks.rates$(addprefix .,$(NAME)) $(ARGS)
 
 fuzz: $(READY)  ## 1.7 million broken files for the readers (five minutes)
-	@$(RUN) tests/fuzz_readers.py
-
-fit-rates: kernels  ## warnings of a fit: ten misfits, 2,000 good problems (half a minute)
-	@$(RUN) tests/fit_rates.py
-
-# Of one part alone with WING=springs or WING=consensus; of that COUNT problems a cell, in CELLS="100,500" pairs.
-acceptance: kernels  ## general springs: 500 problems of each of 49 cells certified unique; labels of wrong pairs proved (fifteen minutes)
-	@$(if $(filter consensus,$(WING)),true,$(RUN) tests/acceptance.py)
-	@$(if $(filter springs,$(WING)),true,$(RUN) tests/consensus_rates.py $(or $(COUNT),50) '$(CELLS)')
-
-consensus-peers: kernels  ## wrong pairs: how often GNC, RANSAC, KISS-Matcher and certreg are right, how often they say so (`make peers`; two minutes)
-	@PYTHONPATH=.:tests $(BENCH) tests/consensus_peers.py
-
-radius: kernels  ## 10,000 moves of the points within the proved radius: none turns the optimum further (two minutes)
-	@$(RUN) tests/radius_moves.py
-
-spring-minima: kernels  ## the best minimum of six planes, of three lines, beside the complete list (four minutes)
-	@$(RUN) tests/spring_minima.py
-
-spring-stability: kernels  ## unstable eigenvalues beside the proved index: 7,000 equilibria of general springs, two dampings (one minute)
-	@$(RUN) tests/spring_stability.py
-
-breathing: kernels  ## a free scale: number and index of the equilibria beside the linearised motion, 5,000 problems (half a minute)
-	@$(RUN) tests/breathing.py
-
-cone-rates: kernels  ## certificates by cones where squares fail, tied optima, false ones and forgeries refused (three minutes)
-	@$(RUN) tests/cone_rates.py
-
-list-rates: kernels  ## all equilibria of general springs: 100 problems of each of 13 cells, listed and proved complete (a minute)
-	@$(RUN) tests/list_rates.py
-
-list-certificates: kernels  ## certificates of all equilibria, 25 for each of 13 cells, made and checked (a minute)
-	@$(RUN) tests/list_certificates.py
-
-slips: kernels  ## the slip that explains a pose: six on 200 random problems each, none of random rotations (two minutes)
-	@$(RUN) tests/slips.py
-
-brackets: kernels  ## every printed bound beside an exact oracle, on 5,000 random problems (ten minutes)
-	@$(RUN) tests/brackets.py
-
-scale-rates: kernels  ## certified scales beside Umeyama's formulas in 60 digits: 10,000 random problems (six minutes)
-	@$(RUN) tests/scale_rates.py
-
-scaled-pairs-rates: kernels  ## wrong pairs with a free scale: labels proved of nine cells with 20 random problems each, checked (two minutes)
-	@$(RUN) tests/scaled_pairs_rates.py
-
-truncated-rates: kernels  ## truncated squares over rotations: random problems proved, beside exhaustive searches, forgeries refused (a minute)
-	@$(RUN) tests/truncated_rates.py
-
-candidate-rates: kernels  ## poses of clouds with wrong pairs: 1,800 instances, how many reach the true pairs, and how soon (two minutes)
-	@$(RUN) tests/candidate_rates.py
-
-planted: kernels  ## no pair of 100,000 planted consensus sets is struck, their residuals on the bounds (half an hour)
-	@$(RUN) tests/planted.py
-
-umeyama: kernels  ## certified similarities beside Umeyama's closed form in other libraries (`make peers`; six minutes)
-	@PYTHONPATH=.:tests $(BENCH) tests/umeyama.py
-
-hard: kernels  ## 280 hard instances: codes of what is certified, simulations that converge (two minutes)
-	@$(RUN) tests/hard_instances.py
-
-compare-checkers: $(READY)  ## hold verify.py to that of the commit BASE on 20,000 mutated certificates (a minute or two)
-	@PYTHONPATH=. $(RUN) tests/compare_checkers.py '$(BASE)'
-
-kills: kernels  ## kill campaigns at 20 random moments each and resume them (a few minutes)
-	@$(RUN) tests/campaign_kills.py
+	@$(MAKE) --no-print-directory rates NAME=broken_files
 
 generate: $(READY)  ## write the generated folders of certreg/native and certreg/relaxation anew
 	@$(RUN) -m derivations.emit

@@ -1,1 +1,1 @@
-"""Large samples that take minutes, one module each: `make rates NAME=<module>`."""
+"""Large samples that take minutes, one module each; `make rates` lists them."""

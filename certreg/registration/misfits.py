@@ -25,7 +25,7 @@ share that its free parameters leave of pure noise is a beta variable, which giv
 - chi2: E / sigma^2 >= the value found: the chi-squared distribution.
 - poor-fit: explained < 1/2, as for shuffled.
 
-`tests/fit_rates.py` measures all of this, with noise up to a tenth of the size, too.
+`benchmarks/rates/fit_warnings.py` measures all of this, with noise up to a tenth of the size, too.
 """
 
 from __future__ import annotations

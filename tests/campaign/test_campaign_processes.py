@@ -12,9 +12,9 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
-from campaign_kills import KIND, begin, resumed_alike, shards
 from campaign_work import Cut, finish, tree
 
+from benchmarks.rates.campaign_kills import KIND, begin, resumed_alike, shards
 from certreg.campaign.workers import workers_at
 from certreg.errors import CampaignError
 

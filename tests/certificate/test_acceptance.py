@@ -1,8 +1,9 @@
-"""A few of the problems of which `make acceptance` takes many."""
+"""A few of the problems of which `make rates NAME=spring_certificates` takes many."""
 
 import pytest
 import spring_families as families
-from acceptance import BARELY, WELL, Rate, rate_of
+
+from benchmarks.rates.spring_certificates import BARELY, WELL, Rate, rate_of
 
 
 @pytest.mark.one_in(4)

@@ -6,13 +6,13 @@ import json
 from importlib import resources
 from typing import Any
 
-import cone_rates
 import jsonschema
 import numpy as np
 import pytest
-from cone_rates import case, document_of
 from exact_springs import choi_lam
 
+from benchmarks.rates import cone_certificates
+from benchmarks.rates.cone_certificates import case, document_of
 from certreg import RegistrationProblem
 from certreg.certificate import (
     Certificate,
@@ -78,39 +78,44 @@ def test_a_certificate_has_the_form_of_its_schema(name):
 
 
 def test_choi_and_lam_with_random_planes():
-    assert "unique by cones 1, by squares 0 of 1" in cone_rates.perturbed_rates(1)
+    assert "unique by cones 1, by squares 0 of 1" in cone_certificates.perturbed_rates(1)
 
 
 @pytest.mark.slow
 @pytest.mark.one_in(2)
 @pytest.mark.parametrize("name", ["plane 6", "line 3"])
 def test_of_tied_optima_a_gap_is_proved_and_no_uniqueness(name):
-    told = cone_rates.minimal_rates(name, 2, checked=1)
+    told = cone_certificates.minimal_rates(name, 2, checked=1)
 
     assert told.startswith("gap 2 of 2, unique {None: 2}; 1 of 1 accepted")
 
 
 @pytest.mark.slow
 def test_local_minima_are_refused_and_left_for_the_optimum():
-    assert cone_rates.spurious_rates(2) == "2 of 2 refused; 2 times the optimum is found from there"
+    assert (
+        cone_certificates.spurious_rates(2)
+        == "2 of 2 refused; 2 times the optimum is found from there"
+    )
 
 
 @pytest.mark.slow
 def test_no_forgery_is_accepted_that_is_false():
-    assert cone_rates.forgery_rates(25, ("plane 20",)).startswith("25 forgeries")
+    assert cone_certificates.forgery_rates(25, ("plane 20",)).startswith("25 forgeries")
 
 
 def test_a_false_claim_is_seen_to_be_false():
     """The oracle of the forgeries: each of its three questions is asked."""
     made = case("plane 20", 0)
     document = json.loads(json.dumps(made.document))
-    assert cone_rates.is_true(document, made)
+    assert cone_certificates.is_true(document, made)
     for entry, value in (("unique", False), ("gap", [-1, 0])):
-        assert not cone_rates.is_true(
+        assert not cone_certificates.is_true(
             {**document, "claims": {**document["claims"], entry: value}}, made
         )
     pose = [entry + (1 << 60) for entry in document["proof"]["pose"]]
-    assert not cone_rates.is_true({**document, "proof": {**document["proof"], "pose": pose}}, made)
+    assert not cone_certificates.is_true(
+        {**document, "proof": {**document["proof"], "pose": pose}}, made
+    )
 
 
 def test_a_symmetry_that_moves_the_optimum_makes_it_not_unique():
@@ -127,7 +132,7 @@ def test_an_energy_that_is_constant_is_proved_to_be():
     proposal: Any = cones_body(objective, [(1, 0, 0, 0)])
 
     assert proposal.words == producer.CONSTANT_WORDS
-    outcome = cone_rates.outcome_of(document_of(problem, proposal.body))
+    outcome = cone_certificates.outcome_of(document_of(problem, proposal.body))
     assert outcome.worth.share == 0
 
 

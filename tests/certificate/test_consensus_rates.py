@@ -1,12 +1,13 @@
-"""A few of the problems of which `make acceptance WING=consensus` takes many."""
+"""A few of the problems of which `make rates NAME=consensus_labels` takes many."""
 
 from __future__ import annotations
 
 import json
 from dataclasses import replace
 
-import consensus_rates as rates
 import pytest
+
+from benchmarks.rates import consensus_labels as rates
 
 
 @pytest.fixture(scope="module")

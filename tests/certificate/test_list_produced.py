@@ -9,10 +9,10 @@ from typing import Any
 
 import degenerate_springs
 import jsonschema
-import list_certificates
 import pytest
 from spring_families import LISTED, Cell, instance, statement
 
+from benchmarks.rates import list_certificates
 from certreg import RegistrationProblem
 from certreg.certificate import Certificate, list_body, springs_list_certificate, verify
 from certreg.equilibrium import critical_lines

@@ -7,8 +7,8 @@ from importlib import import_module
 
 import numpy as np
 import pytest
-from consensus_rates import Cell
 
+from benchmarks.rates.consensus_labels import Cell
 from certreg.certificate import ConsensusProver, assuming, consensus_certificate, parting, staging
 from certreg.certificate.assuming import Assuming, CliqueAvoiding
 from certreg.certificate.parting import Parting

@@ -8,8 +8,8 @@ from itertools import combinations
 
 import numpy as np
 import pytest
-from consensus_rates import Cell
 
+from benchmarks.rates.consensus_labels import Cell
 from certreg.certificate import ConsensusProver, consensus_certificate, staging
 from certreg.certificate.consistency import ExactRows, consistent_pairs
 from certreg.certificate.staging import Stager

@@ -5,9 +5,10 @@ from __future__ import annotations
 import json
 import random
 
-import compare_checkers
 import pytest
 from checker_mutants import FILE
+
+from benchmarks.rates import compare_checkers
 
 TEXT = FILE.read_text(encoding="utf-8")
 ONE_PER_CENT = compare_checkers.COUNT // 100

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 from engines import engine as either
-from spring_stability import counted, unstable_directions
 
+from benchmarks.rates.spring_stability import counted, unstable_directions
 from certreg.dynamics import spring_simulation
 from certreg.dynamics.integrators import SimulationSettings
 from certreg.dynamics.simulation import simulate

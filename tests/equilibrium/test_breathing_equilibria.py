@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-import breathing
 import numpy as np
 import pytest
 
+from benchmarks.rates import scaled_equilibria
 from certreg.equilibrium.breathing import breathing_equilibria
 from certreg.errors import DegenerateProblemError
 from certreg.objective.isotropic import Isotropic
@@ -24,7 +24,7 @@ def of_axes(diagonal: list[float]) -> Isotropic:
 
 @pytest.mark.slow
 def test_counts_and_indices_are_those_of_the_linearised_motion():
-    found = breathing.counted(50)
+    found = scaled_equilibria.counted(50)
 
     assert found.equilibria == 200
     assert found.miscounted == found.misindexed == found.moving == 0
@@ -36,9 +36,9 @@ def test_a_wrong_index_is_seen(monkeypatch):
         turned = [replace(e, morse_index=e.component) for e in found.inside_out]
         return replace(found, inside_out=tuple(turned))
 
-    monkeypatch.setattr(breathing, "breathing_equilibria", rigid)
+    monkeypatch.setattr(scaled_equilibria, "breathing_equilibria", rigid)
 
-    assert breathing.counted(5).misindexed
+    assert scaled_equilibria.counted(5).misindexed
 
 
 @pytest.mark.parametrize(

@@ -8,12 +8,12 @@ from importlib import import_module
 from typing import Any
 
 import degenerate_springs
-import list_rates
 import numpy as np
 import pytest
 import spring_families
 from commands import checked
 
+from benchmarks.rates import spring_lists
 from certreg import RegistrationProblem
 from certreg.equilibrium import compare, critical_lines, search, unit_double
 from certreg.equilibrium.critical_set import Completeness
@@ -315,7 +315,7 @@ def test_equal_energies_in_another_order_agree_and_another_rotation_does_not():
 
 @pytest.mark.slow
 def test_rates_of_lists_are_those_of_the_script():
-    rate = list_rates.rate_of(spring_families.LISTED[10], 2)
+    rate = spring_lists.rate_of(spring_families.LISTED[10], 2)
 
     assert (rate.complete, rate.wrong) == (2, 0)
     assert "2 of 2 proved complete" in str(rate)

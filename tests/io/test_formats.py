@@ -15,7 +15,6 @@ from pathlib import Path
 from typing import Any
 
 import cloud_files as files
-import fuzz_readers
 import numpy as np
 import pytest
 from cloud_files import archive, npy, npz, pcd, ply, xyz_ply
@@ -23,6 +22,7 @@ from commands import Run, certreg, write_csv
 from hypothesis import given
 from hypothesis import strategies as st
 
+from benchmarks.rates import broken_files
 from certreg.errors import InvalidFileError
 from certreg.io import scans as packed_scans
 from certreg.io.clouds import Pairing, parse_cloud, read_cloud, read_problem
@@ -635,15 +635,15 @@ def test_the_list_of_broken_files_is_long_and_its_good_files_are_good():
 @pytest.mark.parametrize(
     ("number", "seed"), [(700, 2), pytest.param(2300, 3, marks=pytest.mark.long)]
 )
-@pytest.mark.parametrize("name", fuzz_readers.READERS)
+@pytest.mark.parametrize("name", broken_files.READERS)
 def test_mutated_files_are_refused_cleanly_or_read_as_finite_numbers(
     name: str, number: int, seed: int
 ):
-    start = fuzz_readers.peak_memory()
-    count = fuzz_readers.fuzz(name, number, seed=seed)
+    start = broken_files.peak_memory()
+    count = broken_files.fuzz(name, number, seed=seed)
 
     assert 0 < count.accepted < count.inputs == number
-    assert fuzz_readers.peak_memory() - start < fuzz_readers.MEMORY
+    assert broken_files.peak_memory() - start < broken_files.MEMORY
 
 
 # Which row pairs with which ----------------------------------------------------------------------

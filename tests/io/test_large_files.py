@@ -8,7 +8,6 @@ import subprocess
 import sys
 from pathlib import Path
 
-import fuzz_readers
 import numpy as np
 import pytest
 from cloud_files import ply, xyz_ply
@@ -18,6 +17,7 @@ from hypothesis import strategies as st
 from samples import examples
 from test_formats import REFUSED
 
+from benchmarks.rates import broken_files
 from certreg.errors import InvalidFileError
 from certreg.io import row_numbers, streams
 from certreg.io.clouds import read_cloud, read_problem, read_weights
@@ -192,8 +192,8 @@ def place(tmp_path_factory):
     return tmp_path_factory.mktemp("mutated")
 
 
-GOOD = [("ply", content) for content in fuzz_readers.PLY if b"ascii" not in content[:20]]
-GOOD += [("npy", content) for content in fuzz_readers.NPY]
+GOOD = [("ply", content) for content in broken_files.PLY if b"ascii" not in content[:20]]
+GOOD += [("npy", content) for content in broken_files.NPY]
 
 
 @pytest.mark.slow

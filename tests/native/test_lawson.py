@@ -6,8 +6,8 @@ from importlib import import_module
 
 import numpy as np
 import pytest
-from consensus_rates import Cell
 
+from benchmarks.rates.consensus_labels import Cell
 from certreg.certificate.refuting import SIZES, WEIGHT_MAX, PointRows
 from certreg.native import library_if_any
 from certreg.relaxation import edge_rows

@@ -1,11 +1,11 @@
-"""The small brother of `make test-huge`: two clouds of 25 MB in the place of 8 GB."""
+"""A sample of `make rates NAME=mapped_clouds`: two clouds of 25 MB in the place of 8 GB."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
-from huge import Run, size, turn, write_clouds
 
+from benchmarks.rates.mapped_clouds import Run, size, turn, write_clouds
 from certreg import RegistrationProblem, verify
 from certreg.certificate.blockwise import check_on_sums
 

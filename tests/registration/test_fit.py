@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 from fractions import Fraction
 
-import fit_rates as rates
 import numpy as np
 import pytest
 from commands import checked
-from fit_rates import MEASURED, fit
 from scipy import stats
 
+from benchmarks.rates import fit_warnings as rates
+from benchmarks.rates.fit_warnings import MEASURED, fit
 from certreg.objective import Isotropic
 from certreg.problem import RegistrationProblem, exact_moments
 from certreg.problem import arrays as problems

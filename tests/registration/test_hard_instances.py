@@ -1,4 +1,4 @@
-"""Hard instances as users meet them: some here, 280 in `make hard`."""
+"""Hard instances as users meet them: some here, 280 in `make rates NAME=hard_instances`."""
 
 from __future__ import annotations
 
@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hard_instances import FAMILIES, outcome
 from strategies import random_problem
 
+from benchmarks.rates.hard_instances import FAMILIES, outcome
 from certreg.dynamics import SimulationSettings
 from certreg.problem import RegistrationProblem
 from certreg.registration import DONE, NOT_CERTIFIED, simulate

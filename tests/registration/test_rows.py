@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 from commands import checked
-from fit_rates import fit
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
+from benchmarks.rates.fit_warnings import fit
 from certreg.problem import PosedPairs, RegistrationProblem
 from certreg.problem import arrays as problems
 from certreg.registration import certify, misfits, outlying

@@ -8,11 +8,11 @@ import re
 
 import numpy as np
 import pytest
-import slips
 from commands import certreg, checked, write_csv
 from strategies import MIRROR, ZOO, random_problem, random_rotation
 
 import certreg as package
+from benchmarks.rates import convention_errors
 from certreg import Pose, RegistrationProblem, assess, certify
 from certreg.geometry import given_pose
 from certreg.registration import GOOD, SlipCode, judged
@@ -28,15 +28,15 @@ R, T = OPTIMUM.rotation, OPTIMUM.translation
 
 
 @pytest.mark.one_in(3)
-@pytest.mark.parametrize("case", slips.SLIPS, ids=lambda case: case.name)
-def test_a_slip_is_named_right(case: slips.SlipCase):
-    for said in slips.judged(case, SAMPLE):
-        assert slips.is_right(case, said), said.hint
+@pytest.mark.parametrize("case", convention_errors.SLIPS, ids=lambda case: case.name)
+def test_a_slip_is_named_right(case: convention_errors.SlipCase):
+    for said in convention_errors.judged(case, SAMPLE):
+        assert convention_errors.is_right(case, said), said.hint
 
 
 @pytest.mark.slow
 def test_of_random_rotations_and_of_tilted_poses_no_slip_is_named():
-    assert not list(slips.named_of_random(SAMPLE))
+    assert not list(convention_errors.named_of_random(SAMPLE))
 
 
 WRONG = {
@@ -205,11 +205,11 @@ def test_a_translation_in_another_unit_is_named_with_its_factor(unit: float):
 @pytest.mark.parametrize("seed", [41, 90])
 def test_of_two_slips_that_explain_it_the_one_that_leaves_less_is_named(seed: int):
     """A translation a thousandth as long is all but none, as of clouds moved to their centroids."""
-    case = slips.SLIPS[5]
+    case = convention_errors.SLIPS[5]
     rng = np.random.default_rng([seed, 5])
-    stated = slips.problem(rng)
+    stated = convention_errors.problem(rng)
 
-    assert slips.is_right(case, assess(stated, case.spoil(stated, rng)))
+    assert convention_errors.is_right(case, assess(stated, case.spoil(stated, rng)))
 
 
 def test_a_good_pose_has_no_slip_even_where_its_inverse_is_as_good():
@@ -269,7 +269,7 @@ def test_the_distance_in_sigma_is_that_of_the_joint_covariance(offset: float):
         phi = rng.normal(size=3)
         phi *= angle / np.linalg.norm(phi)
         half = phi / angle * math.sin(angle / 2)
-        turned = pose.rotation @ slips.of_quaternion([math.cos(angle / 2), *half])
+        turned = pose.rotation @ convention_errors.of_quaternion([math.cos(angle / 2), *half])
         shift = pose.translation + angle * rng.normal(size=3)
         error = np.concatenate([shift - pose.translation, phi])
         expected = math.sqrt(error @ np.linalg.solve(matrix, error))
@@ -304,7 +304,8 @@ def test_beyond_a_first_order_there_is_no_distance_and_it_is_said():
     noisy = RegistrationProblem(cloud, cloud, sigma=0.01)
     loose = RegistrationProblem(cloud, cloud, sigma=1e3)
     far, near = (
-        slips.of_quaternion([math.cos(a / 2), math.sin(a / 2), 0, 0]) for a in (0.401, 0.399)
+        convention_errors.of_quaternion([math.cos(a / 2), math.sin(a / 2), 0, 0])
+        for a in (0.401, 0.399)
     )
     told = assess(noisy, far)
 
@@ -406,7 +407,7 @@ def test_a_certificate_and_a_line_of_a_trajectory_are_judged(tmp_path):
 @pytest.mark.parametrize("scale", [1000.0, 0.015625])
 def test_a_similarity_is_told_whatever_its_scale_and_its_translation(scale: float):
     """The translation is that of the pose, scaled as the rotation is, or that of Umeyama."""
-    x, y = slips.means(PROBLEM)
+    x, y = convention_errors.means(PROBLEM)
     turns = (R, OPTIMUM.quaternion_wxyz)
     poses = [(scale * turn, shift) for turn in turns for shift in (T, scale * T)]
     registration = certify(PROBLEM, relaxation=False, simulation=False)

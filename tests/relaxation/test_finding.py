@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 import pytest
 import spring_families
-import spring_minima
 
+from benchmarks.rates import spring_minima
 from certreg import RegistrationProblem
 from certreg.equilibrium import FloatingQuartic, PathsOutcome
 from certreg.geometry.so3 import (
@@ -99,7 +99,7 @@ def test_refining_stops_where_the_hessian_is_flat():
 @pytest.mark.one_in(4)
 @pytest.mark.parametrize("cell", spring_minima.CELLS, ids=str)
 def test_no_better_minimum_is_on_the_complete_list(cell):
-    """One of the 500 instances of `make spring-minima`, where there are several minima."""
+    """One of the instances of `make rates NAME=spring_minima`, which has several minima."""
     outcome = spring_minima.outcome_of(cell, seed=1)
 
     assert outcome.complete

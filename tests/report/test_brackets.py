@@ -1,4 +1,4 @@
-"""Printed bounds bracket an exact oracle: a few problems here, 5,000 in `make brackets`."""
+"""Printed bounds bracket an exact oracle: a sample of `make rates NAME=brackets`."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from fractions import Fraction
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-import brackets
 import flint
 import numpy as np
 import pytest
-from brackets import BITS, FAMILIES, Oracle, bounds_of, made
 from commands import checked
 from strategies import ZOO, random_problem
 
+from benchmarks.rates import brackets
+from benchmarks.rates.brackets import BITS, FAMILIES, Oracle, bounds_of, made
 from certreg.certificate.bounds import ExactPose, PoseBounds, pose_bounds
 from certreg.exact.dyadic import Dyadic
 from certreg.registration.any_certification import certify

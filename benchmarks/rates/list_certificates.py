@@ -1,9 +1,8 @@
 """Certificates of all equilibria: how many are produced and accepted, how long that takes.
 
-    python tests/list_certificates.py [INSTANCES]
+    make rates NAME=list_certificates ARGS="[INSTANCES]"
 
-Of each cell of `spring_families.LISTED`. Run by `make list-certificates`; a part of it is in the
-tests.
+Of each cell of `spring_families.LISTED`. A part of it is in the tests.
 """
 
 from __future__ import annotations

@@ -1,6 +1,8 @@
-"""How often general springs are certified, and unique: `make acceptance`, or a few by a test.
+"""How often general springs are certified, and unique.
 
-    python tests/acceptance.py [COUNT [FAMILY]]    so many problems of each cell, 500 unless told
+    make rates NAME=spring_certificates ARGS="[COUNT [FAMILY]]"
+
+So many problems of each cell, 500 unless told.
 
 Of each cell of `spring_families`: the shares certified and unique, by which proof, the largest
 proved angle, and by how often the checker, alone and from bytes, said so.

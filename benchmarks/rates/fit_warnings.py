@@ -1,8 +1,8 @@
-"""Warnings of a fit beside what was done to the data: `make fit-rates` for all of it.
+"""Warnings of a fit beside what was done to the data.
 
 Ten misfits on 100 random problems each, each with the right code, outlier rows named; 2,000 good
 problems with at most two alarms, and as many where a few rows carry the weight; the packaged pairs
-with none. `fit_rates.py GOOD MISFITS` for other numbers. Seeds are fixed.
+with none. `ARGS="GOOD MISFITS"` for other numbers. Seeds are fixed.
 """
 
 from __future__ import annotations

@@ -1,6 +1,8 @@
-"""How often candidates reach the true pairs, and how soon: `make candidate-rates`.
+"""How often candidates reach the true pairs, and how soon.
 
-    python tests/candidate_rates.py [COUNT]    instances of each cell, 100 unless told
+    make rates NAME=consensus_poses ARGS="[COUNT]"
+
+Instances of each cell, 100 unless told.
 
 Reached: as many rows as are true, and as many as the true ones widened by those that fit beside
 them. Times in ms of this process: graduated non-convexity alone, all until the best candidate, all

@@ -1,6 +1,6 @@
 """Unstable eigenvalues of the linearised motion beside the proved index, over random families.
 
-    python tests/spring_stability.py [INSTANCES]
+    make rates NAME=spring_stability ARGS="[INSTANCES]"
 
 Lists all equilibria of each instance, each with the index that is proved, linearises the motion
 there (12 x 12, generated), and counts eigenvalues with positive real part: with the damping of the

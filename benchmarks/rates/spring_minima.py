@@ -1,11 +1,11 @@
 """The best of several local minima, on minimal problems: six planes, three lines.
 
-    python tests/spring_minima.py [INSTANCES]
+    make rates NAME=spring_minima ARGS="[INSTANCES]"
 
 Their energies have up to eight local minima, several of them exact optima where there is no noise.
 For each instance what `find_optimum` gives is held to the complete list: 40 ends, all different,
-tracked in NumPy from another start with shorter steps; and to descents from random rotations. Run
-by `make spring-minima`; a part of it is in the tests.
+tracked in NumPy from another start with shorter steps; and to descents from random rotations. A
+part of it is in the tests.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
-"""Two versions of the trusted checker, asked the same: `make compare-checkers BASE=commit`.
+"""The trusted checker of two commits, asked the same; ARGS: COMMIT [COUNT].
 
-    python tests/compare_checkers.py BASE [COUNT]
+    make rates NAME=compare_checkers ARGS="BASE [COUNT]"
 
 All vectors and so many mutated certificates of both kinds (20,000) must get the same verdict, the
 same reason and the same sentences from `certreg/verify.py` of the commit BASE and of this checkout;
@@ -28,7 +28,7 @@ import certificates as oracle
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parents[2]
 VECTORS = ROOT / "vectors"
 COUNT = 20_000
 Certificate = Any  # what JSON can hold

@@ -1,4 +1,4 @@
-"""Every printed bound beside an exact oracle: `make brackets` tries 5,000 random problems.
+"""Every printed bound beside an exact oracle, on 5,000 random problems.
 
 A bound is read where a user reads it: in the JSON, in the text of the terminal, on the page, in the
 checker's sentences, in the certificate. The oracle shares nothing with the package: points as
@@ -491,7 +491,7 @@ def main() -> None:
     begun, places, refused, wrong = time.perf_counter(), Counter[str](), 0, 0
     for done, seed in enumerate(range(first, first + amount)):
         if done % 500 == 0:
-            print(f"{done} of {amount} problems, {wrong} wrong", file=sys.stderr)  # noqa: T201
+            print(f"{done} of {amount} problems, {wrong} wrong", file=sys.stderr)
         try:
             bounds = bounds_of(made(seed), seed)
         except OutOfRangeError:
@@ -501,11 +501,11 @@ def main() -> None:
         for bound in bounds:
             if not bound.holds():
                 wrong += 1
-                print(f"problem {seed}: {bound.place} is no bound of {bound.true.str(9)}")  # noqa: T201
+                print(f"problem {seed}: {bound.place} is no bound of {bound.true.str(9)}")
     for place, count in sorted(places.items()):
-        print(f"{count:8} {place}")  # noqa: T201
+        print(f"{count:8} {place}")
     total = f"{sum(places.values())} bounds of {amount - refused} problems ({refused} refused)"
-    print(f"{total} in {time.perf_counter() - begun:.0f} s: {wrong} do not hold")  # noqa: T201
+    print(f"{total} in {time.perf_counter() - begun:.0f} s: {wrong} do not hold")
     sys.exit(wrong > 0)
 
 

@@ -1,4 +1,4 @@
-"""Certified similarities beside Umeyama's closed form in other libraries: `make umeyama`.
+"""Certified similarities beside Umeyama's closed form in other libraries.
 
 On random problems of ordinary size all must agree to 1e-9: the scale relative to itself, the shift
 to the largest coordinate, the rotation entry by entry. Then the same far from the origin and at

@@ -1,6 +1,8 @@
-"""Certified scales beside Umeyama's formulas in 60 digits: `make scale-rates`, or a few.
+"""Certified scales beside Umeyama's formulas in 60 digits.
 
-    python tests/scale_rates.py [COUNT [FIRST]]    problems FIRST, FIRST + 1, ...; each has its seed
+    make rates NAME=scale_bounds ARGS="[COUNT [FIRST]]"
+
+Problems FIRST, FIRST + 1, ...; each has its seed.
 
 Random problems: scales 1e-2 to 1e2, sizes 1e-3 to 1e3, noise up to 300 %, some mirrored, planar or
 weighted; a third with the symmetric scale, a fifth without a translation. Each is certified, and so
@@ -35,7 +37,7 @@ PROBLEMS = 10_000
 DIGITS = 60  # of the reference
 ERROR = 1e-14  # of the scale to itself, of the rotation's entries, of the shift to the coordinates
 WIDTH = 1e-20  # of the proved interval of the scale to itself
-CHECKER = Path(__file__).resolve().parent.parent / "certreg" / "verify.py"
+CHECKER = Path(__file__).resolve().parents[2] / "certreg" / "verify.py"
 SLACK = mpf(10) ** -50  # of an end of the interval: that of the reference, and its rounding
 
 

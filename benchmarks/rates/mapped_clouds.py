@@ -1,4 +1,4 @@
-"""Clouds larger than the memory that certifying them may take: `python tests/huge.py [GIGABYTES]`.
+"""Clouds larger than the memory that certifying them may take; ARGS: gigabytes.
 
 Two clouds of so many gigabytes each are written to temporary files, 8 by default or what the disk
 allows, mapped, and registered and certified in a process of its own, whose memory is limited.
@@ -20,7 +20,7 @@ from pathlib import Path
 
 import numpy as np
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parents[2]
 LIMIT = 200  # megabytes beyond what starting and a tiny problem take
 ASKED, ENOUGH = 8.0, 1.0  # gigabytes a cloud
 BLOCK = 1 << 18

@@ -1,6 +1,8 @@
-"""No pair of a planted consensus is ever struck: `make planted`, or a few.
+"""No pair of a planted consensus is ever struck.
 
-    python tests/planted.py [COUNT [FIRST]]    instances FIRST, FIRST + 1, ...; each has its seed
+    make rates NAME=planted_consensus ARGS="[COUNT [FIRST]]"
+
+Instances FIRST, FIRST + 1, ...; each has its seed.
 
 Each instance has pairs that one known motion brings within their bounds, the residual of one or of
 all on the bound itself, as far as doubles go; the others are at random, just outside of their

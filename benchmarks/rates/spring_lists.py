@@ -1,6 +1,8 @@
-"""How often all equilibria of general springs are listed and proved: `make list-rates`, or a few.
+"""How often all equilibria of general springs are listed and proved.
 
-    python tests/list_rates.py [COUNT [FAMILY]]    so many problems of each cell, 100 unless told
+    make rates NAME=spring_lists ARGS="[COUNT [FAMILY]]"
+
+So many problems of each cell, 100 unless told.
 
 Of each cell of `spring_families.LISTED`: the share of lists that are proved complete, the Euler sum
 of the indices, how many equilibria and stable ones there are, and the CPU time of a list, scaled to

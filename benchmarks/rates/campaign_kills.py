@@ -1,4 +1,4 @@
-"""A campaign killed at random moments and resumed: `make kills` for 20, `... kills.py N` for N.
+"""A campaign killed at 20 random moments and resumed; ARGS: another number.
 
 The whole process group gets SIGKILL once a random number of shards stands there, and a random
 moment later; the campaign is begun again in the same folder. Every file must then be, byte for
@@ -54,12 +54,12 @@ def whole(kind: Kind, folder: Path, workers: Any = None) -> None:
 def begin(kind: Kind, folder: Path) -> subprocess.Popen[bytes]:
     """The campaign in a process group of its own."""
     code = (
-        "import sys, pathlib, campaign_kills as k\n"
+        "import sys, pathlib, benchmarks.rates.campaign_kills as k\n"
         "from certreg.campaign.workers import LocalWorkers\n"
         "k.whole(k.KINDS[sys.argv[1]], pathlib.Path(sys.argv[2]), LocalWorkers(2))"
     )
     name = next(name for name, one in KINDS.items() if one is kind)
-    here = Path(__file__).parent
+    here = Path(__file__).resolve().parents[2] / "tests"
     paths = os.pathsep.join((str(here), str(here.parent)))
     return subprocess.Popen(
         [sys.executable, "-W", "error", "-c", code, name, str(folder)],

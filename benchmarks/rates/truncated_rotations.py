@@ -1,10 +1,10 @@
 """Truncated squares over rotations: how many random problems are proved, and in what time.
 
-    python tests/truncated_rates.py [INSTANCES]
+    make rates NAME=truncated_rotations ARGS="[INSTANCES]"
 
 Directions with noise of 0.01 and bounds of 5.54 times that, up to 60 % of the pairs wrong; then
-harder families. Few pairs are searched exhaustively, too; forgeries are offered to the checker.
-Run by `make truncated-rates`; a part of it is in the tests.
+harder families. Few pairs are searched exhaustively, too; forgeries are offered to the checker. Run
+by `make rates NAME=truncated_rotations`; a part of it is in the tests.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
-"""Slips that spoil an optimal pose, beside what `assess` names: `make slips` for all of it.
+"""Slips that spoil an optimal pose, beside what `assess` names.
 
 Six slips on 200 random problems each: the right one is named, and the pose without it is judged
 (nearly) optimal. Random rotations, with their best translation or any, alone, and poses near but
-not at a slipped one: none is named. `slips.py COUNT` for another number. Seeds are fixed.
+not at a slipped one: none is named. ARGS: another number. Seeds are fixed.
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
 """How many labels of random problems with wrong pairs and a free scale are proved.
 
-    python tests/scaled_pairs_rates.py [COUNT]
+    make rates NAME=scaled_consensus ARGS="[COUNT]"
 
-COUNT problems of each cell, 20 unless told, of the law of `consensus_rates` with the source divided
-by a scale between e^-2 and e^2. Each certificate is read by the checker. Times are of the
+COUNT problems of each cell, 20 unless told, of the law of `consensus_labels` with the source
+divided by a scale between e^-2 and e^2. Each certificate is read by the checker. Times are of the
 processor, medians of milliseconds.
 """
 
@@ -16,9 +16,9 @@ from statistics import median
 from typing import Any
 
 import numpy as np
-from consensus_rates import Cell
 
 import certreg
+from benchmarks.rates.consensus_labels import Cell
 
 checker = import_module("certreg.verify")
 COUNT = 20

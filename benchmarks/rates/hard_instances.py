@@ -1,4 +1,4 @@
-"""280 hard instances, as users meet them: `make hard`.
+"""280 hard instances, as users meet them.
 
 What is certified ends with code 0 or 3, whatever the cross-checks do. The simulation of at least 95
 of 100 converges, and of each other one it is said why.
@@ -155,7 +155,7 @@ def outcome(family: Callable[[np.random.Generator], Clouds], seed: int) -> Outco
 def main() -> None:
     begun, all_of = time.perf_counter(), list[Outcome]()
     heads = ("certified", "bounded", "code 0", "3", "4", "converged")
-    print(f"{'family':28}", *(f"{head:>9}" for head in heads))  # noqa: T201
+    print(f"{'family':28}", *(f"{head:>9}" for head in heads))
     for family in FAMILIES:
         found = [outcome(family, seed) for seed in range(EACH)]
         codes = Counter(each.code for each in found)
@@ -163,15 +163,15 @@ def main() -> None:
         bounded = sum(each.status is Optimality.BOUNDED for each in found)
         converged = sum(each.converged for each in found)
         counts = (certified, bounded, codes[0], codes[3], codes[4], converged)
-        print(f"{family.__name__:28}", *(f"{count:9}" for count in counts), flush=True)  # noqa: T201
+        print(f"{family.__name__:28}", *(f"{count:9}" for count in counts), flush=True)
         all_of += found
     reasons = Counter(each.why for each in all_of if not each.converged)
     for why, count in reasons.most_common():
-        print(f"{count:4} not converged: {why or 'no reason given'}")  # noqa: T201
+        print(f"{count:4} not converged: {why or 'no reason given'}")
     converged = sum(each.converged for each in all_of)
     wrong = [each for each in all_of if not each.sound]
     told = f"{len(all_of)} instances in {time.perf_counter() - begun:.0f} s: {converged} converged"
-    print(f"{told}, {len(wrong)} with a code or without a reason that should not be")  # noqa: T201
+    print(f"{told}, {len(wrong)} with a code or without a reason that should not be")
     sys.exit(bool(wrong) or converged < CONVERGED * len(all_of))
 
 

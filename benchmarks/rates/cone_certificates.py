@@ -1,9 +1,9 @@
 """Certificates by cones where squares fail, and what the checker refuses of them.
 
-    python tests/cone_rates.py [INSTANCES]
+    make rates NAME=cone_certificates ARGS="[INSTANCES]"
 
 Choi and Lam's springs with random planes; six planes and three lines, tied; local minima offered as
-optima; forgeries; hostile sizes. Run by `make cone-rates`; a part of it is in the tests.
+optima; forgeries; hostile sizes. A part of it is in the tests.
 """
 
 from __future__ import annotations

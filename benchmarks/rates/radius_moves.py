@@ -1,6 +1,8 @@
-"""No move of the points within the proved radius turns the optimum further: `make radius`.
+"""No move of the points within the proved radius turns the optimum further.
 
-    python tests/radius_moves.py [COUNT]    so many moves, 10,000 unless told
+    make rates NAME=radius_moves ARGS="[COUNT]"
+
+So many moves, 10,000 unless told.
 
 Eight families of springs, and each problem with one weight per pair beside; moves of 0.999 of the
 radius, every point by as much: at random, and along turns about an axis, of the target and of both

@@ -1,6 +1,6 @@
-"""How many labels of random problems with wrong pairs are proved, in what time: `make acceptance`.
+"""How many labels of random problems with wrong pairs are proved, and in what time.
 
-    python tests/consensus_rates.py [COUNT [CELLS]]
+    make rates NAME=consensus_labels ARGS="[COUNT [CELLS]]"
 
 COUNT problems of each cell, 50 unless told, of the law of `outlier_instance`; with CELLS, as
 "100,500", those of so many pairs alone. Figures go to benchmarks/acceptance/consensus.json, cell by
@@ -29,7 +29,7 @@ from certreg.registration.consensus import RIGID, certified_consensus, proved_co
 from certreg.relaxation import graduated_nonconvexity
 
 checker = import_module("certreg.verify")
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parents[2]
 RESULTS = ROOT / "benchmarks" / "acceptance" / "consensus.json"
 COUNT = 50  # of each cell
 SIGMA, BETA = 0.01, 5.54  # of the noise; of the bound, in sigmas

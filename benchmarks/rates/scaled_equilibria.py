@@ -1,6 +1,6 @@
 """The breathing body's equilibria, counted and indexed exactly, beside its linearised motion.
 
-    python tests/breathing.py [INSTANCES]
+    make rates NAME=scaled_equilibria ARGS="[INSTANCES]"
 
 Random problems of many shapes: generic, noisy up to no resemblance, mirrored, planar, weighted, of
 scales over four decades. The number of equilibria with s > 0 is proved from the signs of the

@@ -1,8 +1,8 @@
-"""Wrong pairs: how often other methods are right, how often they say so: `make consensus-peers`.
+"""Wrong pairs: how often other methods are right, and how often they say so.
 
-    python tests/consensus_peers.py [COUNT]
+    make rates NAME=consensus_peers ARGS="[COUNT]"
 
-COUNT problems of each cell, 30 unless told, of `consensus_rates`. Right: the pose brings the right
+COUNT problems of each cell, 30 unless told, of `consensus_labels`. Right: the pose brings the right
 pairs within their bounds, all but one of ten at most; the noise leaves a few outside. A peer that
 returns a score says "sure" where it is as its own documentation has it; certreg where all labels
 are proved. Peers are in build/peers (`make peers`, then pip install kiss-matcher there); those that
@@ -20,9 +20,9 @@ from statistics import median
 from typing import Any
 
 import numpy as np
-from consensus_rates import Cell
 from numpy.typing import NDArray
 
+from benchmarks.rates.consensus_labels import Cell
 from certreg.certificate import ConsensusProver
 from certreg.geometry import rotation_matrix
 from certreg.problem import ConsensusProblem, OutlierInstance

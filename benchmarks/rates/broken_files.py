@@ -1,4 +1,4 @@
-"""Every reader on broken files: `make fuzz` for 1.7 million, `tests/fuzz_readers.py N` for N.
+"""Every reader on 1.7 million broken files; ARGS: another number.
 
 A reader may only accept finite numbers of the right shape or raise InvalidFileError with one
 printable line that names the file; within two seconds, and without much memory. Seeds are fixed.
@@ -52,7 +52,8 @@ MESH = [
 ]
 KINDS = ("ascii", "binary_little_endian", "binary_big_endian")
 DATA = ("ascii", "binary", "binary_compressed")
-OTHERS = Path(__file__).parent / "io" / "data"  # that other programs wrote
+ROOT = Path(__file__).resolve().parents[2]
+OTHERS = ROOT / "tests" / "io" / "data"  # that other programs wrote
 NAMED = ("vertex", [("int", "label"), *(("float", a) for a in ("x", "y", "z", "sigma"))])
 CSV = [b"x,y,z\n1,2,3\n4,5,6\n", b'label,x,y,z,r\n"a, b",1,2,3,0\nc,4e1,-5,.6,1\n', b"1,2,3\r\n"]
 CSV += [b"Point;N;E;H;weight\na;1,5;2;3;0\nb;4;5,25;6;1\n", b"P1,1,2,3\n", b"1;2;3\n"]
@@ -283,7 +284,7 @@ def main() -> None:
     for name in READERS:  # what is loaded on first use is no growth
         fuzz(name, 50, seed=1)
     start, begun, total = peak_memory(), time.perf_counter(), 0
-    print(f"{'reader':8}{'inputs':>10}{'accepted':>10}{'slowest':>12}{'peak growth':>14}")  # noqa: T201
+    print(f"{'reader':8}{'inputs':>10}{'accepted':>10}{'slowest':>12}{'peak growth':>14}")
     for name in READERS:
         count = fuzz(name, amount // len(READERS))
         growth = peak_memory() - start
@@ -291,8 +292,8 @@ def main() -> None:
         assert count.accepted > count.inputs // 1000, f"{name}: hardly anything is accepted"
         assert growth < MEMORY, f"{name}: the peak grew by {growth} bytes"
         told = f"{count.slowest * 1e3:9.1f} ms{growth / 2**20:11.1f} MB"
-        print(f"{name:8}{count.inputs:10}{count.accepted:10}{told}", flush=True)  # noqa: T201
-    print(f"{total} inputs in {time.perf_counter() - begun:.0f} s: nothing but clean refusals")  # noqa: T201
+        print(f"{name:8}{count.inputs:10}{count.accepted:10}{told}", flush=True)
+    print(f"{total} inputs in {time.perf_counter() - begun:.0f} s: nothing but clean refusals")
 
 
 if __name__ == "__main__":
