@@ -5,7 +5,7 @@
 Without a folder it renews certreg/native/built where the sources are no longer those that were
 compiled. The compiler is $CC, else cc, gcc or clang; where there is none, or it fails, Zig's, from
 the package index into a folder that is gone afterwards. Where that fails, too, the reason is kept,
-and certreg runs generated Python. With CERTREG_REQUIRE_KERNELS set it fails instead.
+and certreg runs the C in Python, much slower. With CERTREG_REQUIRE_KERNELS set it fails instead.
 CERTREG_OBJECTS names a folder where builds share object files, each named by the digest of all
 that it is made of, on a machine whose compiler and its headers stay the same. It needs Python
 alone.

@@ -108,7 +108,7 @@ def logged() -> Callable[[int], AbstractContextManager[list[str]]]:
 
 @pytest.fixture
 def compiled() -> None:
-    """There is a compiled library beside the generated Python; else the test is skipped."""
+    """There is a compiled library beside Python; else the test is skipped."""
     from engines import engine
 
     engine("library")

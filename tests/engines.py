@@ -1,4 +1,4 @@
-"""Both machines that step bodies: the compiled library, and the generated Python."""
+"""Both machines that step bodies: the compiled library, and Python."""
 
 from __future__ import annotations
 

@@ -54,7 +54,7 @@ def _engine() -> str:
     try:
         return native.loaded_library().words  # asked for here: it loads NumPy
     except native.MissingLibraryError as error:
-        return f"generated Python: {error}"
+        return f"in Python: {error}"
     except Exception as error:  # noqa: BLE001 - whatever stops NumPy: the list is for such machines
         library = unloaded(error) or "numpy"
         return f"none: {printable(refusal(library, error, 'it'))}"

@@ -1,4 +1,4 @@
-"""The engine of this process: compiled code where there is one, generated Python elsewhere."""
+"""The engine of this process: compiled code where there is one, Python elsewhere."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def current_engine() -> Engine:
     try:
         library = loaded_library()
     except MissingLibraryError as error:
-        LOG.info("generated Python: %s", error)
+        LOG.info("in Python: %s", error)
         message = f"{error}: simulating in Python, same results but much slower"
         warnings.warn(message, SlowSimulationWarning, stacklevel=2)
         return evaluator()

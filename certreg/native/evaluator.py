@@ -1,4 +1,4 @@
-"""The same functions and loops where nothing is compiled: generated Python.
+"""The same functions and loops where nothing is compiled: the generated C, run by Python.
 
 Slower by a factor of hundreds, the same numbers up to rounding. `Evaluator.run` does what the loops
 in C do, in the same order (`runs`, `spring_runs`). A module of its own: it is one of two engines,
@@ -7,14 +7,13 @@ as `library` is the other, and `engine` chooses.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from functools import cache
-from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from certreg.native.kernels import GENERATED
 from certreg.native.layout import (
     BODY,
     QUATERNION_STATE,
@@ -24,9 +23,10 @@ from certreg.native.library import Signature, signatures
 from certreg.native.runs import BodyRun
 from certreg.native.spring_runs import SpringRun
 from certreg.native.stationary import stationary_poses
+from certreg.native.tape import Tape, tapes_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Sequence
 
     from numpy.typing import NDArray
 
@@ -34,18 +34,19 @@ if TYPE_CHECKING:
     from certreg.native.stationary import ManyClouds, StationaryPoses
 
 Array = Any  # NDArray[np.float64]
+SOURCES = [GENERATED / f"{kind}dynamics.c" for kind in ("", "breathing_", "spring_")]
 
 
 @dataclass(frozen=True, slots=True)
 class Evaluator:
-    """The generated functions in Python."""
+    """The generated functions, each a tape."""
 
     calls: dict[str, _Call]
 
     @property
     def words(self) -> str:
         """What it is, for `certreg info`."""
-        return "generated Python (no compiled code)"
+        return "Python (no compiled code)"
 
     def evaluate(self, name: str, *arguments: NDArray[Any]) -> tuple[NDArray[np.float64], ...]:
         """The results of one generated function, flat. Raises ValueError for other sizes."""
@@ -76,15 +77,14 @@ class _Call:
     """One function with the sizes of what it takes and gives."""
 
     name: str
-    function: Callable[..., None]
+    tape: Tape
     shape: Signature
 
     def __call__(self, *arguments: NDArray[Any]) -> tuple[NDArray[np.float64], ...]:
         """The results for one set of numbers."""
         checked = self.shape.checked(self.name, arguments)
-        results = [[0.0] * size for size in self.shape.results]
         try:  # Python's own numbers are four times as fast as NumPy's, one by one
-            self.function(math.sqrt, *[array.tolist() for array in checked], *results)
+            results = self.tape.run([array.tolist() for array in checked])
         except (ZeroDivisionError, ValueError):  # infinity, or none: a result like any other in C
             return self.of_arrays(checked)
         return tuple(np.array(result) for result in results)
@@ -92,18 +92,15 @@ class _Call:
     def of_arrays(self, arguments: Sequence[Array]) -> tuple[Array, ...]:
         """The results for arguments (size, ...), as (size, ...) each."""
         several = np.shape(arguments[0])[1:]
-        results = tuple(np.empty((size, *several)) for size in self.shape.results)
         with np.errstate(all="ignore"):
-            self.function(np.sqrt, *arguments, *results)
-        return results
+            results = self.tape.run(arguments)
+        return tuple(np.array([np.broadcast_to(x, several) for x in result]) for result in results)
 
 
 @cache
 def evaluator() -> Evaluator:
-    """The evaluator of this process, of the generated functions in Python."""
-    names = ("dynamics", "breathing_dynamics", "spring_dynamics")
-    modules = [f"certreg.native.generated.{name}" for name in names]
-    functions = {name: f for module in modules for name, f in vars(import_module(module)).items()}
+    """The evaluator of this process, of all generated functions."""
+    tapes = {name: tape for source in SOURCES for name, tape in tapes_of(source.read_text("utf-8"))}
     return Evaluator(
-        {name: _Call(name, functions[name], shape) for name, shape in signatures().items()}
+        {name: _Call(name, tapes[name], shape) for name, shape in signatures().items()}
     )

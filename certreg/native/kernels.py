@@ -133,7 +133,7 @@ WRITTEN = (  # by hand, not generated
     "certreg_triangles",
 )
 VARIANT = "CERTREG_VARIANT"  # names a narrower one, or PYTHON
-PYTHON = "python"  # none: the generated Python
+PYTHON = "python"  # none: Python runs the generated C
 REMEDY = "run `make kernels`, or install certreg again"
 
 

@@ -275,7 +275,7 @@ def test_why_nothing_was_compiled_is_said_once_and_the_generated_python_runs(cop
     with pytest.warns(SlowSimulationWarning, match="no compiler anywhere: simulating in Python"):
         found = engines.current_engine.__wrapped__()
     assert found is evaluator()
-    assert "\nsimulation   generated Python: no compiler anywhere\n" in certreg("info").out
+    assert "\nsimulation   in Python: no compiler anywhere\n" in certreg("info").out
 
 
 @pytest.mark.usefixtures("anew")

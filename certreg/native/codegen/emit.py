@@ -1,9 +1,9 @@
-"""Writing the generated code: C99, its header, and the same statements in Python.
+"""Writing the generated code: C99 and its header.
 
 CasADi's own C takes arrays of pointers and tests each; here it gets plain signatures, its banner
 and its unused parts are left out, and the number type and the square root become macros, so that
-the same text compiles for doubles and for vectors of doubles. Python gets the same operations in
-the same order, for numbers and for arrays.
+the same text compiles for doubles and for vectors of doubles. `certreg.native.tape` reads it where
+nothing compiles it.
 """
 
 from __future__ import annotations
@@ -27,7 +27,6 @@ C_FILE, HEADER_FILE = "dynamics.c", "dynamics.h"
 _BODY = re.compile(r"static int casadi_f0\(.*?\) \{\n(.*?)  return 0;\n\}", re.DOTALL)
 _LOAD = re.compile(r"arg\[(\d+)\]\? arg\[\1\]\[(\d+)\] : 0;")
 _STORE = re.compile(r"if \(res\[(\d+)\]!=0\) res\[\1\]\[(\d+)\]=")
-_DECLARED = re.compile(r"^  casadi_real [^;]*;\n", re.MULTILINE)
 _NUMBER = re.compile(r"(?<![\w.\]])(-?\d+(?:\.\d*)?(?:e[-+]?\d+)?)(?=;|\)|[-+*/])")
 
 _ABOUT = """\
@@ -88,17 +87,6 @@ _FOOTER = """\
 #endif
 #endif
 """
-_PYTHON = '''\
-"""The functions of {c_file} in Python, for where nothing compiles it: do not edit.
-
-Generated from the same derived expressions: the same operations in the same order. `sqrt` comes
-first; then the arguments, sequences of numbers or of arrays; then the sequences for the results.
-"""
-# pyright: basic
-# Functions this long are beyond what strict checking infers.
-
-from typing import Any
-'''
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -107,7 +95,6 @@ class Edition:
 
     c_file: str = C_FILE
     header_file: str = HEADER_FILE
-    python_file: str = "dynamics.py"
     signatures_file: str = "signatures.json"
     layout_name: str = "layout"
     about: str = _ABOUT
@@ -117,7 +104,6 @@ ISOTROPIC = Edition()
 GENERAL = Edition(
     c_file="spring_dynamics.c",
     header_file="spring_dynamics.h",
-    python_file="spring_dynamics.py",
     signatures_file="spring_signatures.json",
     layout_name="spring_layout",
     about=_ABOUT_SPRINGS,
@@ -125,7 +111,6 @@ GENERAL = Edition(
 BREATHING = Edition(
     c_file="breathing_dynamics.c",
     header_file="breathing_dynamics.h",
-    python_file="breathing_dynamics.py",
     signatures_file="breathing_signatures.json",
     layout_name="breathing_layout",
     about=_ABOUT_BREATHING,
@@ -137,7 +122,7 @@ def generated_files(
     records: Sequence[RecordLayout],
     edition: Edition = ISOTROPIC,
 ) -> dict[str, bytes]:
-    """The contents of header, C and Python, of signatures and layout, by name of the file.
+    """The contents of header and C, of signatures and layout, by name of the file.
 
     The same definitions and records and the same version of CasADi give the same bytes.
     """
@@ -145,7 +130,6 @@ def generated_files(
     return {
         edition.header_file: header(definitions, edition).encode(),
         edition.c_file: source(definitions, bodies, edition).encode(),
-        edition.python_file: python(definitions, bodies, edition).encode(),
         edition.signatures_file: signatures(definitions).encode(),
         **layout_files(records, edition.layout_name),
     }
@@ -170,16 +154,6 @@ def source(definitions: Sequence[Definition], bodies: Sequence[str], edition: Ed
         for definition, body in zip(definitions, bodies, strict=True)
     ]
     return top + "".join(functions)
-
-
-def python(definitions: Sequence[Definition], bodies: Sequence[str], edition: Edition) -> str:
-    """The module of Python: the same straight-line code, results stored in the last arguments."""
-    functions = [
-        f"\n\ndef {definition.name}(\n{_parameters(definition)}) -> None:\n"
-        f'    """{definition.says}"""\n{_in_python(body)}'
-        for definition, body in zip(definitions, bodies, strict=True)
-    ]
-    return _PYTHON.replace("{c_file}", edition.c_file) + "".join(functions)
 
 
 def signatures(definitions: Sequence[Definition]) -> str:
@@ -223,14 +197,3 @@ def _in_macros(body: str) -> str:
     """The statements in C, for any type of number."""
     lines = body.replace("casadi_real ", "CERTREG_REAL ").replace("sqrt(", "CERTREG_SQRT(")
     return _NUMBER.sub(r"CERTREG_CONSTANT(\1)", lines)
-
-
-def _parameters(definition: Definition) -> str:
-    names = ["sqrt", *(port.name for port in (*definition.arguments, *definition.results))]
-    return "".join(f"    {name}: Any,\n" for name in names)
-
-
-def _in_python(body: str) -> str:
-    """The statements in Python, which declares no variables and ends no line with a semicolon."""
-    lines = _DECLARED.sub("", body).replace(";\n", "\n")
-    return "".join(f"  {line}\n" for line in lines.splitlines())
