@@ -21,8 +21,9 @@ from benchmarks.clouds import random_problem
 from benchmarks.measuring import Figure, Quantity, fastest
 from certreg.certificate.producing import multiplier_gap, proved_multiplier
 from certreg.objective.isotropic import Isotropic
+from certreg.problem.lifting import lift
 from certreg.problem.moments import exact_moments
-from certreg.problem.problem import RegistrationProblem, lift
+from certreg.problem.problem import RegistrationProblem
 from certreg.relaxation.conic import solve
 from certreg.relaxation.qcqp import Form
 from certreg.relaxation.shor import relax

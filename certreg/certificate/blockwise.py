@@ -87,7 +87,7 @@ def _proved(
     stated = parse(certificate)
     same = stated.n == problem.n
     require(same, "the certificate is about another number of points or weights")
-    same, said = problem.model_options == stated.model, stated.model or NO_MODEL
+    same, said = problem.motion.options == stated.model, stated.model or NO_MODEL
     require(same, f"the certificate has {said}: give the same")
     if stated.data is not None:
         bound_doubles(stated, None)

@@ -240,7 +240,7 @@ def _clouds(problem: RegistrationProblem) -> Clouds:
         source=array("d", points.source.tobytes()),
         target=array("d", points.target.tobytes()),
         weights=array("d", own.tobytes()),
-        model=problem.model_options,
+        model=problem.motion.options,
     )
 
 

@@ -176,8 +176,8 @@ def count_certificate(problem: RegistrationProblem) -> Certificate[CountBody] | 
     None means not proved, not disproved. Raises InvalidProblemError without a translation, or with
     a free scale: that kind states a rigid motion.
     """
-    if problem.model_options:
-        message = f"no certificate counts equilibria with {problem.model_options}: leave --out out"
+    if problem.motion.options:
+        message = f"no certificate counts equilibria with {problem.motion.options}: leave --out out"
         raise InvalidProblemError(message, array="problem")
     from certreg.equilibrium import at_most_four  # loads FLINT, which few need
 

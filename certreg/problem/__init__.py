@@ -38,21 +38,12 @@ if TYPE_CHECKING:
     from certreg.problem.inliers import INLIER_WORDS as INLIER_WORDS
     from certreg.problem.inliers import LEAST_DIRECTIONS as LEAST_DIRECTIONS
     from certreg.problem.inliers import checked_inliers as checked_inliers
+    from certreg.problem.lifting import lift as lift
     from certreg.problem.many import ManyPairs as ManyPairs
     from certreg.problem.many_springs import ManySpringMoments as ManySpringMoments
     from certreg.problem.many_springs import ManySprings as ManySprings
     from certreg.problem.many_springs import many_spring_moments as many_spring_moments
     from certreg.problem.many_springs import stated_many as stated_many
-    from certreg.problem.model import DEFAULT_DAMPING as DEFAULT_DAMPING
-    from certreg.problem.model import DIGEST_PREFIX as DIGEST_PREFIX
-    from certreg.problem.model import MAX_DAMPING as MAX_DAMPING
-    from certreg.problem.model import MIN_DAMPING as MIN_DAMPING
-    from certreg.problem.model import PREFIXES as PREFIXES
-    from certreg.problem.model import Scale as Scale
-    from certreg.problem.model import checked_damping as checked_damping
-    from certreg.problem.model import checked_rotation_only as checked_rotation_only
-    from certreg.problem.model import checked_scale as checked_scale
-    from certreg.problem.model import options_of as options_of
     from certreg.problem.moments import ExactMoments as ExactMoments
     from certreg.problem.moments import Moments as Moments
     from certreg.problem.moments import davenport_error as davenport_error
@@ -62,11 +53,19 @@ if TYPE_CHECKING:
     from certreg.problem.moments import trace as trace
     from certreg.problem.moments_of_springs import SpringMoments as SpringMoments
     from certreg.problem.moments_of_springs import spring_moments as spring_moments
+    from certreg.problem.motion import DEFAULT_DAMPING as DEFAULT_DAMPING
+    from certreg.problem.motion import DIGEST_PREFIX as DIGEST_PREFIX
+    from certreg.problem.motion import MAX_DAMPING as MAX_DAMPING
+    from certreg.problem.motion import MIN_DAMPING as MIN_DAMPING
+    from certreg.problem.motion import Motion as Motion
+    from certreg.problem.motion import Scale as Scale
+    from certreg.problem.motion import checked_damping as checked_damping
+    from certreg.problem.motion import checked_rotation_only as checked_rotation_only
+    from certreg.problem.motion import checked_scale as checked_scale
     from certreg.problem.posing import FloatingPose as FloatingPose
     from certreg.problem.posing import PosedPairs as PosedPairs
     from certreg.problem.posing import floating_pose as floating_pose
     from certreg.problem.problem import RegistrationProblem as RegistrationProblem
-    from certreg.problem.problem import lift as lift
     from certreg.problem.random_instances import PAPER_DAMPING as PAPER_DAMPING
     from certreg.problem.random_instances import PAPER_POINTS as PAPER_POINTS
     from certreg.problem.random_instances import PAPER_SIGMA as PAPER_SIGMA
@@ -145,6 +144,7 @@ __getattr__ = lazy_face(
         ),
         "inliers": ("INLIER_WORDS", "LEAST_DIRECTIONS", "checked_inliers"),
         "row_lengths": ("apart", "diameter", "lengths"),
+        "lifting": ("lift",),
         "many": ("ManyPairs",),
         "many_springs": (
             "ManySpringMoments",
@@ -152,17 +152,16 @@ __getattr__ = lazy_face(
             "many_spring_moments",
             "stated_many",
         ),
-        "model": (
+        "motion": (
             "DEFAULT_DAMPING",
             "MAX_DAMPING",
             "MIN_DAMPING",
             "checked_damping",
             "DIGEST_PREFIX",
-            "PREFIXES",
+            "Motion",
             "Scale",
             "checked_rotation_only",
             "checked_scale",
-            "options_of",
         ),
         "moments": (
             "ExactMoments",
@@ -182,10 +181,7 @@ __getattr__ = lazy_face(
             "PosedPairs",
             "floating_pose",
         ),
-        "problem": (
-            "RegistrationProblem",
-            "lift",
-        ),
+        "problem": ("RegistrationProblem",),
         "random_instances": (
             "Instances",
             "OutlierInstance",

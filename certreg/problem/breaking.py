@@ -11,7 +11,8 @@ from certreg._loading import cached_property
 from certreg.errors import InvalidProblemError
 from certreg.exact import power_of_two
 from certreg.problem.bounds import checked_bounds
-from certreg.problem.problem import RegistrationProblem, lift
+from certreg.problem.lifting import lift
+from certreg.problem.problem import RegistrationProblem
 from certreg.problem.support import Verb, require_supported
 from certreg.results import Brief
 

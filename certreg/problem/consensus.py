@@ -10,7 +10,7 @@ import numpy as np
 
 from certreg.errors import InvalidProblemError
 from certreg.problem.bounds import NAME, checked_bounds
-from certreg.problem.model import Scale
+from certreg.problem.motion import Scale
 from certreg.problem.problem import RegistrationProblem
 from certreg.problem.row_lengths import diameter
 from certreg.problem.support import Loss, require_supported

@@ -25,7 +25,7 @@ import numpy as np
 
 from certreg.native import MissingLibraryError, loaded_library
 from certreg.problem.arrays import row_blocks
-from certreg.problem.problem import lift
+from certreg.problem.lifting import lift
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence

@@ -9,7 +9,7 @@ import numpy as np
 
 from certreg.errors import InvalidProblemError
 from certreg.problem.arrays import ATTRIBUTES, cloud_array, finite_doubles, real_numbers
-from certreg.problem.model import DIGEST_PREFIX
+from certreg.problem.motion import DIGEST_PREFIX
 from certreg.problem.row_labels import require_same_labels
 from certreg.results import Brief
 

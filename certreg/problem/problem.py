@@ -1,8 +1,4 @@
-"""The registration problem: points, weights, damping; exact lift and digest.
-
-Floating point becomes exact here and nowhere else: every finite double is a dyadic rational, so a
-problem stated in doubles is an exact rational problem.
-"""
+"""The registration problem: points, weights, motion, damping; and its digest."""
 
 from __future__ import annotations
 
@@ -15,14 +11,13 @@ import numpy as np
 from certreg.errors import InvalidProblemError
 from certreg.problem.arrays import cloud_array, finite_doubles, mapped_file, row_blocks
 from certreg.problem.blocks import CHANGED, Block, SpringBlock, contiguous
-from certreg.problem.model import (
+from certreg.problem.motion import (
     DEFAULT_DAMPING,
-    PREFIXES,
+    Motion,
     Scale,
     checked_damping,
     checked_rotation_only,
     checked_scale,
-    options_of,
 )
 from certreg.problem.row_labels import require_same_labels
 from certreg.problem.spring_rows import warn_of_unused
@@ -43,8 +38,6 @@ NO_WEIGHTS = (
     "for weights only"
 )
 NO_SPRINGS = "this problem has one weight for each pair, not general springs"
-MANTISSA_BITS = 53
-FEW = 32  # numbers that are lifted faster one by one than by twenty calls of NumPy
 
 
 @dataclass(frozen=True, slots=True, eq=False, init=False)
@@ -104,8 +97,7 @@ class RegistrationProblem(Brief):
     factors: NDArray[np.float64] | None  # (N, 6), of general springs; None where there are weights
     springs: SpringSummary | None  # of general springs
     damping: float
-    scale: Scale
-    rotation_only: bool
+    motion: Motion
     noise_given: bool  # whether sigma was given: weights alone may be relative
     damping_given: bool
     _weights: NDArray[np.float64] | None
@@ -175,8 +167,8 @@ class RegistrationProblem(Brief):
         return f"<RegistrationProblem: n={self.n}{springs}{scale}{only}{noise}>"
 
     def _set_model(self, scale: Any, *, rotation_only: Any) -> None:
-        object.__setattr__(self, "scale", checked_scale(scale))
-        object.__setattr__(self, "rotation_only", checked_rotation_only(rotation_only))
+        motion = Motion(checked_scale(scale), checked_rotation_only(rotation_only))
+        object.__setattr__(self, "motion", motion)
         require_supported(self.cell)
 
     def modelled(self, scale: str | Scale, *, rotation_only: bool) -> RegistrationProblem:
@@ -217,14 +209,32 @@ class RegistrationProblem(Brief):
         )
 
     @property
-    def scaled(self) -> bool:
-        """Whether the scale is free."""
-        return self.scale is not Scale.NONE
+    def scale(self) -> Scale:
+        """Whether the scale is free, and what the best one minimises."""
+        return self.motion.scale
 
     @property
-    def model_options(self) -> str:
-        """What to type for such a motion: ``--scale``, ``--rotation-only``, or nothing."""
-        return options_of(self.scale, rotation_only=self.rotation_only)
+    def rotation_only(self) -> bool:
+        """Whether the motion has no translation."""
+        return self.motion.rotation_only
+
+    @property
+    def scaled(self) -> bool:
+        """Whether the scale is free."""
+        return self.motion.scaled
+
+    @property
+    def observations(self) -> int:
+        """How many numbers with noise the pairs are: three for a weight, the rank of a spring."""
+        if self.springs is not None:
+            return sum(rank * count for rank, count in enumerate(self.springs.ranks))
+        blocks = (contiguous(self.weights, rows) for rows in row_blocks(self.n))
+        return 3 * sum(int(np.count_nonzero(block)) for block in blocks)
+
+    @property
+    def degrees_of_freedom(self) -> int:
+        """Of the residuals, all parameters of the pose counted; below zero of too few pairs."""
+        return self.observations - self.motion.parameters
 
     def damped(self, damping: float) -> RegistrationProblem:
         """The same problem with another damping.
@@ -378,8 +388,7 @@ class RegistrationProblem(Brief):
 
     def _pieces(self) -> Iterator[bytes | memoryview]:
         """What `data_bytes` holds, piece by piece."""
-        rigid = PREFIXES[self.scale, self.rotation_only]
-        prefix = rigid if self.factors is None else SPRINGS_PREFIX
+        prefix = self.motion.prefix if self.factors is None else SPRINGS_PREFIX
         yield prefix + self.n.to_bytes(8, "little")
         for name, array in self._stated():
             for rows in row_blocks(len(array)):
@@ -391,50 +400,6 @@ class RegistrationProblem(Brief):
         names = ("source", "target", "weights", "factors")
         pairs = zip(names, arrays, strict=True)
         return [(name, array) for name, array in pairs if array is not None]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Lifted:
-    """Doubles as exact numbers: entry i is `integers[i] * 2**exponent`."""
-
-    integers: list[int]
-    exponent: int
-
-
-def lift(values: NDArray[np.float64]) -> Lifted:
-    """The exact values of finite doubles (flat), over one common power of two."""
-    if len(values) <= FEW:
-        return _lifted(values.tolist())
-    mantissas, exponents = np.frexp(values)
-    integers = np.ldexp(mantissas, MANTISSA_BITS).astype(np.int64)
-    exponents = exponents.astype(np.int64) - MANTISSA_BITS
-    present = integers != 0
-    if not present.any():
-        return Lifted(integers=[0] * len(integers), exponent=0)
-    lowest_bit = np.where(present, integers & -integers, 1)
-    zeros = np.frexp(lowest_bit.astype(np.float64))[1].astype(np.int64) - 1
-    integers >>= zeros
-    exponents += zeros
-    common = int(exponents[present].min())
-    shifts = np.where(present, exponents - common, 0)
-    if int((MANTISSA_BITS - zeros + shifts).max()) <= 63:  # bits of the longest, without its sign
-        return Lifted(integers=(integers << shifts).tolist(), exponent=common)
-    pairs = zip(integers.tolist(), shifts.tolist(), strict=True)
-    return Lifted(integers=[m << s for m, s in pairs], exponent=common)
-
-
-def _lifted(values: list[float]) -> Lifted:
-    """The same, one by one."""
-    ratios = [value.as_integer_ratio() for value in values]
-    over = max((below for _, below in ratios), default=1)
-    integers = [above * (over // below) for above, below in ratios]
-    bits = 0
-    for k in integers:
-        bits |= k
-    if not bits:
-        return Lifted(integers=integers, exponent=0)
-    spare = (bits & -bits).bit_length() - 1
-    return Lifted(integers=[k >> spare for k in integers], exponent=spare + 1 - over.bit_length())
 
 
 def _read_only(array: NDArray[np.float64]) -> NDArray[np.float64]:

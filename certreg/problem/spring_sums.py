@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, ClassVar
 from certreg.native import library_if_any, loaded_library, springs_by_exponent, springs_by_limbs
 from certreg.problem.blocks import SpringBlock
 from certreg.problem.exact_sums import THREADS, UPPER, SumMethod, Sums, over_blocks
-from certreg.problem.problem import lift
+from certreg.problem.lifting import lift
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

@@ -12,7 +12,7 @@ from functools import cache
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from certreg.errors import InvalidProblemError
-from certreg.problem.model import Scale
+from certreg.problem.motion import Scale
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator

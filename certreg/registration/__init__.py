@@ -42,7 +42,6 @@ if TYPE_CHECKING:
     from certreg.registration.consensus_words import bound_words as bound_words
     from certreg.registration.covariance import NO_RESIDUALS as NO_RESIDUALS
     from certreg.registration.covariance import PoseCovariance as PoseCovariance
-    from certreg.registration.covariance import parameters_of as parameters_of
     from certreg.registration.covariance import residual_distances as residual_distances
     from certreg.registration.covariance import worst_residuals as worst_residuals
     from certreg.registration.enumeration import Enumeration as Enumeration
@@ -211,7 +210,6 @@ __getattr__ = lazy_face(
         "covariance": (
             "NO_RESIDUALS",
             "PoseCovariance",
-            "parameters_of",
             "residual_distances",
             "worst_residuals",
         ),

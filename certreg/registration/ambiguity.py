@@ -16,7 +16,6 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from certreg.equilibrium import equilibrium_set
-from certreg.registration.covariance import PARAMETERS
 from certreg.registration.misfits import LEVEL, FitCode, FitSums
 from certreg.registration.outlying import independent_rows
 from certreg.registration.tails import log_ratio_below
@@ -84,7 +83,7 @@ def _rules_out_next(problem: RegistrationProblem, objective: Isotropic) -> bool:
 
     The noise is the given sigma, or what the residuals are; False means not ruled out.
     """
-    sums, degrees = FitSums(objective), 3 * independent_rows(problem) - PARAMETERS
+    sums, degrees = FitSums(objective), 3 * independent_rows(problem) - problem.motion.parameters
     least, more = sums.energy, 2 * objective.eigenvalue_difference(0, 1)
     if degrees <= 0 or least + more <= sums.rounding:
         return False

@@ -151,11 +151,6 @@ class PoseCovariance(Explained):
         return None if self.matrix is None else change @ self.matrix[:6, :6] @ change.T
 
 
-def parameters_of(problem: RegistrationProblem) -> int:
-    """How many numbers of the pose are found: six, with a scale one more, without a shift three."""
-    return PARAMETERS + problem.scaled - TURN * problem.rotation_only
-
-
 def pose_covariance(problem: RegistrationProblem, objective: Isotropic) -> PoseCovariance | Absent:
     """The covariance of the optimal pose; Absent if the optimum is not unique or doubles overflow.
 
@@ -168,11 +163,11 @@ def pose_covariance(problem: RegistrationProblem, objective: Isotropic) -> PoseC
     biased = problem.scale is Scale.SYMMETRIC
     if biased or not objective.classification.unique:
         return BIASED if biased else NOT_UNIQUE
-    degrees = 3 * rows_with_weight(problem) - parameters_of(problem)
+    degrees = problem.degrees_of_freedom
     least = objective.energy(objective.optimum)
     if not problem.noise_given and (degrees <= 0 or least <= 0):
         return NO_VARIANCE if degrees <= 0 else NO_RESIDUALS
-    if not problem.noise_given and 2 * effective_rows(problem) < rows_with_weight(problem):
+    if not problem.noise_given and 6 * effective_rows(problem) < problem.observations:
         return FEW_CARRY
     variance = Fraction(1) if problem.noise_given else least / degrees
     parts = _Parts.of(objective, variance)
@@ -405,12 +400,6 @@ def worst_residuals(
         worst += [Residual(row=rows.start + int(k), distance=float(distances[k])) for k in far]
         worst = sorted(worst, key=lambda one: (-one.distance, one.row))[:count]
     return worst
-
-
-def rows_with_weight(problem: RegistrationProblem) -> int:
-    """How many points have a weight other than zero."""
-    blocks = (contiguous(problem.weights, rows) for rows in row_blocks(problem.n))
-    return sum(int(np.count_nonzero(block)) for block in blocks)
 
 
 def effective_rows(problem: RegistrationProblem) -> float:

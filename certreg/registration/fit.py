@@ -15,9 +15,6 @@ from certreg.exact import nearest_double, power_of_two
 from certreg.geometry import squared_norm
 from certreg.problem import Scale
 from certreg.registration.covariance import (
-    PARAMETERS,
-    parameters_of,
-    rows_with_weight,
     worst_residuals,
 )
 from certreg.registration.headlines import LOOSE_SIGMA, beyond_first_order
@@ -62,8 +59,6 @@ NO_CHI2 = Absent("the symmetric scale is not the one of the least squares, which
 UNNAMED = RowNames(None)
 MOST_ROWS = 10  # that are listed
 LEAST_ROWS = 3  # with 3 n - 6 > 0 degrees of freedom there are more
-TRANSLATION = 3  # parameters of a pose whose rotation is given
-LINE = 5  # of one that moves a line
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -129,7 +124,7 @@ def fit_of(
     if problem.scaled or problem.rotation_only:
         return _of_model(problem, sums, pose, covariance, names)
     rows = row_fit(problem, objective, pose)
-    chi2 = _chi2(problem, sums, None if rows is None else rows.rows, covariance)
+    chi2 = _chi2(problem, sums, covariance)
     ratio = OUT_OF_RANGE if rows is None else rows.largest_over_median or ZERO_MEDIAN
     values: dict[str, float | Absent] = {
         "explained": COINCIDENT if sums.explained is None else _double(sums.explained),
@@ -164,7 +159,7 @@ def _of_model(
     names: RowNames,
 ) -> Fit:
     """Of a free scale, or without a translation: of the tests only that of a given sigma."""
-    chi2 = _chi2(problem, sums, rows_with_weight(problem), covariance)
+    chi2 = _chi2(problem, sums, covariance)
     values: dict[str, float | Absent] = {
         "explained": COINCIDENT if sums.explained is None else _double(sums.explained),
         "best_scale": NO_SOURCE if sums.scale is None else _double(sums.scale),
@@ -220,7 +215,8 @@ def silent_tests(problem: RegistrationProblem, objective: Isotropic) -> tuple[Fi
     left = float(min(share, 1 / share)) if share else 0.0
     best = max(sums.explained or 0, sums.mirrored_explained or 0)
     told = left <= MOST_LEFT and best >= MIRROR_EXPLAINED
-    told = told and log_ratio_below(left, 3 * rows - 6) <= math.log(LEVEL)
+    degrees = 3 * rows - problem.motion.parameters
+    told = told and log_ratio_below(left, degrees) <= math.log(LEVEL)
     silent = {FitCode.OUTLIER_ROWS: rows <= LEAST_ROWS, FitCode.MIRRORED: not told}
     return tuple(code for code, is_silent in silent.items() if is_silent)
 
@@ -241,30 +237,29 @@ def _scale_p(sums: FitSums, rows: RowFit | None) -> float | Absent:
 def _chi2(
     problem: RegistrationProblem,
     sums: FitSums,
-    rows: int | None,
     covariance: PoseCovariance | Absent,
 ) -> ChiSquared | Absent:
     """The test of a given sigma; of a turn that sigma leaves open, no parameter is counted.
 
     The least of E is at most E at the true rotation and scale with the best translation, which has
     3 n - 3 degrees of freedom, 3 n without a translation: with these p is a bound, whatever the
-    turn and the scale take. rows: with weight; None where numbers leave the range of doubles.
+    turn and the scale take.
     """
     if not problem.noise_given:
         return NO_NOISE
     if problem.scale is Scale.SYMMETRIC:
         return NO_CHI2
     value = nearest_double(_least(sums))
-    if rows is None or value is None:
+    if value is None:
         return OUT_OF_RANGE
     if isinstance(covariance, Absent):  # of a line, which turns by 1 / (s sqrt(Sxx))
         across = _scaled_source(sums)
-        loose = sums.parameters == LINE and across * Fraction(LOOSE_SIGMA) ** 2 < 1
+        loose = sums.free_turns == 1 and across * Fraction(LOOSE_SIGMA) ** 2 < 1
     else:
         loose = beyond_first_order(covariance) is not None
-    more = parameters_of(problem) - PARAMETERS  # than of a rigid motion
-    shift = 0 if problem.rotation_only else TRANSLATION
-    dof = 3 * rows - (shift if loose else sums.parameters + more)
+    motion = problem.motion
+    found = motion.translations if loose else motion.parameters - sums.free_turns
+    dof = problem.observations - found
     if dof <= 0:
         return TOO_FEW
     p = math.exp(log_chi2_above(value, dof))

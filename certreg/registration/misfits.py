@@ -138,9 +138,9 @@ class FitSums:
         return trace(moments.source_scatter) * unit / moments.mass
 
     @cached_property
-    def parameters(self) -> int:
-        """How many numbers of a pose move the source: about a line of points no turn does."""
-        return 3 + (0, 2, 3, 3)[rank(self.objective.moments.source_scatter)]
+    def free_turns(self) -> int:
+        """How many numbers of a rotation move nothing: all about a point, one about a line."""
+        return (3, 1, 0, 0)[rank(self.objective.moments.source_scatter)]
 
     @cached_property
     def target(self) -> Fraction:
@@ -326,7 +326,7 @@ def _times_words(scale: Fraction) -> str:
 
 def log_scale_p(sums: FitSums, rows: RowFit) -> float | None:
     """The log of the p-value of a scale other than one; None where nothing is left to test."""
-    degrees = 3 * rows.independent_rows - 7
+    degrees = rows.degrees(1)
     if sums.explained is None or degrees <= 0 or sums.rounded:
         return None
     return log_beta_below(float(sums.scaled_share), degrees / 2, 0.5)
@@ -334,7 +334,7 @@ def log_scale_p(sums: FitSums, rows: RowFit) -> float | None:
 
 def _outlier_words(rows: RowFit, names: RowNames) -> str | None:
     k, n = rows.far_rows, rows.rows
-    degrees, gone = 3 * (rows.independent_rows - k) - 6, _gone(rows.left)
+    degrees, gone = rows.degrees(3 * k), _gone(rows.left)
     if k == 0 or degrees <= 0 or 2 * k >= n:
         return None
     log_p = log_beta_below(rows.left, degrees / 2, 3 * k / 2)
@@ -353,7 +353,7 @@ def _outlier_words(rows: RowFit, names: RowNames) -> str | None:
 
 
 def _mirrored_words(sums: FitSums, rows: RowFit) -> str | None:
-    degrees = 3 * rows.independent_rows - 6
+    degrees = rows.degrees()
     explained, left = sums.mirrored_explained, sums.mirrored_share
     if degrees <= 0 or explained is None or explained < MIRROR_EXPLAINED or left > MOST_LEFT:
         return None
@@ -368,7 +368,7 @@ def _mirrored_words(sums: FitSums, rows: RowFit) -> str | None:
 
 def _slip_words(rows: RowFit) -> str | None:
     other = rows.other_pairing
-    if other is None or not _fits_better(other):
+    if other is None or not _fits_better(other, rows.parameters):
         return None
     of = "" if other.first is None else f" of the first {other.first} rows"
     gone = _gone(other.left, of)
@@ -385,9 +385,9 @@ def _shuffled_words(sums: FitSums, rows: RowFit) -> str | None:
     )
 
 
-def _fits_better(other: OtherPairing) -> bool:
+def _fits_better(other: OtherPairing, parameters: int) -> bool:
     """Whether another pairing fits better than chance allows if the given one is right."""
-    degrees = 3 * other.rows - 6
+    degrees = 3 * other.rows - parameters
     if degrees <= 0 or other.left > MOST_LEFT:
         return False
     return log_ratio_below(other.left, degrees) + math.log(PAIRINGS) <= math.log(LEVEL)

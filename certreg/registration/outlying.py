@@ -19,7 +19,6 @@ from certreg.registration.covariance import (
     Residual,
     effective_rows,
     residual_distances,
-    rows_with_weight,
 )
 from certreg.registration.motions import RigidMotion, WeightedPairs
 
@@ -64,7 +63,7 @@ class RowFit:
 
     rows: how many have weight. effective_rows: (sum w)^2 / sum w^2; independent_rows: those that
         carry the objective, `rows` where their noise was given, else `effective_rows`.
-    worst: the largest residuals at the optimum, largest first.
+    parameters: of the motion. worst: the largest residuals at the optimum, largest first.
     largest_over_median: of the residuals at the optimum; None where the median is zero.
     far: rows more than FAR medians away from a pose that most rows agree on, the worst first, at
         most LISTED; far_rows: how many there are. tied: whether as many rows agree on another pose,
@@ -77,6 +76,7 @@ class RowFit:
     rows: int
     effective_rows: float
     independent_rows: float
+    parameters: int
     worst: tuple[Residual, ...]
     largest_over_median: float | None
     far: tuple[int, ...]
@@ -85,6 +85,10 @@ class RowFit:
     left: float
     other_pairing: OtherPairing | None
     second_moments: tuple[NDArray[np.float64], NDArray[np.float64]]
+
+    def degrees(self, more: int = 0) -> float:
+        """Of freedom, with so many more parameters, or observations left out."""
+        return 3 * self.independent_rows - self.parameters - more
 
 
 def row_fit(
@@ -104,7 +108,7 @@ def independent_rows(problem: RegistrationProblem) -> float:
     Else weights may be relative, and the noise of all rows alike: the effective number.
     """
     if problem.noise_given:
-        return float(rows_with_weight(problem))
+        return problem.observations / 3
     return effective_rows(problem)
 
 
@@ -128,6 +132,7 @@ def _row_fit(
         rows=count.rows,
         effective_rows=effective_rows(problem),
         independent_rows=independent_rows(problem),
+        parameters=problem.motion.parameters,
         worst=_residuals(problem, pose, count.worst),
         largest_over_median=count.worst[0].distance / median if median > 0.0 else None,
         far=tuple(one.row for one in count.far),

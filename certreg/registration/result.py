@@ -18,10 +18,8 @@ from certreg.problem import lift, row_blocks
 from certreg.registration.ambiguity import equilibria_at
 from certreg.registration.any_registration import AnyRegistration, AnySolution
 from certreg.registration.covariance import (
-    parameters_of,
     pose_covariance,
     residual_distances,
-    rows_with_weight,
     worst_residuals,
 )
 from certreg.registration.fit import fit_of
@@ -195,7 +193,7 @@ class Registration(AnyRegistration):
     @property
     def degrees_of_freedom(self) -> int:
         """Of the residuals, all parameters of the pose counted."""
-        return 3 * rows_with_weight(self.problem) - parameters_of(self.problem)
+        return self.problem.degrees_of_freedom
 
     def residual_blocks(self) -> Iterator[ResidualBlock]:
         """All rows: slices, distances, and these in standard deviations of weight one."""

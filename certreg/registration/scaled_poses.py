@@ -166,5 +166,5 @@ def unit_of(registration: Registration) -> str | None:
         return None
     alignment = objective.alignment(objective.optimum)
     explained = alignment**2 / (scaling.source * scaling.target)
-    degrees = 3 * independent_rows(problem) - (TURNS if problem.rotation_only else MOTIONS) - 1
+    degrees = 3 * independent_rows(problem) - problem.motion.parameters
     return unit_words(alignment / scaling.source, explained, degrees)

@@ -55,7 +55,7 @@ def spring_covariance(
     problem: RegistrationProblem, pose: Pose, least: Fraction, sums: ResidualSums, *, unique: bool
 ) -> PoseCovariance | Absent:
     """The covariance of an optimal pose; least: the objective there. Absent where there is none."""
-    degrees = degrees_of_freedom(problem)
+    degrees = problem.degrees_of_freedom
     if not unique:
         return NOT_UNIQUE
     if not problem.noise_given:
@@ -74,12 +74,6 @@ def spring_covariance(
         if isinstance(inverse, Absent):
             return inverse
         return _covariance(problem, pose, centre, (scale * inverse, factor, degrees))
-
-
-def degrees_of_freedom(problem: RegistrationProblem) -> int:
-    """As many as the springs have ranks, without those of the pose; below zero of too few."""
-    ranks = () if problem.springs is None else problem.springs.ranks
-    return sum(rank * count for rank, count in enumerate(ranks)) - PARAMETERS
 
 
 def source_centre(problem: RegistrationProblem) -> NDArray[np.float64]:

@@ -9,7 +9,7 @@ from certreg.exact import nearest_double
 from certreg.registration.fit import NO_NOISE, ROUNDED, ZERO_MEDIAN, Fit, FitRow
 from certreg.registration.misfits import ChiSquared, FitCode, FitWarning, chi2_remedy, chi2_words
 from certreg.registration.outlying import LISTED, ROUNDING
-from certreg.registration.spring_covariance import NO_FREEDOM, degrees_of_freedom
+from certreg.registration.spring_covariance import NO_FREEDOM
 from certreg.registration.tails import log_chi2_above
 from certreg.results import OUT_OF_RANGE, Absent, present
 
@@ -80,7 +80,7 @@ def _chi2(
     if not problem.noise_given:
         return NO_NOISE
     value = nearest_double(least)
-    degrees = degrees_of_freedom(problem) + (0 if determined else 2 * TURN)
+    degrees = problem.degrees_of_freedom + (0 if determined else problem.motion.parameters)
     if degrees <= 0:
         return NO_FREEDOM
     if value is None:

@@ -13,7 +13,7 @@ from certreg.problem import lift
 from certreg.registration.any_registration import UNDECIDED, AnyRegistration, AnySolution, Method
 from certreg.registration.freedom import Freedom
 from certreg.registration.outlying import LISTED
-from certreg.registration.spring_covariance import FLAT, degrees_of_freedom, spring_covariance
+from certreg.registration.spring_covariance import FLAT, spring_covariance
 from certreg.registration.spring_curvature import soft_axes
 from certreg.registration.spring_fit import spring_fit
 from certreg.registration.spring_rows import ResidualSums, blocks_at
@@ -235,7 +235,7 @@ class SpringRegistration(AnyRegistration):
     @property
     def degrees_of_freedom(self) -> int:
         """Of the residuals, all six parameters of the pose counted."""
-        return degrees_of_freedom(self.problem)
+        return self.problem.degrees_of_freedom
 
     def residual_blocks(self) -> Iterator[ResidualBlock]:
         """All rows: slices, how far each is off along its springs, and sqrt(r^T W r)."""

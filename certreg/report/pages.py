@@ -41,7 +41,7 @@ def report_on(registration: Reported) -> AnyReport[Any]:
 
 def page_of(problem: RegistrationProblem) -> type[Report]:
     """Which page a problem with one weight for each pair has: by how its source may move."""
-    return similarity_page.SimilarityReport if problem.model_options else Report
+    return similarity_page.SimilarityReport if problem.motion.options else Report
 
 
 def html_page(report: AnyReport[Any]) -> bytes:

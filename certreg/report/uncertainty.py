@@ -18,7 +18,6 @@ from certreg.registration import (
     FitCode,
     axis_words,
     beyond_first_order,
-    parameters_of,
 )
 from certreg.results import Absent
 
@@ -226,7 +225,7 @@ def _basis_words(registration: AnyRegistration, covariance: PoseCovariance) -> s
 
 def _sigma_of(registration: Registration, covariance: PoseCovariance) -> float:
     """The standard deviation of a coordinate at the mean weight."""
-    points = (covariance.degrees_of_freedom + parameters_of(registration.problem)) / 3
+    points = registration.problem.observations / 3
     if registration.problem.rotation_only:
         weight = nearest_or_zero(registration.solution.moments.total_weight / round(points))
         return math.sqrt((covariance.variance_factor or 0.0) / weight) if weight else 0.0

@@ -10,7 +10,7 @@ import sympy
 
 from certreg.geometry.so3 import davenport_matrix
 from certreg.objective.scaling import Scaling
-from certreg.problem.model import Scale
+from certreg.problem.motion import Scale
 
 from ..algebra import Square, facts, identity, nonnegative, positive
 from ..hypothesis import Standing, invertible, nonnegative_by, positive_by

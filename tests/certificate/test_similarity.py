@@ -13,7 +13,7 @@ import pytest
 
 import certreg
 from certreg.errors import DegenerateProblemError, InvalidProblemError
-from certreg.problem import PREFIXES
+from certreg.problem.motion import PREFIXES
 from certreg.registration import optimally_damped
 from certreg.verify import Clouds, check
 
@@ -145,7 +145,7 @@ def test_no_digest_stands_for_two_problems_and_another_model_is_told_in_one_line
             verdict = certreg.verify(found, other)
             assert verdict.proved == (other is problem)
             if other is not problem:
-                said = problem.model_options or "neither --scale nor --rotation-only"
+                said = problem.motion.options or "neither --scale nor --rotation-only"
                 assert verdict.words == f"the certificate has {said}: give the same"
 
 

@@ -31,8 +31,9 @@ from certreg.native import Integrator
 from certreg.native.engine import current_engine
 from certreg.native.evaluator import evaluator
 from certreg.objective.isotropic import Isotropic
+from certreg.problem.lifting import lift
 from certreg.problem.moments import exact_moments
-from certreg.problem.problem import RegistrationProblem, lift
+from certreg.problem.problem import RegistrationProblem
 from certreg.registration import certified, certify
 from certreg.registration.agreement import require_sound_trajectory
 from certreg.registration.examples import STORIES, tell

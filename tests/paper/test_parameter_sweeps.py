@@ -31,7 +31,7 @@ from certreg.paper.parameter_sweeps import (
     sweep_table,
 )
 from certreg.paper.sweep_figures import WORDS, sweep_drawings
-from certreg.problem.model import DEFAULT_DAMPING
+from certreg.problem.motion import DEFAULT_DAMPING
 from certreg.problem.random_instances import gaussian_instances
 
 COUNT = 40

@@ -14,13 +14,9 @@ from hypothesis.extra.numpy import arrays
 from certreg.errors import InvalidProblemError
 from certreg.exact import weight_of_sigma
 from certreg.problem import arrays as stating
-from certreg.problem.model import DIGEST_PREFIX
-from certreg.problem.problem import (
-    FEW,
-    Lifted,
-    RegistrationProblem,
-    lift,
-)
+from certreg.problem.lifting import FEW, Lifted, lift
+from certreg.problem.motion import DIGEST_PREFIX
+from certreg.problem.problem import RegistrationProblem
 
 CLOUD = [[0.0, 0, 0], [1, 0, 0], [0, 2, 0]]
 finite = st.floats(allow_nan=False, allow_infinity=False)

@@ -10,7 +10,8 @@ import pytest
 
 import certreg
 from certreg.errors import InvalidProblemError
-from certreg.problem.support import TABLE, Cell, Loss, Scale, Verb, refusal, supported
+from certreg.problem.motion import Motion, Scale
+from certreg.problem.support import TABLE, Cell, Loss, Verb, refusal, supported
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -167,3 +168,35 @@ def test_no_rule_of_the_table_is_without_a_case() -> None:
             for key in CELLS
             for verb in verbs
         )
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("data", "motion"), SQUARES)
+def test_parameters_are_counted_in_one_place(
+    data: str, motion: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """One parameter more, and every number of degrees of freedom follows."""
+    cell = cell_of(data, motion, Loss.SQUARES)
+    if not supported(cell):
+        return
+    options = options_of(cell, data)
+    told: list[dict[str, Any]] = []
+    for more in (0, 1):
+        count = {one: one.parameters + more for one in (Motion(**MOTIONS[motion]),)}
+        monkeypatch.setattr(Motion, "parameters", property(count.get))
+        result = certreg.certify(SOURCE, target_of(cell), **options)
+        noisy = certreg.certify(SOURCE, target_of(cell), sigma=0.01, **options)
+        document = result.to_dict()
+        told.append(
+            {
+                "degrees": result.degrees_of_freedom,
+                "variance": float(np.trace(document["pose"]["covariance"] or [[0.0]])),
+                "chi2": (noisy.to_dict()["fit"]["chi2"] or {"dof": None, "p": None}),
+            }
+        )
+        monkeypatch.undo()
+    one, two = told
+    assert two["degrees"] == one["degrees"] - 1
+    asymmetric = cell.scale is not Scale.SYMMETRIC  # of the other neither is computed
+    assert (one["variance"] != two["variance"]) is (asymmetric and data != "covariances")
+    assert (one["chi2"] != two["chi2"]) is asymmetric

@@ -215,7 +215,7 @@ def test_another_pairing_fits_better_by_what_its_rows_allow(rows: int):
     degrees = 3 * rows - 6
 
     def better(left: float) -> bool:
-        return misfits._fits_better(OtherPairing(words="", rows=rows, left=left))
+        return misfits._fits_better(OtherPairing(words="", rows=rows, left=left), 6)
 
     last = threshold(better, 1e-12, 0.499)
     bounds = [

@@ -37,8 +37,8 @@ from certreg.exact.dyadic import Dyadic, dyadic_above, power_of_two
 from certreg.exact.elimination import rank
 from certreg.geometry.so3 import quadratic_form, rotation_matrix, squared_norm
 from certreg.objective.isotropic import Isotropic
+from certreg.problem.lifting import lift
 from certreg.problem.moments import exact_moments
-from certreg.problem.problem import lift
 from certreg.relaxation import conic, shor, stated
 from certreg.relaxation.conic import ConicSolution, RelaxationStatus
 from certreg.relaxation.qcqp import (

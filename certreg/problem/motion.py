@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any
 
@@ -39,6 +40,40 @@ PREFIXES = {  # by scale and rotation_only: no digest stands for two problems
 }
 
 
+@dataclass(frozen=True, slots=True)
+class Motion:
+    """How the source may move: it turns; it shifts, or not; its scale is free, or not."""
+
+    scale: Scale = Scale.NONE
+    rotation_only: bool = False
+
+    @property
+    def scaled(self) -> bool:
+        """Whether the scale is free."""
+        return self.scale is not Scale.NONE
+
+    @property
+    def translations(self) -> int:
+        """How many numbers of a translation are found."""
+        return 0 if self.rotation_only else 3
+
+    @property
+    def parameters(self) -> int:
+        """How many numbers of a pose are found: the only place where they are counted."""
+        return 3 + self.translations + self.scaled
+
+    @property
+    def prefix(self) -> bytes:
+        """What the digest of a problem with weights begins with."""
+        return PREFIXES[self.scale, self.rotation_only]
+
+    @property
+    def options(self) -> str:
+        """What to type for such a problem, as the checker says it."""
+        words = [f"--scale {self.scale.value}"] if self.scaled else []
+        return " ".join(words + ["--rotation-only"] * self.rotation_only)
+
+
 def checked_scale(scale: Any) -> Scale:
     """A scale by its name; raises InvalidProblemError for others."""
     try:
@@ -54,12 +89,6 @@ def checked_rotation_only(rotation_only: Any) -> bool:
         message = f"rotation_only is {rotation_only!r}: give True or False"
         raise InvalidProblemError(message, array="rotation_only", value=rotation_only)
     return rotation_only
-
-
-def options_of(scale: Scale, *, rotation_only: bool) -> str:
-    """What to type for such a problem, as the checker says it."""
-    words = [f"--scale {scale.value}"] if scale is not Scale.NONE else []
-    return " ".join(words + ["--rotation-only"] * rotation_only)
 
 
 def checked_damping(damping: Any) -> float:
