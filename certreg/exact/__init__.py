@@ -13,6 +13,9 @@ if TYPE_CHECKING:
     from certreg.exact.balls import negative_eigenvalues as negative_eigenvalues
     from certreg.exact.balls import orthonormal as orthonormal
     from certreg.exact.balls import radius_bits as radius_bits
+    from certreg.exact.decimals import as_given as as_given
+    from certreg.exact.decimals import at_least as at_least
+    from certreg.exact.decimals import at_most as at_most
     from certreg.exact.dyadic import ASIN_SLACK as ASIN_SLACK
     from certreg.exact.dyadic import Dyadic as Dyadic
     from certreg.exact.dyadic import double_above as double_above
@@ -55,6 +58,11 @@ __getattr__ = lazy_face(
             "negative_eigenvalues",
             "orthonormal",
             "radius_bits",
+        ),
+        "decimals": (
+            "as_given",
+            "at_least",
+            "at_most",
         ),
         "dyadic": (
             "ASIN_SLACK",

@@ -84,8 +84,6 @@ if TYPE_CHECKING:
     from certreg.registration.headlines import WEAK as WEAK
     from certreg.registration.headlines import Headline as Headline
     from certreg.registration.headlines import TooLarge as TooLarge
-    from certreg.registration.headlines import at_least as at_least
-    from certreg.registration.headlines import at_most as at_most
     from certreg.registration.headlines import axis_words as axis_words
     from certreg.registration.headlines import beyond_first_order as beyond_first_order
     from certreg.registration.headlines import headline_of as headline_of
@@ -264,8 +262,6 @@ __getattr__ = lazy_face(
             "NO_ROTATION",
             "WEAK",
             "Headline",
-            "at_least",
-            "at_most",
             "TooLarge",
             "axis_words",
             "beyond_first_order",

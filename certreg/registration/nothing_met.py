@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from certreg.certificate import consistent_pairs
+from certreg.exact import at_least
 from certreg.native import triangles
 from certreg.problem import LEAST_PAIRS, lengths
-from certreg.registration.headlines import at_least
 
 if TYPE_CHECKING:
     from certreg.problem import ConsensusProblem, TruncatedProblem

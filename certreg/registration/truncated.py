@@ -14,13 +14,12 @@ import numpy as np
 
 from certreg.certificate import truncated_certificate
 from certreg.errors import UndecidedError
-from certreg.exact import double_above
+from certreg.exact import at_least, at_most, double_above
 from certreg.geometry import Pose, rotation_matrix
 from certreg.problem import RegistrationProblem, apart, checked_effort
 from certreg.registration.consensus_words import others_words, repeated_rows, repeated_words
 from certreg.registration.exit_codes import DONE, NOT_CERTIFIED, NOT_UNIQUE
 from certreg.registration.fit_of_pairs import USUAL, FitSettings, fitted
-from certreg.registration.headlines import at_least, at_most
 from certreg.registration.nothing_met import nothing_turned
 from certreg.registration.pair_angles import angles_between
 from certreg.registration.pair_warnings import poor_warning, reason_against, wide_warning

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.exact import double_above
-from certreg.registration import at_most
+from certreg.exact import at_most, double_above
 
 if TYPE_CHECKING:
     from certreg.registration import ConsensusRegistration

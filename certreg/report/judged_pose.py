@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from certreg.exact import rational_root_above
-from certreg.registration import DEGREE_SLACK, FIT_WARNED, TooLarge, at_most, interval_words
+from certreg.exact import at_most, rational_root_above
+from certreg.registration import DEGREE_SLACK, FIT_WARNED, TooLarge, interval_words
 from certreg.report.remedies import ADVICE
 from certreg.report.summary import exact_number, unit_words
 from certreg.results import Absent, PoseVerdict

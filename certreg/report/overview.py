@@ -6,10 +6,10 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from certreg.exact import at_most
 from certreg.geometry import Similarity
 from certreg.registration import (
     FitCode,
-    at_most,
     headline_of,
     headline_words,
     proved_degrees,

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from certreg.exact import at_most
 from certreg.problem import Scale
-from certreg.registration import SimulatedBreathing, at_most, scaled_equilibria
+from certreg.registration import SimulatedBreathing, scaled_equilibria
 from certreg.report.breathing import KEEPS, inside_out_words, scaled_count_words
 from certreg.report.fields import scale_interval
 from certreg.report.scaled_summary import BIAS

@@ -5,10 +5,9 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from certreg.exact import nearest_or_zero
+from certreg.exact import at_most, nearest_or_zero
 from certreg.registration import (
     Method,
-    at_most,
     axis_words,
     is_loose,
     share_words,

@@ -11,14 +11,13 @@ from typing import TYPE_CHECKING
 from certreg._loading import late
 from certreg.certificate import flat_energy
 from certreg.dynamics import Trajectory
-from certreg.exact import nearest_double
+from certreg.exact import at_most, nearest_double
 from certreg.registration import (
     BY_NAME,
     HARDLY_DETERMINED,
     NOT_ASKED,
     FitCode,
     ambiguous_words,
-    at_most,
     headline_words,
     narrow_words,
     proved_degrees,

@@ -7,12 +7,8 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from certreg.registration import (
-    are_words,
-    at_least,
-    at_most,
-    widest_angles,
-)
+from certreg.exact import at_least, at_most
+from certreg.registration import are_words, widest_angles
 from certreg.report.any_report import AnyReport, head_of, pairs_words
 from certreg.report.consensus_fit import marked
 from certreg.report.consensus_picture import pairs_picture, residual_chart

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from certreg.registration import at_most
+from certreg.exact import at_most
 from certreg.report.cards import Card
 from certreg.report.consensus_fit import fit_causes, fit_remedies, fit_verdict, further_lines
 from certreg.report.consensus_summary import (

@@ -8,9 +8,9 @@ from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from certreg.certificate import sin2_half_angle_between
-from certreg.exact import half_angle_bound, rational_root_above
+from certreg.exact import at_most, half_angle_bound, rational_root_above
 from certreg.problem import trace
-from certreg.registration import DEGREE_SLACK, at_most, proved_degrees
+from certreg.registration import DEGREE_SLACK, proved_degrees
 from certreg.report.robustness import robustness_words
 from certreg.report.summary import bounds_nothing, count_words, margin_words, number
 from certreg.results import Absent, ComponentKind, Guarantee
