@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from certreg.exact.decimals import at_least as at_least
     from certreg.exact.decimals import at_most as at_most
     from certreg.exact.dyadic import ASIN_SLACK as ASIN_SLACK
+    from certreg.exact.dyadic import PI_ABOVE as PI_ABOVE
+    from certreg.exact.dyadic import STEEP as STEEP
     from certreg.exact.dyadic import Dyadic as Dyadic
     from certreg.exact.dyadic import double_above as double_above
     from certreg.exact.dyadic import double_below as double_below
@@ -66,6 +68,8 @@ __getattr__ = lazy_face(
         ),
         "dyadic": (
             "ASIN_SLACK",
+            "PI_ABOVE",
+            "STEEP",
             "Dyadic",
             "double_above",
             "double_below",

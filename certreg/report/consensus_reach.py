@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.exact import at_most, double_above
+from certreg.exact import at_most, half_angle_bound
+from certreg.registration import DEGREE_SLACK
 
 if TYPE_CHECKING:
     from certreg.registration import ConsensusRegistration
@@ -21,8 +22,8 @@ def reach_degrees(result: ConsensusRegistration) -> str | None:
     reach = result.certificate.body.reach
     if reach is None:
         return None
-    sine = math.sqrt(double_above(reach.sin2_half_angle.value))
-    return at_most(math.degrees(2.0 * math.asin(min(1.0, sine))) * (1.0 + 1e-12), DIGITS)
+    angle = half_angle_bound(reach.sin2_half_angle.value)
+    return at_most(math.degrees(angle) * DEGREE_SLACK, DIGITS)
 
 
 def why_unbounded(result: ConsensusRegistration) -> str:
