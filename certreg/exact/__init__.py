@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from certreg.exact.dyadic import PI_ABOVE as PI_ABOVE
     from certreg.exact.dyadic import STEEP as STEEP
     from certreg.exact.dyadic import Dyadic as Dyadic
+    from certreg.exact.dyadic import degrees_above as degrees_above
     from certreg.exact.dyadic import double_above as double_above
     from certreg.exact.dyadic import double_below as double_below
     from certreg.exact.dyadic import dyadic_above as dyadic_above
@@ -71,6 +72,7 @@ __getattr__ = lazy_face(
             "PI_ABOVE",
             "STEEP",
             "Dyadic",
+            "degrees_above",
             "double_above",
             "double_below",
             "dyadic_above",

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+DEGREE_SLACK = 1.0 + 1e-15  # radians to degrees rounds twice
 ASIN_SLACK = 1.0 + 1e-12  # asin and sqrt of the C library err by an ulp or two: 1e-15
 STEEP = 0.75  # sin^2 of 60 degrees: below it asin turns a relative error into at most twice that
 PI_ABOVE = math.nextafter(math.pi, 4.0)  # by 3.2e-16, and a difference from it errs by 2.3e-16
@@ -209,3 +210,8 @@ def half_angle_bound(sin2_half_angle: Fraction) -> float:
         rest = math.asin(math.sqrt(double_below(1 - sin2_half_angle)))
         return min(math.pi, PI_ABOVE - 2.0 * rest / ASIN_SLACK)
     return 2.0 * math.asin(math.sqrt(double_above(sin2_half_angle))) * ASIN_SLACK
+
+
+def degrees_above(radians: float) -> float:
+    """An upper bound on an angle, in degrees."""
+    return math.degrees(radians) * DEGREE_SLACK

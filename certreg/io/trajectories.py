@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from certreg.errors import InvalidFileError
+from certreg.exact import at_most
 from certreg.io.parsed import Parsed
 from certreg.io.streams import number
 from certreg.io.text import parse_rows
@@ -92,7 +93,7 @@ def rows_by_time(
         raise InvalidFileError(message, path=files[1], value=least, limit=MOST_APART)
     rows, others = here[kept], there[kept]
     most = float(np.abs(target[others] - source[rows]).max())
-    note = f"rows are paired by time, at most {most:.3g} s apart"
+    note = f"rows are paired by time, at most {at_most(most)} s apart"
     return TimedRows(source=rows, target=others, note=note)
 
 

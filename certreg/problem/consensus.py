@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from certreg.errors import InvalidProblemError
+from certreg.exact import as_given, at_least
 from certreg.problem.bounds import NAME, checked_bounds
 from certreg.problem.model import Scale
 from certreg.problem.problem import RegistrationProblem
@@ -157,7 +158,7 @@ def _require_narrow(problem: RegistrationProblem, bounds: NDArray[np.float64]) -
     if float(bounds.min()) >= half:
         least = "" if (bounds == bounds[0]).all() else " at least"
         message = (
-            f"{NAME} is {float(bounds.min()):g}{least}, not below half the diameter of the "
-            f"{cloud}, {half:g}: every pair may be brought within; give a smaller bound"
+            f"{NAME} is {as_given(bounds.min())}{least}, not below half the diameter of the "
+            f"{cloud}, {at_least(half, 6)}: every pair may be brought within; give a smaller bound"
         )
         raise InvalidProblemError(message, array=NAME, value=float(bounds.min()), limit=half)

@@ -77,7 +77,6 @@ if TYPE_CHECKING:
     from certreg.registration.fit import silent_tests as silent_tests
     from certreg.registration.fit_of_pairs import BY_NAME as BY_NAME
     from certreg.registration.freedom import Freedom as Freedom
-    from certreg.registration.headlines import DEGREE_SLACK as DEGREE_SLACK
     from certreg.registration.headlines import HARDLY_DETERMINED as HARDLY_DETERMINED
     from certreg.registration.headlines import HEADLINES as HEADLINES
     from certreg.registration.headlines import NO_ROTATION as NO_ROTATION
@@ -256,7 +255,6 @@ __getattr__ = lazy_face(
         "fit_of_pairs": ("BY_NAME",),
         "freedom": ("Freedom",),
         "headlines": (
-            "DEGREE_SLACK",
             "HARDLY_DETERMINED",
             "HEADLINES",
             "NO_ROTATION",

@@ -10,7 +10,7 @@ import math
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from certreg.exact import at_least, at_most
+from certreg.exact import at_least, at_most, degrees_above
 from certreg.registration.misfits import FitCode
 from certreg.results import Absent, Limits, Optimality
 
@@ -30,7 +30,6 @@ SMALL_SCALE = 0.1  # off one: what the pose leaves without it is a hundredth of 
 GOOD_EXPLAINED = 0.99  # with the scale; so the pose alone explains about 0.98
 # About an axis a turn by a costs 4 sin^2(a/2) / sigma^2 in units of the noise, 4 / sigma^2 at most:
 LOOSE_SIGMA = 0.4  # radians, as 4 / 0.4^2 = 25, the square of five standard deviations
-DEGREE_SLACK = 1.0 + 1e-15  # radians to degrees rounds twice
 
 
 class TooLarge(Absent):
@@ -362,7 +361,7 @@ def degrees_words(bounds: PoseBounds) -> str | None:
     angle = bounds.angle_upper
     if angle is None or angle >= math.pi:
         return None
-    return at_most(math.degrees(angle) * DEGREE_SLACK)
+    return at_most(degrees_above(angle))
 
 
 def share_words(bounds: PoseBounds) -> str:

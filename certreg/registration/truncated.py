@@ -41,6 +41,7 @@ TRUNCATED_PARTS = 3  # of certify: search, certificate and checker, fit
 WORDS = {1: "inlier", 0: "outlier", -1: "undecided"}
 LETTERS = {"1": "inlier", "0": "outlier", "?": "undecided"}  # of a certificate
 NAMED_ROWS = 5  # of the undecided ones, in a sentence
+COST_DIGITS = 6  # of a cost in the first line
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -162,28 +163,29 @@ class TruncatedRegistration(Saved):
     def headline(self) -> str:
         """What is proved, in words."""
         out, within = self.labels.count("outlier"), self._within.capitalize()
-        if self.gap is None:
+        worth = self.verdict.worth
+        if self.gap is None or worth is None:
             return f"NOT PROVED: a rotation of truncated cost {self.cost:.6g} was found."
         if not self.certified:
             rows = [row for row, word in enumerate(self.labels) if word == "undecided"]
             told = f" ({self.names.counted(rows[:NAMED_ROWS], len(rows))})" if rows else ""
+            cost = at_most(worth.objective, COST_DIGITS)
             return (
-                f"PARTLY PROVED: the truncated cost {self.cost:.6g} is less than "
-                f"{at_most(self.gap, 2)} above the least. {within} at every optimum, {out} "
-                f"at none; {len(rows)} undecided{told}."
+                f"PARTLY PROVED: the truncated cost is at most {cost}, and less than "
+                f"{at_most(self.gap, 2)} above the least. {within} at every optimum, {out} at "
+                f"none; {len(rows)} undecided{told}."
             )
         others = f". {others_words(out)} at EVERY optimum." if out else ": no outliers."
+        least = at_least(worth.minimum, COST_DIGITS)
         if self.unique:
-            assert self.verdict.worth is not None  # noqa: S101 - `certified` asks it
-            least = at_least(self.verdict.worth.minimum, 6)
             but = "" if self.against is None else f", BUT {self.against}"
             return (
                 f"CERTIFIED{but}: no rotation has a smaller truncated cost than {least}, and "
                 f"{self._within} there{others}"
             )
         return (
-            f"CERTIFIED, NOT UNIQUE: the least truncated cost is {self.cost:.6g}; one single "
-            f"rotation is not proved. {within} at every optimum{others}"
+            f"CERTIFIED, NOT UNIQUE: no rotation has a smaller truncated cost than {least}; one "
+            f"single rotation is not proved. {within} at every optimum{others}"
         )
 
     @property

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.exact import at_most, half_angle_bound
-from certreg.registration import DEGREE_SLACK
+from certreg.exact import at_most, degrees_above, half_angle_bound
 
 if TYPE_CHECKING:
     from certreg.registration import ConsensusRegistration
@@ -23,7 +22,7 @@ def reach_degrees(result: ConsensusRegistration) -> str | None:
     if reach is None:
         return None
     angle = half_angle_bound(reach.sin2_half_angle.value)
-    return at_most(math.degrees(angle) * DEGREE_SLACK, DIGITS)
+    return at_most(degrees_above(angle), DIGITS)
 
 
 def why_unbounded(result: ConsensusRegistration) -> str:

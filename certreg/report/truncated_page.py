@@ -126,7 +126,7 @@ def _residual_words(result: TruncatedRegistration) -> Iterator[str]:
     most = np.degrees(widest_angles(problem.source, problem.target, problem.bounds))
     allowed = most[np.isfinite(most)]
     if len(allowed):
-        low, high = (_degrees(float(end)) for end in (allowed.min(), allowed.max()))
+        low, high = (_widest(float(end)) for end in (allowed.min(), allowed.max()))
         angles = low if low == high else f"{low} to {high}, depending on the pair"
         yield f"A pair is within its bound where the angle between its points is at most {angles}."
     if (far := int(np.isnan(most).sum())) > 0:
@@ -149,7 +149,7 @@ def _rows(
             "row": str(row),
             "label": "" if names.labels is None else names.labels[row],
             "angle": _degrees(float(angles[row])),
-            "most": _degrees(float(most[row])),
+            "most": _widest(float(most[row])),
             "residual": number(float(residuals[row])),
             "share": f"{float(residuals[row] / problem.bounds[row]):.3g}",
             "proved": result.labels[row],
@@ -169,6 +169,11 @@ def _nearest_words(n: int) -> str | None:
 
 def _degrees(angle: float) -> str:
     return "none" if np.isnan(angle) else f"{angle:.3g}°"
+
+
+def _widest(angle: float) -> str:
+    """An angle up to which a pair is within its bound."""
+    return "none" if np.isnan(angle) else f"{at_least(angle)}°"
 
 
 def _undecided_words(count: int) -> str:

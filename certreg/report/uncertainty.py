@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
-from certreg.exact import nearest_or_zero
+from certreg.exact import at_most, nearest_or_zero
 from certreg.geometry import Similarity
 from certreg.registration import (
     NO_RESIDUALS,
@@ -184,7 +184,7 @@ def chi2_words(registration: AnyRegistration) -> str | None:
     if chi2.bound:
         return (
             f"{chi2.value:.4g} with {chi2.dof} degrees of freedom at most (sigma leaves a turn "
-            f"open), p at most {chi2.p or 1e-300:.2g}{judged}"
+            f"open), p at most {at_most(chi2.p, 2) if chi2.p else '1e-300'}{judged}"
         )
     p = f"= {chi2.p:.2g}" if chi2.p else "< 1e-300"
     return f"{chi2.value:.4g} with {chi2.dof} degrees of freedom, p {p}{judged}"

@@ -8,9 +8,9 @@ from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from certreg.certificate import sin2_half_angle_between
-from certreg.exact import at_most, half_angle_bound, rational_root_above
+from certreg.exact import at_most, degrees_above, half_angle_bound, rational_root_above
 from certreg.problem import trace
-from certreg.registration import DEGREE_SLACK, proved_degrees
+from certreg.registration import proved_degrees
 from certreg.report.robustness import robustness_words
 from certreg.report.summary import bounds_nothing, count_words, margin_words, number
 from certreg.results import Absent, ComponentKind, Guarantee
@@ -266,7 +266,7 @@ def _basin(registration: Registration, body: IsotropicBody) -> Iterator[Sentence
     yield Sentence(
         words=(
             "From the state in the certificate, within "
-            f"{at_most(math.degrees(off) * DEGREE_SLACK, 2)}° of its pose and turning by at most "
+            f"{at_most(degrees_above(off), 2)}° of its pose and turning by at most "
             f"{at_most(spin, 2)} radians per unit of time, the exact motion can end nowhere but at "
             "the optimum, whatever the damping."
         ),
