@@ -333,7 +333,7 @@ def methods_sentence(registration: Registration, methods: MethodAngles) -> Sente
     }
     ran = {name: angle for name, angle in angles.items() if angle is not None}
     apart = [name for name, angle in ran.items() if not angle <= SAME_ROTATION]
-    near = [f"{name} to {angle:.1g}°" for name, angle in ran.items() if name not in apart]
+    near = [f"{name} to {at_most(angle, 1)}°" for name, angle in ran.items() if name not in apart]
     unique = registration.equilibria.classification.unique
     end = "the same rotation" if unique else "an optimum, not always the same"
     words = [f"Independent roads lead to {end}: {', '.join(near)}."] if near else []
