@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     from certreg.exact.dyadic import rational_root_above as rational_root_above
     from certreg.exact.dyadic import root_above as root_above
     from certreg.exact.dyadic import root_of_quotient as root_of_quotient
+    from certreg.exact.dyadic import sigma_of_weight as sigma_of_weight
     from certreg.exact.dyadic import weight_of_sigma as weight_of_sigma
     from certreg.exact.eigenbasis import Eigenbasis as Eigenbasis
     from certreg.exact.eigenbasis import integer_eigenbasis as integer_eigenbasis
@@ -89,6 +90,7 @@ __getattr__ = lazy_face(
             "rational_root_above",
             "root_above",
             "root_of_quotient",
+            "sigma_of_weight",
             "weight_of_sigma",
         ),
         "eigenbasis": (

@@ -17,6 +17,9 @@ STEEP = 0.75  # sin^2 of 60 degrees: below it asin turns a relative error into a
 PI_ABOVE = math.nextafter(math.pi, 4.0)  # by 3.2e-16, and a difference from it errs by 2.3e-16
 
 
+MOST_WEIGHT = 1e300  # of a sigma that is sought: no root leaves the normal doubles
+
+
 @lru_cache(maxsize=1024)  # the exponents of one problem's units come again and again
 def power_of_two(exponent: int) -> Fraction:
     """2**exponent, exactly."""
@@ -69,6 +72,14 @@ def weight_of_sigma(sigma: float) -> float:
         return (denominator * denominator) / (numerator * numerator)
     except OverflowError:
         return math.inf
+
+
+def sigma_of_weight(weight: float) -> float | None:
+    """The sigma of fewest digits that has this weight, of `weight_of_sigma`; None: none has it."""
+    if not MOST_WEIGHT**-1 < weight < MOST_WEIGHT:
+        return None
+    near = (float(f"{weight**-0.5:.{digits}g}") for digits in range(1, 18))
+    return next((sigma for sigma in near if weight_of_sigma(sigma) == weight), None)
 
 
 def dyadic_above(value: Fraction, bits: int) -> Dyadic:

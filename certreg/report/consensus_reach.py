@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.exact import at_most, degrees_above, half_angle_bound
+from certreg.exact import as_given, at_most, degrees_above, half_angle_bound
 
 if TYPE_CHECKING:
     from certreg.registration import ConsensusRegistration
@@ -36,7 +36,7 @@ def why_unbounded(result: ConsensusRegistration) -> str:
     if width <= widest:
         return (
             f"these pairs lie {width:.2g} from a line (root mean square), beside bounds of "
-            f"{widest:.2g}: turns about it are not ruled out"
+            f"{as_given(widest)}: turns about it are not ruled out"
         )
     return "for bounds as wide as these no angle below 180 degrees is proved"
 

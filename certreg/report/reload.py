@@ -33,7 +33,6 @@ from certreg.certificate import (
     verify,
 )
 from certreg.errors import InvalidFileError, RefusedCertificateError
-from certreg.exact import as_given
 from certreg.geometry import Similarity
 from certreg.io import reading
 from certreg.native import Integrator
@@ -95,7 +94,7 @@ class Motion:
         known, usual = [one.value for one in Integrator], CROSS_CHECK.value
         best = "optimal damping"
         if problem.scaled:  # of a body whose size moves one integrator alone is written
-            usual, best = Integrator.MIDPOINT.value, f"damping {as_given(problem.damping)}"
+            usual, best = Integrator.MIDPOINT.value, f"damping {problem.damping:g}"
             known = [usual]
         usable = isinstance(damping, float) and MIN_DAMPING <= damping <= MAX_DAMPING
         if problem.scale is Scale.SYMMETRIC:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
-from certreg.exact import at_most, nearest_or_zero
+from certreg.exact import as_given, at_most, nearest_or_zero, sigma_of_weight
 from certreg.geometry import Similarity
 from certreg.registration import (
     NO_RESIDUALS,
@@ -236,4 +236,7 @@ def _sigma_of(registration: Registration, covariance: PoseCovariance) -> float:
 def _given_words(registration: AnyRegistration) -> str:
     """The value of the sigma that was given, from its weight; empty where there are several."""
     problem = registration.problem
-    return f": {1.0 / math.sqrt(problem.weights[0]):.6g}" if problem.equally_weighted else ""
+    if not problem.equally_weighted:
+        return ""
+    weight = float(problem.weights[0])
+    return f": {as_given(sigma_of_weight(weight) or weight**-0.5)}"
