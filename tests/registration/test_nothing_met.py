@@ -66,6 +66,13 @@ def test_points_at_the_origin_are_turned_by_no_rotation():
     assert words == "all points are at the origin, where no rotation moves them: give other points"
 
 
+def test_lengths_that_differ_are_not_said_to_differ_by_more_than_rounding_leaves():
+    """Of lengths 3 and 8, each rounded, no more is known than that they differ by almost 5."""
+    words = refusal(3.0 * np.eye(3), 8.0 * np.eye(3), 0.1, **TRUNCATED)
+
+    assert "that differ by 4.99 or more." in words
+
+
 def test_pairs_whose_lengths_differ_are_within_at_no_rotation():
     words = refusal(CLOUD, AWAY, 0.1, **TRUNCATED)
     least = np.abs(np.linalg.norm(CLOUD, axis=1) - np.linalg.norm(AWAY, axis=1))

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from commands import checked
 from test_consensus import certified
 from test_truncated_results import certified as certified_rotation
 
@@ -46,7 +47,7 @@ def least(request: pytest.FixtureRequest) -> TruncatedRegistration:
 
 def valued(result: TruncatedRegistration, minimum: Fraction, objective: Fraction) -> Any:
     """With other numbers proved of its cost."""
-    worth = replace(result.verdict.worth, minimum=minimum, objective=objective)  # type: ignore[type-var]
+    worth = replace(checked(result.verdict.worth), minimum=minimum, objective=objective)
     return replace(result, verdict=replace(result.verdict, weigh=lambda: worth))
 
 
