@@ -63,6 +63,20 @@ def test_a_harmless_error_is_rounded_down_and_its_angle_is_as_claimed(target: fl
     assert "no optimum turns by more than 5.00001°; " in str(fact.words)
 
 
+def test_the_angle_of_robustness_is_no_smaller_than_the_claimed_one():
+    """Six digits of it, of sines of half of up to 90 degrees."""
+    with ctx.workprec(200):
+        for k in range(1, 700, 9):
+            sine = SimpleNamespace(value=Fraction(k, 990))
+            length = SimpleNamespace(value=Fraction(1))
+            radius: Any = SimpleNamespace(sin_half_angle=sine, target=length, both=length)
+            told = Robustness.of(radius).angle
+            exact = 2 * (arb(k) / 990).asin() * 180 / arb.pi()
+
+            assert exact < arb(told) < exact * (1 + 1e-5)
+            assert told == float(f"{told:.6g}")
+
+
 def test_a_scale_stays_between_the_printed_numbers():
     words = robustness_words(robust(5.0, 0.1, 0.1, scale_target=(2 / 3, 4 / 3), scale_both=None))
 
