@@ -137,7 +137,7 @@ def within(outcome: Outcome, limits: Limits) -> Outcome:
         bound, unit = getattr(outcome.worth, name, None), " rad" * (name == "angle")
         degrees = f" ({rounded(bound * DEGREES, 3):.2e} degrees)" if bound and unit else ""
         proved = "none" if bound is None else f"{rounded(bound, 3):.2e}{unit}{degrees}"
-        told = f"proved bound on the {name}: {proved}; asked for: {rounded(limit, 9):g}{unit}"
+        told = f"proved bound on the {name}: {proved}; asked for: {rounded(limit, 17):g}{unit}"
         require(bound is not None and bound <= limit, told)
     return outcome
 

@@ -1298,6 +1298,7 @@ def command_cases() -> Iterator[Case]:
         ),
         *((["--max-gap", text], "2 usage") for text in ("", "x", "nan", "inf", "1/3", "-inf")),
         *(([f"--max-{name}=-1e-9"], "2 usage") for name in ("gap", "angle")),
+        (["--max-gap", "1.00000000012e-14"], r"1 REFUSED: .*; asked for: 1\.00000000012e-14\n$"),
         (["--max-gap", "0"], "1 REFUSED: proved bound on the share: 2.*; asked for: 0\n$"),
         (["--max-gap"], "2 usage"),
         (["--max", "1"], "2 usage"),

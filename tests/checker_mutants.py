@@ -342,6 +342,7 @@ WORTH = mutants(
         "bound is None or bound <= limit",
     ),
     ("and bound <= limit", "and bound < limit"),
+    ("rounded(limit, 17)", "rounded(limit, 9)"),
     ("if bound and unit else", "if False else", "if bound else"),
     ("bound * DEGREES, 3", "bound, 3", "bound * DEGREES, 1"),
     ('" rad" * (name == "angle")', '" rad"', '""'),

@@ -9,7 +9,7 @@ import numpy as np
 from certreg.geometry import rotation_matrix
 
 SIGMA = 0.01
-BOUND = 5.54 * SIGMA
+BOUND = 0.0554  # 5.54 SIGMA
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -9,9 +9,9 @@ import base64
 import re
 import sys
 from array import array
-from fractions import Fraction
 from typing import TYPE_CHECKING
 
+from certreg.exact import sigma_of_weight
 from certreg.verify import CONSENSUS, SPRUNG, TRUNCATED, ConsensusSimilarityStatement, parse
 
 if TYPE_CHECKING:
@@ -137,9 +137,9 @@ def _weight_remedy(weights: Sequence[float]) -> str:
         return "give --weights FILE, as for certify"
     if w == 1.0:
         return "leave --sigma and --weights out"
-    sigma = float(f"{w**-0.5:.6g}") if 1e-300 < w < 1e300 else 1.0
-    exact = float(1 / Fraction(sigma) ** 2) == w
-    return f"give --sigma {sigma!r}" if exact else "give --sigma or --weights, as for certify"
+    sigma = sigma_of_weight(w)
+    alone = "give --sigma or --weights, as for certify"
+    return alone if sigma is None else f"give --sigma {sigma!r}"
 
 
 def _alike(values: Sequence[float]) -> bool:

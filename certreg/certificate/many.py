@@ -19,7 +19,15 @@ from certreg.certificate.envelope import Certificate
 from certreg.certificate.isotropic import Claims, IsotropicBody
 from certreg.certificate.producing import produce
 from certreg.equilibrium import rotation_double
-from certreg.exact import ASIN_SLACK, Dyadic, double_above, half_angle_bound, nearest_or_zero
+from certreg.exact import (
+    ASIN_SLACK,
+    PI_ABOVE,
+    STEEP,
+    Dyadic,
+    double_above,
+    half_angle_bound,
+    nearest_or_zero,
+)
 from certreg.io import write_atomically
 from certreg.native import ProvedOptima, library_if_any
 from certreg.objective import Isotropic
@@ -195,8 +203,10 @@ def _gaps(optima: ProvedOptima) -> Any:
 
 def _angles(optima: ProvedOptima) -> Any:
     """As `half_angle_bound`."""
-    roots = np.sqrt(_doubles(optima.sine))
-    return np.minimum(np.pi, 2.0 * np.arcsin(np.minimum(1.0, roots)) * ASIN_SLACK)
+    sines = np.minimum(1.0, _doubles(optima.sine))  # of 32 bits: no difference is rounded
+    low = 2.0 * np.arcsin(np.sqrt(sines)) * ASIN_SLACK
+    high = PI_ABOVE - 2.0 * np.arcsin(np.sqrt(1.0 - sines)) / ASIN_SLACK
+    return np.minimum(np.pi, np.where(sines > STEEP, high, low))
 
 
 def _doubles(dyadic: NDArray[np.int64]) -> NDArray[np.float64]:

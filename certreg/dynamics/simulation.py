@@ -203,8 +203,8 @@ def _notes(basin: Basin, batch: Batch, settings: SimulationSettings) -> Iterator
     turned = _turned(escapes, settings.first_perturbation) if escapes else 0.0
     if turned > LARGE_TURN:
         yield (
-            f"{escapes} kicks turned the body by up to {math.degrees(turned):.0f} degrees in all: "
-            "where it was slow, they carried it, not the springs."
+            f"{escapes} kicks turned the body by up to {math.ceil(math.degrees(turned))} degrees "
+            "in all: where it was slow, they carried it, not the springs."
         )
     if status == Ending.OUT_OF_STEPS:
         yield _delay(basin, batch, settings)

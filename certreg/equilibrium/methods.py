@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Any
 from certreg._loading import library
 from certreg.equilibrium.critical_set import CriticalSet
 from certreg.errors import ContradictionError, UndecidedError
+from certreg.exact import at_most
 from certreg.geometry import dot
 from certreg.objective import Isotropic, Springs
 from certreg.results import Brief
@@ -176,7 +177,7 @@ def _disagreement(one: CriticalSet, other: CriticalSet, angle: float = 0.0) -> C
     sides = [
         f"{each.method} finds {each.pattern} of indices {each.indices}" for each in (one, other)
     ]
-    away = f", rotations up to {math.degrees(angle):.3g} degrees apart" if angle else ""
+    away = f", rotations up to {at_most(math.degrees(angle))} degrees apart" if angle else ""
     message = f"two roads disagree: {' and '.join(sides)}{away}; please report this problem"
     limit = LARGEST_ANGLE if angle else None
     return ContradictionError(

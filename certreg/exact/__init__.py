@@ -13,8 +13,14 @@ if TYPE_CHECKING:
     from certreg.exact.balls import negative_eigenvalues as negative_eigenvalues
     from certreg.exact.balls import orthonormal as orthonormal
     from certreg.exact.balls import radius_bits as radius_bits
+    from certreg.exact.decimals import as_given as as_given
+    from certreg.exact.decimals import at_least as at_least
+    from certreg.exact.decimals import at_most as at_most
     from certreg.exact.dyadic import ASIN_SLACK as ASIN_SLACK
+    from certreg.exact.dyadic import PI_ABOVE as PI_ABOVE
+    from certreg.exact.dyadic import STEEP as STEEP
     from certreg.exact.dyadic import Dyadic as Dyadic
+    from certreg.exact.dyadic import degrees_above as degrees_above
     from certreg.exact.dyadic import double_above as double_above
     from certreg.exact.dyadic import double_below as double_below
     from certreg.exact.dyadic import dyadic_above as dyadic_above
@@ -31,6 +37,7 @@ if TYPE_CHECKING:
     from certreg.exact.dyadic import rational_root_above as rational_root_above
     from certreg.exact.dyadic import root_above as root_above
     from certreg.exact.dyadic import root_of_quotient as root_of_quotient
+    from certreg.exact.dyadic import sigma_of_weight as sigma_of_weight
     from certreg.exact.dyadic import weight_of_sigma as weight_of_sigma
     from certreg.exact.eigenbasis import Eigenbasis as Eigenbasis
     from certreg.exact.eigenbasis import integer_eigenbasis as integer_eigenbasis
@@ -56,9 +63,17 @@ __getattr__ = lazy_face(
             "orthonormal",
             "radius_bits",
         ),
+        "decimals": (
+            "as_given",
+            "at_least",
+            "at_most",
+        ),
         "dyadic": (
             "ASIN_SLACK",
+            "PI_ABOVE",
+            "STEEP",
             "Dyadic",
+            "degrees_above",
             "double_above",
             "double_below",
             "dyadic_above",
@@ -75,6 +90,7 @@ __getattr__ = lazy_face(
             "rational_root_above",
             "root_above",
             "root_of_quotient",
+            "sigma_of_weight",
             "weight_of_sigma",
         ),
         "eigenbasis": (

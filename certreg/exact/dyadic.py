@@ -11,7 +11,13 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+DEGREE_SLACK = 1.0 + 1e-15  # radians to degrees rounds twice
 ASIN_SLACK = 1.0 + 1e-12  # asin and sqrt of the C library err by an ulp or two: 1e-15
+STEEP = 0.75  # sin^2 of 60 degrees: below it asin turns a relative error into at most twice that
+PI_ABOVE = math.nextafter(math.pi, 4.0)  # by 3.2e-16, and a difference from it errs by 2.3e-16
+
+
+MOST_WEIGHT = 1e300  # of a sigma that is sought: no root leaves the normal doubles
 
 
 @lru_cache(maxsize=1024)  # the exponents of one problem's units come again and again
@@ -66,6 +72,14 @@ def weight_of_sigma(sigma: float) -> float:
         return (denominator * denominator) / (numerator * numerator)
     except OverflowError:
         return math.inf
+
+
+def sigma_of_weight(weight: float) -> float | None:
+    """The sigma of fewest digits that has this weight, of `weight_of_sigma`; None: none has it."""
+    if not MOST_WEIGHT**-1 < weight < MOST_WEIGHT:
+        return None
+    near = (float(f"{weight**-0.5:.{digits}g}") for digits in range(1, 18))
+    return next((sigma for sigma in near if weight_of_sigma(sigma) == weight), None)
 
 
 def dyadic_above(value: Fraction, bits: int) -> Dyadic:
@@ -197,8 +211,18 @@ def dyadic_root_above(value: Fraction | int) -> Dyadic:
 
 
 def half_angle_bound(sin2_half_angle: Fraction) -> float:
-    """An upper bound on theta in radians, given an upper bound on sin^2(theta/2); at most pi."""
+    """An upper bound on theta in radians, given an upper bound on sin^2(theta/2); at most pi.
+
+    Near pi, where the arcsine is steep, pi less twice that of cos(theta/2), rounded down.
+    """
     if sin2_half_angle >= 1:
         return math.pi
-    root = math.sqrt(double_above(sin2_half_angle))
-    return min(math.pi, 2.0 * math.asin(min(1.0, root)) * ASIN_SLACK)
+    if sin2_half_angle > STEEP:
+        rest = math.asin(math.sqrt(double_below(1 - sin2_half_angle)))
+        return min(math.pi, PI_ABOVE - 2.0 * rest / ASIN_SLACK)
+    return 2.0 * math.asin(math.sqrt(double_above(sin2_half_angle))) * ASIN_SLACK
+
+
+def degrees_above(radians: float) -> float:
+    """An upper bound on an angle, in degrees."""
+    return math.degrees(radians) * DEGREE_SLACK

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from certreg.errors import InvalidFileError
+from certreg.exact import as_given, at_most
 from certreg.io.parsed import Parsed
 from certreg.io.streams import number
 from certreg.io.text import parse_rows
@@ -86,13 +87,14 @@ def rows_by_time(
     if not kept.any():
         least = float(np.abs(target[there] - source).min())
         message = (
-            f"no times of {shown(files[0])} and {shown(files[1])} are within {MOST_APART:g} s of "
-            f"each other, the nearest are {least:.6g} s apart: do both count from one moment?"
+            f"no times of {shown(files[0])} and {shown(files[1])} are within "
+            f"{as_given(MOST_APART)} s of each other, the nearest are {least:.6g} s apart: "
+            "do both count from one moment?"
         )
         raise InvalidFileError(message, path=files[1], value=least, limit=MOST_APART)
     rows, others = here[kept], there[kept]
     most = float(np.abs(target[others] - source[rows]).max())
-    note = f"rows are paired by time, at most {most:.3g} s apart"
+    note = f"rows are paired by time, at most {at_most(most)} s apart"
     return TimedRows(source=rows, target=others, note=note)
 
 

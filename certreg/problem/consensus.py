@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from certreg.errors import InvalidProblemError
+from certreg.exact import as_given, at_least, at_most
 from certreg.problem.bounds import NAME, checked_bounds
 from certreg.problem.motion import Scale
 from certreg.problem.problem import RegistrationProblem
@@ -130,9 +131,9 @@ def _require_near(problem: RegistrationProblem, bounds: NDArray[np.float64]) -> 
     least, most = float(sizes.min()), float(sizes.max())
     if np.frexp(most)[1] - np.frexp(least)[1] > MOST_SPAN:
         message = (
-            f"{NAME} with numbers from {least:.3g} to {most:.3g}, weights (1 where none are given) "
-            "among them: their proofs would be too long; give the clouds in a unit in which they "
-            "are nearer to 1, and 0 for numbers that are nothing but rounding"
+            f"{NAME} with numbers from {at_least(least)} to {at_most(most)}, weights (1 where none "
+            "are given) among them: their proofs would be too long; give the clouds in a unit in "
+            "which they are nearer to 1, and 0 for numbers that are nothing but rounding"
         )
         raise InvalidProblemError(message, array=NAME, value=most)
 
@@ -157,7 +158,7 @@ def _require_narrow(problem: RegistrationProblem, bounds: NDArray[np.float64]) -
     if float(bounds.min()) >= half:
         least = "" if (bounds == bounds[0]).all() else " at least"
         message = (
-            f"{NAME} is {float(bounds.min()):g}{least}, not below half the diameter of the "
-            f"{cloud}, {half:g}: every pair may be brought within; give a smaller bound"
+            f"{NAME} is {as_given(bounds.min())}{least}, not below half the diameter of the "
+            f"{cloud}, {at_least(half, 6)}: every pair may be brought within; give a smaller bound"
         )
         raise InvalidProblemError(message, array=NAME, value=float(bounds.min()), limit=half)

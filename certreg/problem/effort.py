@@ -7,6 +7,7 @@ import operator
 from typing import Any
 
 from certreg.errors import InvalidProblemError
+from certreg.exact import as_given
 
 MOST_EFFORT = 1e6
 
@@ -34,7 +35,7 @@ def checked_effort(effort: Any) -> float:
     except (TypeError, ValueError, OverflowError):
         value = math.nan
     if isinstance(effort, str) or not 0.0 < value <= MOST_EFFORT:
-        message = f"effort is {effort!r}: give a number above 0, at most {MOST_EFFORT:g}"
+        message = f"effort is {effort!r}: give a number above 0, at most {as_given(MOST_EFFORT)}"
         raise InvalidProblemError(message, array="effort", value=effort, limit=MOST_EFFORT)
     return value
 

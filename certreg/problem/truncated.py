@@ -10,6 +10,7 @@ import numpy as np
 
 from certreg._loading import cached_property
 from certreg.errors import InvalidProblemError
+from certreg.exact import as_given, at_most
 from certreg.problem.bounds import NAME, checked_bounds
 from certreg.problem.row_lengths import lengths
 from certreg.problem.support import Loss, require_supported
@@ -99,9 +100,9 @@ def _require_narrow(points: RegistrationProblem, bounds: NDArray[np.float64]) ->
         message = "all points are at the origin, where no rotation moves them: give other points"
         raise InvalidProblemError(message, array="source", value=points.n)
     message = (
-        f"{NAME} is {value:g}, and no rotation takes the points of any pair farther apart than "
-        f"{most:g}: each pair would be within, whether it is right or wrong; give a bound below "
-        "that, in the unit of the clouds"
+        f"{NAME} is {as_given(value)}, and no rotation takes the points of any pair farther apart "
+        f"than {at_most(most, 6)}: each pair would be within, whether it is right or wrong; give a "
+        "bound below that, in the unit of the clouds"
     )
     raise InvalidProblemError(message, array=NAME, value=value, limit=most)
 

@@ -76,15 +76,12 @@ if TYPE_CHECKING:
     from certreg.registration.fit import silent_tests as silent_tests
     from certreg.registration.fit_of_pairs import BY_NAME as BY_NAME
     from certreg.registration.freedom import Freedom as Freedom
-    from certreg.registration.headlines import DEGREE_SLACK as DEGREE_SLACK
     from certreg.registration.headlines import HARDLY_DETERMINED as HARDLY_DETERMINED
     from certreg.registration.headlines import HEADLINES as HEADLINES
     from certreg.registration.headlines import NO_ROTATION as NO_ROTATION
     from certreg.registration.headlines import WEAK as WEAK
     from certreg.registration.headlines import Headline as Headline
     from certreg.registration.headlines import TooLarge as TooLarge
-    from certreg.registration.headlines import at_least as at_least
-    from certreg.registration.headlines import at_most as at_most
     from certreg.registration.headlines import axis_words as axis_words
     from certreg.registration.headlines import beyond_first_order as beyond_first_order
     from certreg.registration.headlines import headline_of as headline_of
@@ -256,14 +253,11 @@ __getattr__ = lazy_face(
         "fit_of_pairs": ("BY_NAME",),
         "freedom": ("Freedom",),
         "headlines": (
-            "DEGREE_SLACK",
             "HARDLY_DETERMINED",
             "HEADLINES",
             "NO_ROTATION",
             "WEAK",
             "Headline",
-            "at_least",
-            "at_most",
             "TooLarge",
             "axis_words",
             "beyond_first_order",

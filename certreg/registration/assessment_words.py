@@ -6,7 +6,7 @@ import math
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from certreg.exact import nearest_root
+from certreg.exact import at_most, nearest_root
 from certreg.geometry import UNNOTED_DEFECT, rotation_defect
 from certreg.registration.ambiguity import DISTINGUISHABLE, ambiguous_words, narrow_words
 from certreg.registration.findings import GOOD, rules_out
@@ -17,7 +17,6 @@ from certreg.registration.headlines import (
     OPTIMAL_NOT_UNIQUE,
     RULED_OUT,
     SPURIOUS,
-    at_most,
     degrees_words,
     headline_of_data,
     interval_words,

@@ -13,6 +13,7 @@ import numpy as np
 
 from certreg._loading import late
 from certreg.errors import DegenerateProblemError, InvalidProblemError, OutOfRangeError
+from certreg.exact import at_most
 from certreg.geometry import (
     Pose,
     Similarity,
@@ -208,8 +209,8 @@ def _optimal_quaternion(moments: Moments) -> NDArray[np.float64]:
     if not _is_told(gap, error):
         message = (
             "floating point does not tell the rotation: the two largest eigenvalues of the "
-            f"Davenport matrix are {gap:.3g} apart, and rounding may move them by {error:.3g}; "
-            "certreg.certify decides exactly whether the best rotation is unique"
+            f"Davenport matrix are {gap:.3g} apart, and rounding may move them by "
+            f"{at_most(error)}; certreg.certify decides exactly whether the best rotation is unique"
         )
         raise DegenerateProblemError(message, value=gap, limit=error)
     return canonical(vectors[:, -1])

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
+from certreg.exact import as_given
 from certreg.problem import ConsensusProblem, diameter
 from certreg.registration.headlines import is_loose
 from certreg.results import Optimality
@@ -137,7 +138,7 @@ def motion_words(problem: ConsensusProblem) -> str:
 def within_words(problem: ConsensusProblem | TruncatedProblem) -> str:
     """Within the bound, or the bounds."""
     bounds = problem.bounds
-    return f"within {bounds[0]:g}" if (bounds == bounds[0]).all() else "within their bounds"
+    return f"within {as_given(bounds[0])}" if (bounds == bounds[0]).all() else "within their bounds"
 
 
 def are_words(count: int, word: str) -> str:

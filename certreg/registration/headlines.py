@@ -8,10 +8,9 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from decimal import MAX_EMAX, MIN_EMIN, ROUND_CEILING, ROUND_FLOOR, Context, Decimal
-from fractions import Fraction
 from typing import TYPE_CHECKING
 
+from certreg.exact import at_least, at_most, degrees_above
 from certreg.registration.misfits import FitCode
 from certreg.results import Absent, Limits, Optimality
 
@@ -27,12 +26,10 @@ if TYPE_CHECKING:
     from certreg.registration.fit import Fit
     from certreg.registration.result import Registration
 
-LEAST_PLAIN = 1e-4  # smaller numbers are written with an exponent
 SMALL_SCALE = 0.1  # off one: what the pose leaves without it is a hundredth of the cloud's spread
 GOOD_EXPLAINED = 0.99  # with the scale; so the pose alone explains about 0.98
 # About an axis a turn by a costs 4 sin^2(a/2) / sigma^2 in units of the noise, 4 / sigma^2 at most:
 LOOSE_SIGMA = 0.4  # radians, as 4 / 0.4^2 = 25, the square of five standard deviations
-DEGREE_SLACK = 1.0 + 1e-15  # radians to degrees rounds twice
 
 
 class TooLarge(Absent):
@@ -364,7 +361,7 @@ def degrees_words(bounds: PoseBounds) -> str | None:
     angle = bounds.angle_upper
     if angle is None or angle >= math.pi:
         return None
-    return at_most(math.degrees(angle) * DEGREE_SLACK)
+    return at_most(degrees_above(angle))
 
 
 def share_words(bounds: PoseBounds) -> str:
@@ -382,24 +379,3 @@ def interval_words(bounds: PoseBounds) -> str:
     if not bounds.least_gap:
         return f"at most {at_most(bounds.greatest_gap)}"
     return f"between {at_least(bounds.least_gap, 9)} and {at_most(bounds.greatest_gap, 9)}"
-
-
-def at_most(value: float | Fraction, digits: int = 3) -> str:
-    """An upper bound in few digits, rounded up: what is printed is still a bound."""
-    return _rounded(value, digits, ROUND_CEILING)
-
-
-def at_least(value: float | Fraction, digits: int = 3) -> str:
-    """A lower bound in few digits, rounded down."""
-    return _rounded(value, digits, ROUND_FLOOR)
-
-
-def _rounded(value: float | Fraction, digits: int, direction: str) -> str:
-    """In decimal digits, of any size."""
-    if isinstance(value, float) and math.isinf(value):
-        return "(beyond doubles)"
-    exact = Fraction(value)
-    context = Context(prec=digits, rounding=direction, Emax=MAX_EMAX, Emin=MIN_EMIN)
-    quotient = context.divide(Decimal(exact.numerator), Decimal(exact.denominator))
-    small = 0 < quotient < LEAST_PLAIN
-    return f"{quotient:.{digits - 1}e}" if small else f"{quotient:g}"

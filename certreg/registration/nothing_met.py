@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from certreg.certificate import consistent_pairs
+from certreg.exact import at_least
 from certreg.native import triangles
 from certreg.problem import LEAST_PAIRS, lengths
-from certreg.registration.headlines import at_least
 
 if TYPE_CHECKING:
     from certreg.problem import ConsensusProblem, TruncatedProblem
@@ -35,7 +35,8 @@ def nothing_turned(problem: TruncatedProblem) -> str:
     """Of a rotation that shall have a pair within its bound."""
     sizes = [lengths(points) for points in (problem.source, problem.target)]
     apart = np.abs(sizes[0] - sizes[1])
-    if (apart - problem.bounds <= ROUNDING * sizes[0] + ROUNDING * sizes[1]).any():
+    apart -= ROUNDING * sizes[0] + ROUNDING * sizes[1]
+    if (apart <= problem.bounds).any():
         return (
             "no rotation was found that brings a pair within its bound: give more --effort, or "
             "wider bounds if right pairs may be farther off"

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, replace
-from decimal import ROUND_CEILING, Context, Decimal
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from certreg.certificate import MOST_DEGREES
 from certreg.errors import InvalidProblemError
-from certreg.exact import double_below
+from certreg.exact import at_most, degrees_above, double_below, half_angle_bound
 from certreg.registration.scale_range import proved_scales
 from certreg.results import Absent, Brief
 
@@ -20,8 +18,7 @@ if TYPE_CHECKING:
 
 ROBUSTNESS_ANGLE = 5.0  # degrees, unless another is asked for
 NONE_PROVED = Absent("no error of the points is proved to be harmless, or that was not asked for")
-DIGITS = Context(prec=6, rounding=ROUND_CEILING)  # of the angle, which is told in degrees
-ASIN_SLACK = 1.0 + 1e-12  # the arcsine of the C library errs by an ulp or two
+DIGITS = 6  # of the angle, which is told in degrees
 
 
 def checked_angle(degrees: float | None) -> float | None:
@@ -59,9 +56,9 @@ class Robustness(Brief):
     @classmethod
     def of(cls, radius: Radius) -> Robustness:
         """What a certificate claims, lengths rounded down and the angle up."""
-        half = math.asin(double_below(radius.sin_half_angle.value)) * ASIN_SLACK
+        angle = half_angle_bound(radius.sin_half_angle.value**2)
         return cls(
-            angle=float(DIGITS.plus(Decimal(2.0 * math.degrees(half)))),
+            angle=float(at_most(degrees_above(angle), DIGITS)),
             target=double_below(radius.target.value),
             both=double_below(radius.both.value),
         )

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from decimal import ROUND_FLOOR
-from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
 from certreg.certificate import (
@@ -16,12 +14,11 @@ from certreg.certificate import (
     scaled_consensus_of,
 )
 from certreg.errors import InvalidProblemError
-from certreg.exact import double_above, double_below
+from certreg.exact import at_least, at_most, double_above, double_below
 from certreg.geometry import Similarity
 from certreg.problem import Scale
 from certreg.registration.consensus import ConsensusRegistration, Ways, most_proved, restated
 from certreg.relaxation import scaled_candidates
-from certreg.verify import rounded
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -101,8 +98,8 @@ def ranges_words(some: Sequence[tuple[float, float]]) -> str:
     """For example: from 0.5 to 0.75 and from 2 on; rounded outwards."""
     told: list[str] = []
     for low, high in some:
-        begin = f"from {rounded(Fraction(low), DIGITS, ROUND_FLOOR):g}"
-        end = "on" if math.isinf(high) else f"to {rounded(Fraction(high), DIGITS):g}"
+        begin = f"from {at_least(low, DIGITS)}"
+        end = "on" if math.isinf(high) else f"to {at_most(high, DIGITS)}"
         told.append(f"{begin} {end}")
     if len(told) > NAMED_RANGES:
         told = [*told[: NAMED_RANGES - 1], f"in {len(told) - NAMED_RANGES + 1} other ranges"]

@@ -6,7 +6,7 @@ import math
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
-from certreg.exact import double_above, nearest_double, nearest_root
+from certreg.exact import at_most, double_above, nearest_double, nearest_root
 from certreg.geometry import why_no_rotation
 from certreg.registration.assessed import Assessment
 from certreg.registration.assessment_words import note_on
@@ -16,7 +16,6 @@ from certreg.registration.headlines import (
     NO_ROTATION,
     RULED_OUT,
     SPURIOUS,
-    at_most,
     degrees_words,
     interval_words,
     loose_words,

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from certreg.exact import at_most
 from certreg.registration.headlines import (
     BOUNDED,
     BOUNDED_WITHOUT_ANGLE,
@@ -16,7 +17,6 @@ from certreg.registration.headlines import (
     POOR_FIT,
     WITHIN_LIMITS,
     Headline,
-    at_most,
     degrees_words,
     each,
     is_loose,

@@ -14,13 +14,12 @@ import numpy as np
 
 from certreg.certificate import truncated_certificate
 from certreg.errors import UndecidedError
-from certreg.exact import double_above
+from certreg.exact import at_least, at_most, double_above
 from certreg.geometry import Pose, rotation_matrix
 from certreg.problem import RegistrationProblem, apart, checked_effort
 from certreg.registration.consensus_words import others_words, repeated_rows, repeated_words
 from certreg.registration.exit_codes import DONE, NOT_CERTIFIED, NOT_UNIQUE
 from certreg.registration.fit_of_pairs import USUAL, FitSettings, fitted
-from certreg.registration.headlines import at_least, at_most
 from certreg.registration.nothing_met import nothing_turned
 from certreg.registration.pair_angles import angles_between
 from certreg.registration.pair_warnings import poor_warning, reason_against, wide_warning
@@ -42,6 +41,7 @@ TRUNCATED_PARTS = 3  # of certify: search, certificate and checker, fit
 WORDS = {1: "inlier", 0: "outlier", -1: "undecided"}
 LETTERS = {"1": "inlier", "0": "outlier", "?": "undecided"}  # of a certificate
 NAMED_ROWS = 5  # of the undecided ones, in a sentence
+COST_DIGITS = 6  # of a cost in the first line
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -163,28 +163,29 @@ class TruncatedRegistration(Saved):
     def headline(self) -> str:
         """What is proved, in words."""
         out, within = self.labels.count("outlier"), self._within.capitalize()
-        if self.gap is None:
+        worth = self.verdict.worth
+        if self.gap is None or worth is None:
             return f"NOT PROVED: a rotation of truncated cost {self.cost:.6g} was found."
         if not self.certified:
             rows = [row for row, word in enumerate(self.labels) if word == "undecided"]
             told = f" ({self.names.counted(rows[:NAMED_ROWS], len(rows))})" if rows else ""
+            cost = at_most(worth.objective, COST_DIGITS)
             return (
-                f"PARTLY PROVED: the truncated cost {self.cost:.6g} is less than "
-                f"{at_most(self.gap, 2)} above the least. {within} at every optimum, {out} "
-                f"at none; {len(rows)} undecided{told}."
+                f"PARTLY PROVED: the truncated cost is at most {cost}, and less than "
+                f"{at_most(self.gap, 2)} above the least. {within} at every optimum, {out} at "
+                f"none; {len(rows)} undecided{told}."
             )
         others = f". {others_words(out)} at EVERY optimum." if out else ": no outliers."
+        least = at_least(worth.minimum, COST_DIGITS)
         if self.unique:
-            assert self.verdict.worth is not None  # noqa: S101 - `certified` asks it
-            least = at_least(self.verdict.worth.minimum, 6)
             but = "" if self.against is None else f", BUT {self.against}"
             return (
                 f"CERTIFIED{but}: no rotation has a smaller truncated cost than {least}, and "
                 f"{self._within} there{others}"
             )
         return (
-            f"CERTIFIED, NOT UNIQUE: the least truncated cost is {self.cost:.6g}; one single "
-            f"rotation is not proved. {within} at every optimum{others}"
+            f"CERTIFIED, NOT UNIQUE: no rotation has a smaller truncated cost than {least}; one "
+            f"single rotation is not proved. {within} at every optimum{others}"
         )
 
     @property

@@ -19,9 +19,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.exact import integer_eigenbasis, root_above
+from certreg.exact import at_most, integer_eigenbasis, root_above
 from certreg.geometry import quadratic_form, squared_norm
-from certreg.registration.headlines import at_most, axes_words
+from certreg.registration.headlines import axes_words
 from certreg.results import Brief
 
 if TYPE_CHECKING:

@@ -16,6 +16,7 @@ from certreg.report.summary import (
     kinds_words,
     margin_words,
     number,
+    step_words,
     table_of,
 )
 from certreg.results import OUT_OF_RANGE, Absent, ComponentKind, present
@@ -121,7 +122,7 @@ def breathing_summary(run: SimulatedBreathing) -> str:
         (
             run.status.value,
             f"  integrator        {run.integrator.value}",
-            f"  steps             {run.steps}, each at most {run.step:.6g} long",
+            f"  steps             {run.steps}, {step_words(run.step)}",
             f"  time              {run.times[-1]:.6g}  (unit of the springs)",
             f"  escapes           {run.escapes}  (kicked off a saddle)",
             f"  scale             {scale_course(run)}",
@@ -185,7 +186,7 @@ def breathing_card(run: SimulatedBreathing) -> str:
         notes=[keeps_words(run)],
         good=run.converged,
         facts=[
-            ("steps", f"{run.steps:,}, each at most {run.step:.6g} long"),
+            ("steps", f"{run.steps:,}, {step_words(run.step)}"),
             ("time", f"{run.times[-1]:.6g}"),
             ("scale", scale_course(run)),
             ("escapes", str(run.escapes)),

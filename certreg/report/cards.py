@@ -23,6 +23,7 @@ from certreg.report.summary import (
     explained_words,
     margin_words,
     number,
+    step_words,
     verdict_words,
     warnings,
 )
@@ -170,7 +171,7 @@ def trajectory_card(trajectory: ProblemTrajectory) -> str:
         good=trajectory.converged,
         facts=[
             ("integrator", trajectory.integrator.value),
-            ("steps", f"{trajectory.steps:,}, each at most {trajectory.step:.6g} long"),
+            ("steps", f"{trajectory.steps:,}, {step_words(trajectory.step)}"),
             ("time", f"{trajectory.times[-1]:.6g}"),
             ("escapes", str(trajectory.escapes)),
         ],

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.exact import double_above
-from certreg.registration import at_most
+from certreg.exact import as_given, at_most, degrees_above, half_angle_bound
 
 if TYPE_CHECKING:
     from certreg.registration import ConsensusRegistration
@@ -22,8 +21,8 @@ def reach_degrees(result: ConsensusRegistration) -> str | None:
     reach = result.certificate.body.reach
     if reach is None:
         return None
-    sine = math.sqrt(double_above(reach.sin2_half_angle.value))
-    return at_most(math.degrees(2.0 * math.asin(min(1.0, sine))) * (1.0 + 1e-12), DIGITS)
+    angle = half_angle_bound(reach.sin2_half_angle.value)
+    return at_most(degrees_above(angle), DIGITS)
 
 
 def why_unbounded(result: ConsensusRegistration) -> str:
@@ -37,7 +36,7 @@ def why_unbounded(result: ConsensusRegistration) -> str:
     if width <= widest:
         return (
             f"these pairs lie {width:.2g} from a line (root mean square), beside bounds of "
-            f"{widest:.2g}: turns about it are not ruled out"
+            f"{as_given(widest)}: turns about it are not ruled out"
         )
     return "for bounds as wide as these no angle below 180 degrees is proved"
 

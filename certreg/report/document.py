@@ -18,7 +18,6 @@ from certreg.registration import (
 from certreg.report.encoding import Document, Noted, encoded
 from certreg.report.fields import (
     degrees,
-    degrees_above,
     finite,
     fit_fields,
     hardly_determined,
@@ -26,6 +25,7 @@ from certreg.report.fields import (
     pose_fields,
     robustness_fields,
     scale_of,
+    upper_degrees,
 )
 from certreg.report.uncertainty import (
     uncertainty_rows,
@@ -205,7 +205,7 @@ def assessment_document(assessment: Assessment) -> Document:
             "gap_share": finite(assessment.stated("gap_share")),
             "gap_parts": _gap_parts(assessment),
             "rounding_cost": finite(assessment.stated("rounding_cost")),
-            "angle_upper_deg": degrees_above(assessment.stated("angle_upper")),
+            "angle_upper_deg": upper_degrees(assessment.stated("angle_upper")),
             "shift_upper": finite(assessment.stated("shift_upper")),
             "angle_to_optimum_deg": degrees(assessment.stated("angle_to_optimum")),
             "nearest": nearest,

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.exact import double_above, double_below
+from certreg.exact import degrees_above, double_above, double_below
 from certreg.geometry import Similarity
-from certreg.registration import DEGREE_SLACK, UNDECIDED, is_loose
+from certreg.registration import UNDECIDED, is_loose
 from certreg.report.encoding import Noted
 from certreg.report.uncertainty import covariance_of, more_than_noise, shift_sigmas, turn_sigmas
 from certreg.results import OUT_OF_RANGE, Absent
@@ -142,9 +142,9 @@ def finite(value: float | Absent) -> float | Absent:
     return OUT_OF_RANGE if not isinstance(value, Absent) and math.isinf(value) else value
 
 
-def degrees_above(angle: float | Absent) -> float | Absent:
+def upper_degrees(angle: float | Absent) -> float | Absent:
     """An upper bound in degrees, that stays one."""
-    return angle if isinstance(angle, Absent) else math.degrees(angle) * DEGREE_SLACK
+    return angle if isinstance(angle, Absent) else degrees_above(angle)
 
 
 def degrees(angle: float | Absent) -> float | Absent:

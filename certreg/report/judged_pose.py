@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from certreg.exact import rational_root_above
-from certreg.registration import DEGREE_SLACK, FIT_WARNED, TooLarge, at_most, interval_words
+from certreg.exact import at_most, degrees_above, rational_root_above
+from certreg.registration import FIT_WARNED, TooLarge, interval_words
 from certreg.report.remedies import ADVICE
 from certreg.report.summary import exact_number, unit_words
 from certreg.results import Absent, PoseVerdict
@@ -91,4 +91,4 @@ def _proved_angle(assessment: Assessment) -> str:
     angle = assessment.angle_upper
     if angle is None or angle >= math.pi:
         return ""
-    return f", within {at_most(math.degrees(angle) * DEGREE_SLACK)} (proved)"
+    return f", within {at_most(degrees_above(angle))} (proved)"

@@ -5,13 +5,15 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from certreg.exact import nearest_double
+from certreg.exact import at_most, nearest_double
 from certreg.report.encoding import Document, Noted
 from certreg.report.summary import equilibria_words
 from certreg.results import OUT_OF_RANGE, Absent, ComponentKind
 
 if TYPE_CHECKING:
-    from certreg.equilibrium import CriticalSet, Search
+    from collections.abc import Sequence
+
+    from certreg.equilibrium import Comparison, CriticalSet, Search
     from certreg.registration import Enumeration
 
 PLURALS = {
@@ -41,10 +43,7 @@ def methods_summary(enumeration: Enumeration) -> str:
     found = [each.critical for each in searches if each.critical is not None]
     decided = [critical.method for critical in found if critical.complete]
     if len(decided) > 1:
-        lines.append(
-            f"The roads {', '.join(decided)} agree: rotations to {_degrees(comparison.angle)} "
-            f"degrees, energies to {comparison.energy:.0e} of their range."
-        )
+        lines.append(agreement_words(decided, comparison))
     doubts = [critical.doubt for critical in found if critical.doubt is not None]
     doubts += [each.reason for each in searches if each.reason is not None]
     return "\n".join((*lines, *(f"Not decided by {doubt}" for doubt in doubts)))
@@ -126,5 +125,10 @@ def _counted(kind: ComponentKind, count: int) -> str:
     return f"{count} {PLURALS[kind][count > 1]}"
 
 
-def _degrees(angle: float) -> str:
-    return f"{math.degrees(angle):.0e}"
+def agreement_words(methods: Sequence[str], comparison: Comparison) -> str:
+    """How far the rotations and the energies of complete lists are apart."""
+    degrees, share = at_most(math.degrees(comparison.angle), 1), at_most(comparison.energy, 1)
+    return (
+        f"The roads {', '.join(methods)} agree: rotations to {degrees} degrees, energies to "
+        f"{share} of their range."
+    )

@@ -6,10 +6,10 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from certreg.exact import as_given, at_least, at_most
 from certreg.geometry import Similarity
 from certreg.registration import (
     FitCode,
-    at_most,
     headline_of,
     headline_words,
     proved_degrees,
@@ -18,7 +18,7 @@ from certreg.registration import (
 )
 from certreg.report.pose_words import motion_words, turn_of
 from certreg.report.remedies import why_warned
-from certreg.report.robustness import length_below, meanwhile_words
+from certreg.report.robustness import meanwhile_words
 from certreg.report.summary import (
     explained_words,
     margin_words,
@@ -352,10 +352,10 @@ def robustness_facts(registration: AnyRegistration) -> Iterator[Fact]:
     if found is not None:
         yield Fact(
             name="Robustness",
-            value=length_below(found.target),
+            value=at_least(found.target),
             words=f"by less than this every target point may be off, and no optimum turns by more "
-            f"than {found.angle:g}°; points of both clouds by less than "
-            f"{length_below(found.both)} (sufficient, not sharp)"
+            f"than {as_given(found.angle)}°; points of both clouds by less than "
+            f"{at_least(found.both)} (sufficient, not sharp)"
             f"{meanwhile_words(registration, found)}",
         )
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from decimal import ROUND_CEILING, ROUND_FLOOR, Context
 from typing import TYPE_CHECKING
+
+from certreg.exact import as_given, at_least, at_most
 
 if TYPE_CHECKING:
     from certreg.registration import AnyRegistration, Robustness
@@ -15,9 +16,9 @@ def robustness_words(registration: AnyRegistration) -> str:
     if found is None:
         return "not proved"
     return (
-        f"no optimum turns by more than {found.angle:g} degrees as long as every target point is "
-        f"off by less than {length_below(found.target)}; points of both clouds, "
-        f"{length_below(found.both)} (sufficient, not sharp)"
+        f"no optimum turns by more than {as_given(found.angle)} degrees as long as every target "
+        f"point is off by less than {at_least(found.target)}; points of both clouds, "
+        f"{at_least(found.both)} (sufficient, not sharp)"
         f"{meanwhile_words(registration, found)}"
     )
 
@@ -34,13 +35,5 @@ def _range(scales: tuple[float, float] | None) -> str:
     """Two numbers in six digits, rounded outwards."""
     if scales is None:
         return "within no proved bound"
-    low, high = (
-        Context(prec=6, rounding=rounding).create_decimal_from_float(end)
-        for end, rounding in zip(scales, (ROUND_FLOOR, ROUND_CEILING), strict=True)
-    )
-    return f"between {low:g} and {high:g}"
-
-
-def length_below(length: float) -> str:
-    """A length in three digits, rounded down."""
-    return f"{Context(prec=3, rounding=ROUND_FLOOR).create_decimal_from_float(length):g}"
+    low, high = scales
+    return f"between {at_least(low, 6)} and {at_most(high, 6)}"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from certreg.exact import at_least, at_most
 from certreg.geometry import Similarity
 from certreg.registration import (
     headline_words,
@@ -37,6 +38,7 @@ if TYPE_CHECKING:
     from certreg.registration import Registration
     from certreg.report.overview import PoseFacts
 
+ALL_DIGITS = 17  # of a double
 WHOSE_TURN = "Rotation: about the source's axes."
 TESTED = "The test of the noise that was given raises no warning. "
 
@@ -117,9 +119,15 @@ def _interval(registration: Registration) -> Iterator[Fact]:
         return
     bounds = scale_interval(registration)
     if not isinstance(bounds, Absent):
-        low, high = bounds
-        words = f"at most {high!r}, of every optimum; both are rounded outwards"
-        yield Fact(name="Scale", value=f"≥ {low!r}", words=words)
+        low, high = printed_interval(bounds)
+        words = f"at most {high}, of every optimum; both are rounded outwards"
+        yield Fact(name="Scale", value=f"≥ {low}", words=words)
+
+
+def printed_interval(bounds: tuple[float, float]) -> tuple[str, str]:
+    """Two proved numbers in words, rounded outwards: all digits of a double may not be enough."""
+    low, high = bounds
+    return at_least(low, ALL_DIGITS), at_most(high, ALL_DIGITS)
 
 
 def _others(registration: Registration) -> Fact:

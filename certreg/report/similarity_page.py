@@ -26,7 +26,7 @@ from certreg.report.picture import (
 )
 from certreg.report.similarity_overview import similarity_overview
 from certreg.report.similarity_words import not_claimed_of, similarity_sentences
-from certreg.report.summary import HEADINGS, away_words, equilibria_rows
+from certreg.report.summary import HEADINGS, away_words, equilibria_rows, step_words
 from certreg.report.words import begun, sentence
 from certreg.results import Absent
 
@@ -125,7 +125,7 @@ def _moved(registration: Registration) -> Moved:
         return Moved(words=sentence(f"{NO_MOTION}{run.reason}"))
     away = registration.solution.agreement.simulation
     facts = [
-        Fact(name="Steps", value=str(run.steps), words=f"each at most {run.step:.6g} long"),
+        Fact(name="Steps", value=str(run.steps), words=step_words(run.step)),
         Fact(name="Time", value=f"{run.times[-1]:.6g}", words="in units of the springs"),
         Fact(name="Escapes", value=str(run.escapes), words="kicked off a saddle"),
     ]

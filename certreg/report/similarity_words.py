@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from certreg.exact import at_most
 from certreg.problem import Scale
-from certreg.registration import SimulatedBreathing, at_most, scaled_equilibria
+from certreg.registration import SimulatedBreathing, scaled_equilibria
 from certreg.report.breathing import KEEPS, inside_out_words, scaled_count_words
 from certreg.report.fields import scale_interval
 from certreg.report.scaled_summary import BIAS
-from certreg.report.similarity_overview import untested_words
+from certreg.report.similarity_overview import printed_interval, untested_words
 from certreg.report.summary import margin_words
 from certreg.report.words import (
     NOT_CLAIMED,
@@ -90,10 +91,10 @@ def _scale(registration: Registration) -> Iterator[Sentence]:
     bounds = scale_interval(registration)
     if isinstance(bounds, Absent):
         return
-    low, high = bounds
+    low, high = printed_interval(bounds)
     words = (
-        f"The scale of every optimum is at least {low!r} and at most {high!r}; the certificate "
-        "has both in more digits."
+        f"The scale of every optimum is at least {low} and at most {high}; the certificate has "
+        "both in more digits."
     )
     theorems = ("optimality_certificate", "scale_elimination")
     yield Sentence(words=words, guarantee=Guarantee.EXACT, theorems=theorems)

@@ -10,6 +10,7 @@ from certreg.exact import nearest_double
 from certreg.report.cards import Card
 from certreg.report.encoding import Document, Noted, encoded
 from certreg.report.fields import degrees
+from certreg.report.methods import agreement_words
 from certreg.report.summary import number
 from certreg.results import OUT_OF_RANGE, Absent, ComponentKind, Guarantee
 
@@ -163,11 +164,7 @@ def _methods_words(enumeration: SpringEnumeration) -> str:
     comparison, found = enumeration.comparison, _found(enumeration)
     decided = [critical.method for critical in found if critical.complete]
     if comparison is not None and len(decided) > 1:
-        lines.append(
-            f"The roads {', '.join(decided)} agree: rotations to "
-            f"{math.degrees(comparison.angle):.0e} degrees, energies to {comparison.energy:.0e} "
-            "of their range."
-        )
+        lines.append(agreement_words(decided, comparison))
     said = enumeration.equilibria.doubt
     doubts = [
         each.critical.doubt if each.critical else each.reason for each in enumeration.searches

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from certreg.registration import NO_RATE, at_end_words, moving_words
 from certreg.report.cards import Card
 from certreg.report.encoding import encoded
-from certreg.report.summary import number
+from certreg.report.summary import number, step_words
 from certreg.results import present
 
 if TYPE_CHECKING:
@@ -25,7 +25,7 @@ def spring_simulation_summary(run: SimulatedSprings) -> str:
         (
             moving_words(run),
             f"  integrator        {run.integrator.value}",
-            f"  steps             {run.steps}, each at most {run.step:.6g} long",
+            f"  steps             {run.steps}, {step_words(run.step)}",
             f"  time              {run.time:.6g}  (unit of the springs)",
             f"  escapes           {run.escapes}  (kicked off a saddle)",
             f"  initial energy    {number(initial)}  (kinetic and potential)",
@@ -69,7 +69,7 @@ def spring_trajectory_card(run: SimulatedSprings) -> str:
         good=run.converged,
         facts=[
             ("integrator", run.integrator.value),
-            ("steps", f"{run.steps:,}, each at most {run.step:.6g} long"),
+            ("steps", f"{run.steps:,}, {step_words(run.step)}"),
             ("time", f"{run.time:.6g}"),
             ("escapes", str(run.escapes)),
             ("end", at_end_words(run)),

@@ -5,10 +5,9 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from certreg.exact import nearest_or_zero
+from certreg.exact import as_given, at_most, nearest_or_zero
 from certreg.registration import (
     Method,
-    at_most,
     axis_words,
     is_loose,
     share_words,
@@ -134,14 +133,14 @@ def few_words(registration: SpringRegistration) -> str:
 def _limit_words(registration: SpringRegistration) -> str:
     """What is called certified, where that is asked for or not reached."""
     limits, bounds = registration.limits, registration.bounds
-    within = f"within {limits.max_gap:g} of the range of energies"
+    within = f"within {as_given(limits.max_gap)} of the range of energies"
     if registration.unique is None:
         if bounds is not None and bounds.meet(limits, unique=False):
             return f"Not called certified, though {within}: whether one pose is optimal is open."
         return f"{UNMET} {within}, and of whether one pose is optimal."
     angle = ""
     if registration.solution.unique_rotation:
-        angle = f" and {limits.max_angle:g} radians of the optimum"
+        angle = f" and {as_given(limits.max_angle)} radians of the optimum"
     bounded = registration.status is Optimality.BOUNDED
     return f"{UNMET if bounded else MEANS} {within}{angle}."
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from certreg.registration import Method, at_least, at_most, spring_degrees
+from certreg.exact import at_least, at_most
+from certreg.registration import Method, spring_degrees
 from certreg.report.spring_summary import few_words, how_words, relaxation_words, soft_words
 from certreg.report.words import NOT_CLAIMED, Sentence, robustness_sentences, sentence
 from certreg.results import Guarantee

@@ -11,14 +11,13 @@ from typing import TYPE_CHECKING
 from certreg._loading import late
 from certreg.certificate import flat_energy
 from certreg.dynamics import Trajectory
-from certreg.exact import nearest_double
+from certreg.exact import as_given, at_most, nearest_double
 from certreg.registration import (
     BY_NAME,
     HARDLY_DETERMINED,
     NOT_ASKED,
     FitCode,
     ambiguous_words,
-    at_most,
     headline_words,
     narrow_words,
     proved_degrees,
@@ -130,7 +129,7 @@ def simulation_summary(simulated: SimulatedRegistration) -> str:
         (
             trajectory.status.value,
             f"  integrator        {trajectory.integrator.value}",
-            f"  steps             {trajectory.steps}, each at most {trajectory.step:.6g} long",
+            f"  steps             {trajectory.steps}, {step_words(trajectory.step)}",
             f"  time              {trajectory.times[-1]:.6g}  (unit of the springs)",
             f"  escapes           {trajectory.escapes}  (kicked off a saddle)",
             f"  initial energy    {number(initial)}  (kinetic and potential)",
@@ -258,13 +257,13 @@ def _limit_words(registration: Registration) -> str:
     limits = registration.limits
     angle = ""
     if registration.equilibria.classification.unique:
-        angle = f" and {limits.max_angle:g} radians of the optimum"
+        angle = f" and {as_given(limits.max_angle)} radians of the optimum"
     lead = UNMET if registration.status is Optimality.BOUNDED else MEANS
     of = "the range of energies"
     if registration.bounds is not None and not registration.bounds.least_range_squared:
         spread = registration.solution.moments.spread
         of = "the clouds' own spread" if spread else "their distance from the origin, squared"
-    return f"{lead} within {limits.max_gap:g} of {of}{angle}."
+    return f"{lead} within {as_given(limits.max_gap)} of {of}{angle}."
 
 
 def status_lines(registration: Registration) -> list[str]:
@@ -398,6 +397,11 @@ def _row(component: Component, *, sure: bool) -> tuple[str, ...]:
         ("undefined" if unstable is None else str(unstable)) if sure else "-",
         ("optimal" if sure else "best found") if component.optimal else "",
     )
+
+
+def step_words(step: float) -> str:
+    """How long the steps of a run are; of a step that the user gave, as it was given."""
+    return f"each at most {at_most(Fraction(repr(step)), 6)} long"
 
 
 def unit_words(fit: Fit) -> str:

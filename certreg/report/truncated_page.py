@@ -7,12 +7,8 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from certreg.registration import (
-    are_words,
-    at_least,
-    at_most,
-    widest_angles,
-)
+from certreg.exact import at_least, at_most
+from certreg.registration import are_words, widest_angles
 from certreg.report.any_report import AnyReport, head_of, pairs_words
 from certreg.report.consensus_fit import marked
 from certreg.report.consensus_picture import pairs_picture, residual_chart
@@ -130,7 +126,7 @@ def _residual_words(result: TruncatedRegistration) -> Iterator[str]:
     most = np.degrees(widest_angles(problem.source, problem.target, problem.bounds))
     allowed = most[np.isfinite(most)]
     if len(allowed):
-        low, high = (_degrees(float(end)) for end in (allowed.min(), allowed.max()))
+        low, high = (_widest(float(end)) for end in (allowed.min(), allowed.max()))
         angles = low if low == high else f"{low} to {high}, depending on the pair"
         yield f"A pair is within its bound where the angle between its points is at most {angles}."
     if (far := int(np.isnan(most).sum())) > 0:
@@ -153,7 +149,7 @@ def _rows(
             "row": str(row),
             "label": "" if names.labels is None else names.labels[row],
             "angle": _degrees(float(angles[row])),
-            "most": _degrees(float(most[row])),
+            "most": _widest(float(most[row])),
             "residual": number(float(residuals[row])),
             "share": f"{float(residuals[row] / problem.bounds[row]):.3g}",
             "proved": result.labels[row],
@@ -173,6 +169,11 @@ def _nearest_words(n: int) -> str | None:
 
 def _degrees(angle: float) -> str:
     return "none" if np.isnan(angle) else f"{angle:.3g}°"
+
+
+def _widest(angle: float) -> str:
+    """An angle up to which a pair is within its bound."""
+    return "none" if np.isnan(angle) else f"{at_least(angle)}°"
 
 
 def _undecided_words(count: int) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from certreg.registration import at_most
+from certreg.exact import as_given, at_most
 from certreg.report.cards import Card
 from certreg.report.consensus_fit import fit_causes, fit_remedies, fit_verdict, further_lines
 from certreg.report.consensus_summary import (
@@ -43,8 +43,8 @@ def truncated_summary(result: TruncatedRegistration) -> str:
 def truncated_causes(result: TruncatedRegistration) -> list[str]:
     """Why less is proved than may be asked for, in sentences."""
     limits = result.fit.limits
-    within = f"within {limits.max_gap:g} of the range of costs"
-    angle = f" and {limits.max_angle:g} radians of the optimum" if result.unique else ""
+    within = f"within {as_given(limits.max_gap)} of the range of costs"
+    angle = f" and {as_given(limits.max_angle)} radians of the optimum" if result.unique else ""
     if result.labels_unique and not result.certified:
         return [f"{UNMET} {within}{angle}.", *fit_causes(result.fit)]
     asked = [f"{MEANS} {within}{angle}."] if result.certified and limits != Limits() else []

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
-from certreg.exact import nearest_or_zero
+from certreg.exact import as_given, at_most, nearest_or_zero, sigma_of_weight
 from certreg.geometry import Similarity
 from certreg.registration import (
     NO_RESIDUALS,
@@ -183,7 +183,7 @@ def chi2_words(registration: AnyRegistration) -> str | None:
     if chi2.bound:
         return (
             f"{chi2.value:.4g} with {chi2.dof} degrees of freedom at most (sigma leaves a turn "
-            f"open), p at most {chi2.p or 1e-300:.2g}{judged}"
+            f"open), p at most {at_most(chi2.p, 2) if chi2.p else '1e-300'}{judged}"
         )
     p = f"= {chi2.p:.2g}" if chi2.p else "< 1e-300"
     return f"{chi2.value:.4g} with {chi2.dof} degrees of freedom, p {p}{judged}"
@@ -235,4 +235,7 @@ def _sigma_of(registration: Registration, covariance: PoseCovariance) -> float:
 def _given_words(registration: AnyRegistration) -> str:
     """The value of the sigma that was given, from its weight; empty where there are several."""
     problem = registration.problem
-    return f": {1.0 / math.sqrt(problem.weights[0]):.6g}" if problem.equally_weighted else ""
+    if not problem.equally_weighted:
+        return ""
+    weight = float(problem.weights[0])
+    return f": {as_given(sigma_of_weight(weight) or weight**-0.5)}"

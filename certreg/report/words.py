@@ -8,9 +8,9 @@ from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from certreg.certificate import sin2_half_angle_between
-from certreg.exact import half_angle_bound, rational_root_above
+from certreg.exact import at_most, degrees_above, half_angle_bound, rational_root_above
 from certreg.problem import trace
-from certreg.registration import DEGREE_SLACK, at_most, proved_degrees
+from certreg.registration import proved_degrees
 from certreg.report.robustness import robustness_words
 from certreg.report.summary import bounds_nothing, count_words, margin_words, number
 from certreg.results import Absent, ComponentKind, Guarantee
@@ -266,7 +266,7 @@ def _basin(registration: Registration, body: IsotropicBody) -> Iterator[Sentence
     yield Sentence(
         words=(
             "From the state in the certificate, within "
-            f"{at_most(math.degrees(off) * DEGREE_SLACK, 2)}° of its pose and turning by at most "
+            f"{at_most(degrees_above(off), 2)}° of its pose and turning by at most "
             f"{at_most(spin, 2)} radians per unit of time, the exact motion can end nowhere but at "
             "the optimum, whatever the damping."
         ),
@@ -333,7 +333,7 @@ def methods_sentence(registration: Registration, methods: MethodAngles) -> Sente
     }
     ran = {name: angle for name, angle in angles.items() if angle is not None}
     apart = [name for name, angle in ran.items() if not angle <= SAME_ROTATION]
-    near = [f"{name} to {angle:.1g}°" for name, angle in ran.items() if name not in apart]
+    near = [f"{name} to {at_most(angle, 1)}°" for name, angle in ran.items() if name not in apart]
     unique = registration.equilibria.classification.unique
     end = "the same rotation" if unique else "an optimum, not always the same"
     words = [f"Independent roads lead to {end}: {', '.join(near)}."] if near else []

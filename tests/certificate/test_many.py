@@ -16,7 +16,9 @@ from strategies import ZOO, problems
 
 import certreg
 from certreg.certificate import produce, verify
+from certreg.certificate.many import _angles
 from certreg.errors import CertregError, InvalidFileError, InvalidProblemError
+from certreg.exact import dyadic_above, half_angle_bound
 from certreg.geometry.so3 import rotation_matrix
 from certreg.native import ProvedOptima
 from certreg.objective import Isotropic
@@ -389,3 +391,13 @@ def test_gaps_are_not_below_what_is_claimed_at_the_ends_of_the_doubles(power):
     for gap, claim in zip(found.gaps.tolist(), claims, strict=True):
         assert gap == np.inf or Fraction(gap) >= claim
         assert gap < np.inf or claim > 2**1023
+
+
+def test_angles_up_to_half_a_turn_are_those_of_the_bound_of_one():
+    sines = [Fraction(k, 40) ** 9 for k in range(1, 40)]
+    sines = [dyadic_above(one, 32) for sine in sines for one in (sine, 1 - sine)]
+    optima = ProvedOptima.none(len(sines))
+    optima.sine[:] = [sine.pair for sine in sines]
+
+    bounds = [half_angle_bound(sine.value) for sine in sines]
+    np.testing.assert_allclose(_angles(optima), bounds, rtol=1e-15)

@@ -102,7 +102,7 @@ def test_bounds_in_a_file_are_refused_by_its_name(tmp_path, bounds, more, said):
         ("0", (), "--max-residual is 0.0: a bound must be finite and > 0"),
         ("0,1", (), "--max-residual 0,1: '0,1' has a comma: with a decimal point type 0.1"),
         ("wide", (), "--max-residual wide: neither a number nor a file"),
-        ("0.1", ("--effort", "0"), "--effort is 0.0: give a number above 0, at most 1e+06"),
+        ("0.1", ("--effort", "0"), "--effort is 0.0: give a number above 0, at most 1000000"),
         ("0.1", ("--rotation-only",), "or add --objective truncated (objective='truncated')"),
     ],
 )

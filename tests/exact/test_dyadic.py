@@ -137,5 +137,16 @@ def test_the_angle_bound_is_above_the_angle_to_the_last_bit():
             assert arb(half_angle_bound(sin2)) > exact
 
 
+def test_the_angle_bound_of_nearly_half_a_turn_is_above_the_angle():
+    """There the sine hardly changes with the angle: its last bit is worth 1e-8 radians."""
+    near = [1 - Fraction(1, k) for k in range(2, 40)]
+    near += [1 - Fraction(k, 2**60) for k in range(1, 3000, 37)]
+    with ctx.workprec(200):
+        for sin2 in near:
+            bound = half_angle_bound(sin2)
+            exact = 2 * (arb(sin2.numerator) / sin2.denominator).sqrt().asin()
+            assert exact < arb(bound) < exact * (1 + 2e-12) or bound == math.pi
+
+
 def test_the_angle_bound_never_exceeds_half_a_turn():
     assert half_angle_bound(Fraction(10**400)) == math.pi

@@ -33,6 +33,7 @@ from certreg.errors import (
     MissingToolError,
     OutOfRangeError,
 )
+from certreg.exact import at_most
 from certreg.io.clouds import read_cloud, read_problem, read_weights
 from certreg.io.poses import read_pose
 
@@ -235,7 +236,7 @@ def test_rounding_that_leaves_a_rotation_in_doubt_is_measured():
     error = raised(DegenerateProblemError, certreg.register, line, line)
 
     assert f"{error.value:.3g} apart" in str(error)
-    assert f"move them by {error.limit:.3g}" in str(error)
+    assert f"move them by {at_most(error.limit)};" in str(error)
 
 
 ROWS = [[0.5, 1.0, 2.0], [1.5, 2.0, 3.0], [2.5, 7.0, 4.0], [3.5, 4.0, 9.0]]

@@ -36,7 +36,7 @@ def test_two_trajectories_pair_by_the_nearest_time_and_say_what_is_left_out(tmp_
 
     assert np.array_equal(pair.source.points, pair.target.points)
     assert np.array_equal(pair.source.points, path[5::2])
-    assert pair.notes[-1] == "rows are paired by time, at most 0.004 s apart"
+    assert pair.notes[-1] == "rows are paired by time, at most 0.00401 s apart"
     assert any("18 pairs; left out: 0 of" in note and "22 of" in note for note in pair.notes)
     assert pair.source.times is not None
     assert pair.target.times is not None

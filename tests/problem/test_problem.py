@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from certreg.errors import InvalidProblemError
-from certreg.exact import weight_of_sigma
+from certreg.exact import sigma_of_weight, weight_of_sigma
 from certreg.problem import arrays as stating
 from certreg.problem.lifting import FEW, Lifted, lift
 from certreg.problem.motion import DIGEST_PREFIX
@@ -47,6 +47,22 @@ def test_the_weight_is_the_double_nearest_to_the_inverse_square(sigma):
 
     neighbours = (np.nextafter(weight, 0.0), np.nextafter(weight, np.inf))
     assert all(abs(Fraction(weight) - exact) <= abs(Fraction(float(n)) - exact) for n in neighbours)
+
+
+@given(st.integers(1, 10**6), st.integers(-40, 40))
+def test_a_sigma_of_few_digits_is_found_from_its_weight(digits, exponent):
+    sigma = float(f"{digits}e{exponent}")
+
+    assert sigma_of_weight(weight_of_sigma(sigma)) == sigma
+
+
+def test_a_weight_of_no_sigma_has_none():
+    """Sigmas above 1/2 are 2^-53 apart, and their weights four units of the last place."""
+    weights = [4.0 - k * 2.0**-51 for k in range(20)]
+
+    assert [sigma_of_weight(w) is None for w in weights].count(True) == 15
+    assert all(weight_of_sigma(s) == w for w in weights if (s := sigma_of_weight(w)) is not None)
+    assert sigma_of_weight(math.inf) is sigma_of_weight(0.0) is sigma_of_weight(1e301) is None
 
 
 def test_the_naive_weight_would_miss_it():

@@ -20,7 +20,7 @@ from strategies import ZOO, random_rotation
 from certreg.campaign import PairCampaign, read_listing
 from certreg.certificate import PoseBounds
 from certreg.dynamics import SimulationStatus
-from certreg.exact import rational_root_above, root_above
+from certreg.exact import at_most, rational_root_above, root_above
 from certreg.geometry import rotation_matrix
 from certreg.objective import Isotropic
 from certreg.problem import RegistrationProblem, exact_moments
@@ -341,7 +341,7 @@ def test_the_page_says_of_every_brace_how_it_is_rounded():
 
     assert sorted(listed_braces) == sorted(braces)
     assert re.findall(r"\{(\w+)\}", bounds) == ["gap", "share", "degrees"]
-    assert listed.at_most(1.001) == "1.01"  # rounded up
+    assert at_most(1.001) == "1.01"  # rounded up
     far = proof_of(attack())
     shifted = assess(far.problem, far.equilibria.components[3].rotation)
     near = float(shifted.headline.split(": ")[1].split()[0])

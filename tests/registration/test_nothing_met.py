@@ -10,7 +10,7 @@ import pytest
 
 import certreg
 from certreg.errors import InvalidProblemError, UndecidedError
-from certreg.registration import at_least
+from certreg.exact import at_least, at_most
 
 RNG = np.random.default_rng(4)
 CLOUD = RNG.uniform(-1.0, 1.0, (12, 3))
@@ -46,7 +46,7 @@ def test_a_bound_that_every_rotation_keeps_is_refused():
     most = 2.0 * float(sizes.max())
     words = refusal(CLOUD, CLOUD, 1.001 * most, **TRUNCATED)
 
-    assert f"no rotation takes the points of any pair farther apart than {most:g}: each " in words
+    assert f"the points of any pair farther apart than {at_most(most, 6)}: each pair" in words
     assert certified(CLOUD, CLOUD, 0.999 * most, **TRUNCATED).exit_code == 0
     one = np.where(np.arange(12) == 3, 0.999, 1.001) * 2.0 * sizes  # of one pair it says something
     assert certified(CLOUD, CLOUD, one, **TRUNCATED).labels_unique
@@ -64,6 +64,13 @@ def test_points_at_the_origin_are_turned_by_no_rotation():
     words = refusal(0.0 * CLOUD, 0.0 * CLOUD, 0.1, **TRUNCATED)
 
     assert words == "all points are at the origin, where no rotation moves them: give other points"
+
+
+def test_lengths_that_differ_are_not_said_to_differ_by_more_than_rounding_leaves():
+    """Of lengths 3 and 8, each rounded, no more is known than that they differ by almost 5."""
+    words = refusal(3.0 * np.eye(3), 8.0 * np.eye(3), 0.1, **TRUNCATED)
+
+    assert "that differ by 4.99 or more." in words
 
 
 def test_pairs_whose_lengths_differ_are_within_at_no_rotation():

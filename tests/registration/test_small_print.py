@@ -16,9 +16,10 @@ from scipy.spatial.transform import Rotation
 
 from certreg.dynamics import SimulationStatus
 from certreg.errors import ContradictionError, InvalidProblemError
+from certreg.exact import at_least, at_most
 from certreg.geometry import davenport_matrix, given_pose
 from certreg.problem import RegistrationProblem, arrays
-from certreg.registration import certify, headlines, misfits, register, worst
+from certreg.registration import certify, misfits, register, worst
 from certreg.registration.agreement import agreement, require_sound_trajectory
 from certreg.registration.ambiguity import narrow_words
 from certreg.registration.assessment import NO_SLIP, NOT_TRIED, judged
@@ -125,7 +126,7 @@ def test_rounding_is_named_as_the_cause_up_to_what_it_can_cost(registration: Reg
 
 
 def test_an_infinite_bound_is_told_to_be_beyond_the_doubles():
-    assert headlines.at_most(math.inf) == headlines.at_least(math.inf) == "(beyond doubles)"
+    assert at_most(math.inf) == at_least(math.inf) == "(beyond doubles)"
 
 
 TURN = np.array([[3.0, -4.0, 0.0], [4.0, 3.0, 0.0], [0.0, 0.0, 5.0]])  # five times a rotation

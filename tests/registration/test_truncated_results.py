@@ -121,8 +121,8 @@ def test_a_circle_of_optima_is_certified_but_not_unique():
 
     assert result.exit_code == 3
     assert result.headline == (
-        "CERTIFIED, NOT UNIQUE: the least truncated cost is 0; one single rotation is not proved. "
-        "All 3 pairs are within their bounds at every optimum: no outliers."
+        "CERTIFIED, NOT UNIQUE: no rotation has a smaller truncated cost than 0; one single "
+        "rotation is not proved. All 3 pairs are within their bounds at every optimum: no outliers."
     )
 
 
@@ -132,7 +132,7 @@ def test_two_optima_leave_labels_undecided():
     result = certified(np.vstack([x, x]), np.vstack([x @ TURN.T, x @ TURN]), 0.25)
 
     assert result.exit_code == 4
-    assert result.headline.startswith("PARTLY PROVED: the truncated cost 2 is less than ")
+    assert result.headline.startswith("PARTLY PROVED: the truncated cost is at most 2.00001, ")
     assert result.headline.endswith(
         " above the least. 2 of the 6 pairs are within their bounds at every optimum, 0 at none; "
         "4 undecided (rows 0, 1, 3, 4, counting from 0)."

@@ -73,6 +73,17 @@ def test_springs_changed_by_the_share_leave_the_shift_free_exactly():
     assert changed / size <= found.share <= changed / size * (1 + 1e-14)
 
 
+def test_the_share_is_the_next_double_above_the_exact_one():
+    """Nearest ones are below it half of the time."""
+    for k in range(1, 40):
+        e = k * 2.0**-31
+        (found,) = weak_shifts(objective_of(one_across(e)))
+        squared = Fraction(e) ** 2 / (8 + Fraction(e) ** 2)
+
+        assert Fraction(found.share) ** 2 >= squared
+        assert Fraction(math.nextafter(found.share, 0.0)) ** 2 < squared
+
+
 def test_a_free_shift_is_not_called_weak_and_one_beside_it_is():
     free = objective_of(one_across(0.0)[:-1])
     both = objective_of([[1.0, 0.0, 0.0]] * 8 + [[0.0, 2.0**-30, 0.0]])

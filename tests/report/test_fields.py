@@ -259,7 +259,7 @@ def test_the_fields_of_methods_are_those_of_the_searches(enumeration: Enumeratio
         "energy_relative": comparison.energy,
     }
     said = methods_summary(replace(enumeration, comparison=apart))
-    assert "agree: rotations to 1e+00 degrees, energies to 2e-01 of their range." in said
+    assert "agree: rotations to 1 degrees, energies to 0.3 of their range." in said
     assert words.startswith(methods_table(enumeration) + "\n")
     alone = replace(enumeration, comparison=None)
     assert methods_summary(alone) == methods_table(alone)

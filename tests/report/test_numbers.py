@@ -14,10 +14,11 @@ from commands import checked
 from strategies import random_problem
 
 from certreg.dynamics import SimulationStatus
+from certreg.exact import at_least, at_most
 from certreg.problem import RegistrationProblem
 from certreg.registration import Registration, assess, certify, enumerated
 from certreg.registration.agreement import Agreement
-from certreg.registration.headlines import at_least, at_most, interval_words
+from certreg.registration.headlines import interval_words
 from certreg.report import (
     assessment_document,
     assessment_summary,

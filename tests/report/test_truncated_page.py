@@ -148,7 +148,7 @@ def test_pairs_that_no_rotation_brings_within_are_counted(far: int, words: str):
         )
     )
 
-    least = ("3.44", "4.01")[far - 1]  # 2 asin(0.06 / 2), 2 asin(0.07 / 2)
+    least = ("3.43", "4.01")[far - 1]  # 2 asin(0.06 / 2), 2 asin(0.07 / 2)
     assert f"{words} {APART}" in page
     assert (
         f"where the angle between its points is at most {least}° to 5.73°, depending on the pair."
@@ -258,7 +258,7 @@ def test_a_certificate_that_proves_little_is_reported_as_no_more(tmp_path: Path)
     replace(kept, body=replace(kept.body, claims=claims)).save(path)
     page = report_of(path).html().decode()
 
-    assert "The truncated cost 6.75231 is less than 3 above the least." in page
+    assert "The truncated cost is at most 6.75232, and less than 3 above the least." in page
     assert 'class="stamp open">PARTLY PROVED' in page
     assert "What is undecided, and why" in page
 

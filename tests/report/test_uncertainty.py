@@ -186,6 +186,17 @@ def test_a_sigma_that_is_far_too_large_is_told(given):
     assert rows(registered(CLOUD + 0.01 * NOISE, sigma=1.0))["chi-squared"].endswith("sigma says")
 
 
+@pytest.mark.parametrize(
+    ("p", "told"),
+    [(0.12, "0.12"), (math.nextafter(0.125, 1.0), "0.13"), (0.1201, "0.13"), (0.0, "1e-300")],
+)
+def test_a_bound_on_p_is_rounded_up(given, p: float, told: str):
+    made = ChiSquared(value=1.0, dof=30, p=p, bound=True)
+    words = chi2_words(answered(given, fit=replace(given.fit, chi2=made))) or ""
+
+    assert words.endswith(f"p at most {told}")
+
+
 def test_small_turns_are_in_arc_seconds_and_large_ones_no_longer_small(given):
     covariance = covariance_of(given)
 

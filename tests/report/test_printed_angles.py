@@ -1,0 +1,89 @@
+"""Angles and lengths on a page are bounds as printed: on both sides of a decimal."""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+from flint import arb, ctx
+
+from certreg.registration import Robustness
+from certreg.report.consensus_reach import reach_degrees
+from certreg.report.overview import robustness_facts
+from certreg.report.robustness import robustness_words
+from certreg.report.summary import step_words
+
+DIGITS = 7
+
+
+def reached(sin2: Fraction) -> Fraction:
+    """The degrees that are printed of this proved bound."""
+    reach = SimpleNamespace(sin2_half_angle=SimpleNamespace(value=sin2))
+    body = SimpleNamespace(certificate=SimpleNamespace(body=SimpleNamespace(reach=reach)))
+    result: Any = body
+    return Fraction(str(reach_degrees(result)))
+
+
+def test_the_degrees_of_reach_are_no_fewer_than_the_proved_angle():
+    """Of 7 digits they are the next ones, but for the slack of 1e-12 of the arcsine."""
+    sines = [Fraction(k, 97) ** (1 + k % 9) for k in range(1, 97)]
+    sines += [1 - Fraction(1, 4**k) for k in range(1, 40)]
+    with ctx.workprec(200):
+        for sin2 in sines:
+            exact = 2 * (arb(sin2.numerator) / sin2.denominator).sqrt().asin() * 180 / arb.pi()
+            told = reached(sin2)
+            printed = arb(told.numerator) / told.denominator
+            unit = Fraction(10) ** (math.floor(math.log10(told)) + 1 - DIGITS)
+            step = arb(unit.numerator) / unit.denominator
+
+            assert exact <= printed
+            assert printed < exact * (1 + 2e-12) + step
+
+
+def robust(angle: float, target: float, both: float, **scales: Any) -> Any:
+    found = Robustness(angle=angle, target=target, both=both, **scales)
+    return SimpleNamespace(robustness=found, problem=SimpleNamespace(scaled=bool(scales)))
+
+
+@pytest.mark.parametrize(
+    ("target", "told"),
+    [(math.nextafter(0.5, 0.0), "0.499"), (0.5, "0.5"), (math.nextafter(0.5, 1.0), "0.500")],
+)
+def test_a_harmless_error_is_rounded_down_and_its_angle_is_as_claimed(target: float, told: str):
+    registration = robust(5.00001, target, target / 2)
+    words = robustness_words(registration)
+    (fact,) = robustness_facts(registration)
+
+    assert words.startswith("no optimum turns by more than 5.00001 degrees as long as every target")
+    assert f"is off by less than {told}; " in words
+    assert fact.value == told
+    assert "no optimum turns by more than 5.00001°; " in str(fact.words)
+
+
+def test_the_angle_of_robustness_is_no_smaller_than_the_claimed_one():
+    """Six digits of it, of sines of half of up to 90 degrees."""
+    with ctx.workprec(200):
+        for k in range(1, 700, 9):
+            sine = SimpleNamespace(value=Fraction(k, 990))
+            length = SimpleNamespace(value=Fraction(1))
+            radius: Any = SimpleNamespace(sin_half_angle=sine, target=length, both=length)
+            told = Robustness.of(radius).angle
+            exact = 2 * (arb(k) / 990).asin() * 180 / arb.pi()
+
+            assert exact < arb(told) < exact * (1 + 1e-5)
+            assert told == float(f"{told:.6g}")
+
+
+def test_a_scale_stays_between_the_printed_numbers():
+    words = robustness_words(robust(5.0, 0.1, 0.1, scale_target=(2 / 3, 4 / 3), scale_both=None))
+
+    assert "the scale stays between 0.666666 and 1.33334; " in words
+    assert words.endswith("off, within no proved bound")
+
+
+def test_steps_are_at_most_as_long_as_printed():
+    assert step_words(0.1) == "each at most 0.1 long"
+    assert step_words(0.12345612) == "each at most 0.123457 long"
