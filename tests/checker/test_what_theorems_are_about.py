@@ -12,12 +12,11 @@ import hashlib
 import json
 import re
 import struct
-from fractions import Fraction
 from importlib import import_module
-from itertools import chain
 from typing import TYPE_CHECKING, Any
 
 import pytest
+from bounds_boundaries import bounds_cases, of_bounds
 from commands import certreg as certreg_command
 from test_vectors import MANIFEST, VECTORS
 
@@ -141,20 +140,6 @@ def fit_digest(certificate: Certificate) -> str:
     return hashlib.sha256(content).hexdigest()
 
 
-def of_bounds(certificate: Certificate) -> Certificate:
-    """What is true of pairs with bounds that hold all of them."""
-    n = certificate["problem"]["n"]
-    if certificate["kind"] == "truncated-rotation":
-        claims = {"gap": [1, 0], "labels": "1" * n, "sin2_half_angle": None, "unique": False}
-        return certificate | {"claims": claims, "optimality": {"mu": [0, 0]}}
-    all_ = {"labels": "i" * n, "upper": n}
-    whole = {name: part for name, part in certificate.items() if name != "reach"} | {"fit": None}
-    if certificate["kind"] == "consensus":
-        return whole | {"claims": all_, "stages": [[n, n, []]]}
-    scales = {"scale_lower": [0, 0], "scale_upper": [1, 2 * UP], "states": "="}
-    return whole | {"claims": all_ | scales, "pieces": [[None, [[n, n, []]]]]}
-
-
 ADAPTED: dict[str, Callable[[Certificate], Certificate]] = {
     **dict.fromkeys(("isotropic", "similarity"), isotropic),
     **dict.fromkeys(("springs-sos", "springs-cones", "springs-list"), of_springs),
@@ -203,118 +188,24 @@ def test_the_bound_of_a_consensus_is_about_the_pose_that_its_fit_names():
     assert [told[:24] for told in words[words.index(reach) :]].index("The certified rotation R") > 0
 
 
-HOLD = "These bounds hold every pair at any rotation"
-CORNERS = [[3.0, 0.0, 0.0], [-3.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, 2.0]]
-MIDDLE = [0.0, 0.0, -2.0]
-POINTS = [*CORNERS, MIDDLE]  # their box has its middle at 0
+@pytest.mark.parametrize("case", bounds_cases(), ids=lambda case: case.name)
+def test_what_bounds_are_worth_is_said_beside_the_size_of_the_clouds(case):
+    assert case.passes(checker)
 
 
-def with_bounds(
-    source: list[list[float]], target: list[list[float]], bounds: list[float], kind: str
-):
-    """What is said of pairs that are all held by the identity, or by a scale of 2^-9."""
-    n = len(source)
-    weights = [1.0] * n
-    numbers_ = [*chain(*source, *target), *weights, *bounds]
-    prefix = {
-        "consensus": b"certreg-consensus/1\0",
-        "consensus-similarity": b"certreg-consensus-similarity/1\0",
-        "truncated-rotation": b"certreg-truncated-rotation/1\0",
-    }[kind]
-    content = prefix + struct.pack(f"<Q{len(numbers_)}d", n, *numbers_)
-    problem = {
-        "data": base64.b64encode(content).decode(),
-        "digest": hashlib.sha256(content).hexdigest(),
-        "n": n,
-    }
-    witness = {"quaternion": [1, 0, 0, 0], "shift": [0, 0, 0, 0]}
-    base = {"about": {}, "format": "certreg-certificate/1", "kind": kind, "problem": problem}
-    if kind == "truncated-rotation":
-        return theorems(of_bounds(base | {"pose": [1, 0, 0, 0]}))
-    scale = {"scale": "asymmetric"} if kind == "consensus-similarity" else {}
-    witness |= {"factor": [1, -9]} if scale else {}
-    return theorems(of_bounds(base | scale | {"witness": witness}))
+def test_a_certificate_with_more_undecided_pairs_than_asked_for_is_refused(capsys):
+    """By the checker alone, in Python and by the command; inside and outside: `bounds_cases`."""
+    path = VECTORS / "accept-consensus-undecided.json"
+    for most, answer in ((2, "VERIFIED"), (1, "REFUSED: undecided pairs: 2; asked for: 1")):
+        code = checker.main([f"--max-undecided={most}", str(path)])
+        alone = capsys.readouterr().out
+        asked = certreg_command("verify", path, "--max-undecided", most)
+        verdict = certreg.verify(path, max_undecided=most)
 
-
-def holds(source, target, bounds, kind) -> bool:
-    return any(told.startswith(HOLD) for told in with_bounds(source, target, bounds, kind))
-
-
-def test_six_pairs_with_all_targets_at_one_point_and_bounds_of_1e12_are_said_to_prove_nothing():
-    origin = [[0.0, 0.0, 0.0]] * 6
-    words = with_bounds(POINTS, origin, [1e12] * 6, "consensus")
-
-    assert "Bounds: least 1000000000000, greatest 1000000000000, as given." in words
-    assert (
-        "The clouds reach at least 3 (source) and 0 (target) from the middles of their boxes."
-    ) in words
-    assert f"{HOLD}: they tell none from another." in words
-    assert "In EVERY motion that brings 6 within: outliers: 0, inliers: 6." in words
-
-
-BELOW = 3.0 - 2.0**-51  # the double below 3
-APART = [[k + 5.0 for k in point] for point in POINTS]  # elsewhere, turned by nothing
-
-
-@pytest.mark.parametrize(
-    ("kind", "source", "target", "bounds", "held"),
-    [
-        ("consensus", POINTS, [[0.0, 0.0, 0.0]] * 6, [3.0] * 6, True),
-        ("consensus", POINTS, [[0.0, 0.0, 0.0]] * 6, [3.0, 3.0, 1.0, 1.0, 2.0, 2.0], True),
-        ("consensus", POINTS, POINTS, [6.0, 6.0, 2.0, 2.0, 4.0, 4.0], True),
-        ("consensus", POINTS, POINTS, [6.0, 6.0, 2.0, 2.0, 4.0 - 2.0**-50, 4.0], False),
-        ("consensus-similarity", POINTS, POINTS, [BELOW + 2.0**-50, 4.0, 2.0, 2.0, 3.0, 3.0], True),
-        ("consensus-similarity", POINTS, POINTS, [3.0, 4.0, 2.0, 2.0, 3.0, 3.0], False),
-        ("truncated-rotation", POINTS, POINTS, [6.0, 6.0, 2.0, 2.0, 4.0, 4.0], True),
-        ("truncated-rotation", POINTS, POINTS, [6.0 - 2.0**-50, 6.0, 2.0, 2.0, 4.0, 4.0], False),
-        ("truncated-rotation", POINTS, APART, [25.0] * 6, True),
-    ],
-)
-def test_bounds_are_said_to_hold_every_pair_exactly_where_they_are_large_enough(
-    kind, source, target, bounds, held
-):
-    assert holds(source, target, bounds, kind) == held
-
-
-def test_how_far_the_clouds_reach_is_rounded_down():
-    """The true distance is sqrt(3) / 2 = 0.8660..., and half as much."""
-    cube = [[float(i), float(j), float(k)] for i in (0, 1) for j in (0, 1) for k in (0, 1)]
-    half = [[k / 2 for k in point] for point in cube]
-    words = with_bounds(cube, half, [0.9] * 7 + [1.5], "consensus")
-    told = with_bounds(cube, half, [3.0] * 8, "truncated-rotation")
-
-    assert "Bounds: least 0.9, greatest 1.5, as given." in words
-    assert (
-        "The clouds reach at least 0.866 (source) and 0.433 (target) from the middles of their "
-        "boxes."
-    ) in words
-    assert "The clouds reach at least 1.73 (source) and 0.866 (target) from the origin." in told
-
-
-@pytest.mark.parametrize(
-    ("name", "most", "answer"),
-    [
-        ("accept-consensus-undecided.json", 2, ""),
-        ("accept-consensus-undecided.json", 1, "undecided pairs: 2; asked for: 1"),
-        ("accept-scaled-pairs-open.json", 0, "undecided pairs: 2; asked for: 0"),
-        ("accept-truncated-tie.json", 0, "undecided pairs: 4; asked for: 0"),
-        ("accept-truncated.json", 0, ""),
-        ("accept-pattern-1111.json", 10, "undecided pairs: no labels; asked for: 10"),
-    ],
-)
-def test_a_certificate_with_more_undecided_pairs_than_asked_for_is_refused(
-    name, most, answer, capsys
-):
-    path = VECTORS / name
-    outcome = checker.check(path.read_bytes(), limits={"undecided": Fraction(most)})
-    code = checker.main([f"--max-undecided={most}", str(path)])
-    told = capsys.readouterr().out
-    verdict = certreg.verify(path, max_undecided=most)
-
-    assert (outcome.verified, outcome.reason) == (not answer, answer)
-    assert code == (1 if answer else 0)
-    assert told.endswith(f"REFUSED: {answer}\n" if answer else "VERIFIED\n")
-    assert verdict.proved == (not answer)
+        assert code == asked.code == (0 if answer == "VERIFIED" else 1)
+        assert alone.endswith(f"{answer}\n")
+        assert asked.out.endswith(f"{answer}\n")
+        assert verdict.proved == (code == 0)
 
 
 @pytest.mark.parametrize("text", ["-1", "x", "nan", "1.5"])
