@@ -1,4 +1,8 @@
-"""How far motions that meet the same pairs may turn from the pose, or why that is not bounded."""
+"""How far motions that meet the same pairs may turn from the pose, or why that is not bounded.
+
+A certificate bounds the turn from the pose in its `fit`. The pose shown is another: it is rounded
+to doubles and, in a report of a certificate, computed anew. What lies between the two is added.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +11,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.exact import as_given, at_most, degrees_above, half_angle_bound
+from certreg.certificate import ExactPose, angle_from
+from certreg.exact import as_given, at_most, degrees_above
 
 if TYPE_CHECKING:
     from certreg.registration import ConsensusRegistration
@@ -17,12 +22,14 @@ ON_LINE = 1e-9  # of the size of a cloud: nearer to a line its points are said t
 
 
 def reach_degrees(result: ConsensusRegistration) -> str | None:
-    """A bound on the angle to the rotations of all motions that meet these pairs; None: none."""
-    reach = result.certificate.body.reach
-    if reach is None:
+    """A bound on the angle from the pose to all motions that meet these pairs; None: none."""
+    body, pose = result.certificate.body, result.pose
+    if body.reach is None or body.fit is None:
         return None
-    angle = half_angle_bound(reach.sin2_half_angle.value)
-    return at_most(degrees_above(angle), DIGITS)
+    told = body.fit.get("proof", body.fit)["pose"]
+    own = ExactPose.of_doubles(pose.quaternion_wxyz, pose.translation).quaternion
+    angle = angle_from(told, own, body.reach.sin2_half_angle.value)
+    return None if angle >= math.pi else at_most(degrees_above(angle), DIGITS)
 
 
 def why_unbounded(result: ConsensusRegistration) -> str:

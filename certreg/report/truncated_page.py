@@ -120,7 +120,7 @@ def _residual_words(result: TruncatedRegistration) -> Iterator[str]:
     """Which pairs the rotation is fitted to, and which angles their bounds allow."""
     problem, within = result.problem, len(result.rows)
     yield (
-        f"The rotation is that of the least squares over the {pairs_words(within)} within, each "
+        f"The rotation is fitted by least squares to the {pairs_words(within)} within, each "
         "residual divided by its bound."
     )
     most = np.degrees(widest_angles(problem.source, problem.target, problem.bounds))

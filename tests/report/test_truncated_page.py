@@ -30,8 +30,8 @@ if TYPE_CHECKING:
 
 TURN = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
 FITTED = (
-    "The rotation is that of the least squares over the 6 pairs within, each residual divided by "
-    "its bound."
+    "The rotation is fitted by least squares to the 6 pairs within, each residual divided by its "
+    "bound."
 )
 APART = (
     "at every rotation: the distances of the two points from the origin differ by more than the "
