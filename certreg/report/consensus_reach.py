@@ -15,6 +15,10 @@ from certreg.certificate import ExactPose, angle_from
 from certreg.exact import as_given, at_most, degrees_above
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from fractions import Fraction
+
+    from certreg.geometry import Pose, Similarity
     from certreg.registration import ConsensusRegistration
 
 DIGITS = 7  # of the angle, rounded up
@@ -26,10 +30,20 @@ def reach_degrees(result: ConsensusRegistration) -> str | None:
     body, pose = result.certificate.body, result.pose
     if body.reach is None or body.fit is None:
         return None
-    told = body.fit.get("proof", body.fit)["pose"]
+    certified = body.fit.get("proof", body.fit)["pose"]
+    return degrees_from(pose, certified, body.reach.sin2_half_angle.value, digits=DIGITS)
+
+
+def degrees_from(
+    pose: Pose | Similarity, certified: Sequence[int], sin2: Fraction, *, digits: int
+) -> str | None:
+    """A bound on the angle from a pose to rotations near a certified one; None: 180 degrees.
+
+    certified: its quaternion, of any length. sin2: above sin^2 of half of their angle to that.
+    """
     own = ExactPose.of_doubles(pose.quaternion_wxyz, pose.translation).quaternion
-    angle = angle_from(told, own, body.reach.sin2_half_angle.value)
-    return None if angle >= math.pi else at_most(degrees_above(angle), DIGITS)
+    angle = angle_from(certified, own, sin2)
+    return None if angle >= math.pi else at_most(degrees_above(angle), digits)
 
 
 def why_unbounded(result: ConsensusRegistration) -> str:

@@ -15,12 +15,14 @@ from strategies import random_rotation
 
 import certreg
 from certreg.exact import double_above
+from certreg.geometry import Pose
 from certreg.registration import code_of_registration
 from certreg.registration.ambiguity import NEARLY_AMBIGUOUS
 from certreg.report import report_of
 from certreg.report.cards import AMBER, GREEN
 from certreg.report.consensus_page import ConsensusReport
-from certreg.report.consensus_reach import reach_degrees
+from certreg.report.consensus_reach import degrees_from, reach_degrees
+from certreg.report.truncated_summary import optimum_degrees
 from certreg.report.viewer import Names
 
 VECTORS = Path(__file__).parents[2] / "vectors"
@@ -162,6 +164,31 @@ def test_the_angle_is_from_the_pose_shown_also_where_the_certificate_is_about_an
     assert "degrees of R, that of the pose below." in page
     assert "degrees from that of the least squares" not in page
     assert "CERTIFIED, BUT THE POSE IS NOT CERTIFIED" in page
+
+
+def test_an_angle_to_another_rotation_is_added_to_what_is_proved_from_that():
+    """90 degrees apart, and 60 more; 180 bound nothing."""
+    pose = Pose.from_matrix(np.eye(4))
+
+    assert degrees_from(pose, (1, 0, 0, 1), Fraction(1, 4), digits=9) == "150.000001"
+    assert degrees_from(pose, (3, 0, 0, 0), Fraction(1, 4), digits=9) == "60.0000001"
+    assert degrees_from(pose, (1, 0, 0, 1), Fraction(1, 2), digits=9) is None
+
+
+def test_the_angle_of_truncated_squares_is_from_the_rotation_shown():
+    rng = np.random.default_rng(6)
+    source = rng.uniform(-1.0, 1.0, (12, 3))
+    target = source[:, [1, 2, 0]] + rng.uniform(-0.01, 0.01, (12, 3))
+    found = certreg.certify(
+        source, target, max_residual=BOUND, objective="truncated", rotation_only=True
+    )
+    w, x, y, z = found.certificate.body.quaternion
+    turned = replace(found.certificate.body, quaternion=(w, x, y, z + w))
+    other = replace(found, certificate=replace(found.certificate, body=turned))
+
+    assert float(optimum_degrees(found) or 0.0) < 1e-3
+    assert float(optimum_degrees(other) or 0.0) > 10.0
+    assert optimum_degrees(replace(found, certificate=None)) is None
 
 
 def certified_cube() -> Any:
