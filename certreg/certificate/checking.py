@@ -75,7 +75,7 @@ def verify(  # noqa: PLR0913 - each limit is one question, and is asked for seld
         Refuse where the proved bound on the angle to the optima, in radians, or on the gap, as a
         share of the range of energies, is larger, or where there is none.
     max_undecided
-        Of pairs that may be wrong: refuse where more of them have no proved label, and certificates
+        Refuse where more pairs have no proved label, of pairs that may be wrong, and certificates
         without labels.
     max_residual, objective
         Beside a problem: the bounds that its pairs had, and what was sought with them, as for

@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     "--max-undecided",
     metavar="K",
     type=click.IntRange(min=0),
-    help="Of pairs that may be wrong: refuse where more than K have no proved label.",
+    help="Refuse where more than K pairs that may be wrong have no proved label.",
 )
 @click.option("--coq", is_flag=True, help="Let Coq decide, by the proofs in derivations/coq.")
 @click.option("--out", type=CLOUD, help="With --coq: keep the file given to Coq, .v.")
