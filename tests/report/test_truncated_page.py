@@ -76,7 +76,7 @@ def words_of(found: Any) -> str:
         "o rotation has a smaller truncated cost than 6.75231, and 6 of the 12 pairs are within",
         "Truncated cost ≤ 6.75231",
         "Least cost ≥ 6.75231",
-        "over all rotations; that of this one is less than 7.0e-10 more",
+        "over all rotations; the certified one has less than 7.0e-10 more",
         "Labels 6 inliers, 6 outliers, 0 undecided at every optimum",
         "° from this rotation to any optimum",
         FITTED,
