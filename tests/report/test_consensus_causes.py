@@ -179,12 +179,12 @@ def test_the_angle_of_truncated_squares_is_from_the_rotation_shown():
     rng = np.random.default_rng(6)
     source = rng.uniform(-1.0, 1.0, (12, 3))
     target = source[:, [1, 2, 0]] + rng.uniform(-0.01, 0.01, (12, 3))
-    found = certreg.certify(
+    found: Any = certreg.certify(
         source, target, max_residual=BOUND, objective="truncated", rotation_only=True
     )
     w, x, y, z = found.certificate.body.quaternion
     turned = replace(found.certificate.body, quaternion=(w, x, y, z + w))
-    other = replace(found, certificate=replace(found.certificate, body=turned))
+    other: Any = replace(found, certificate=replace(found.certificate, body=turned))
 
     assert float(optimum_degrees(found) or 0.0) < 1e-3
     assert float(optimum_degrees(other) or 0.0) > 10.0
