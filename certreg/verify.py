@@ -1,6 +1,6 @@
 """The trusted checker of certreg: one file, standard library only, exact integer arithmetic.
 
-    python3 -I -S verify.py [--max-angle RAD] [--max-gap SHARE] certificate.json
+    python3 -I -S verify.py [--max-angle RAD] [--max-gap SHARE] [--max-undecided K] certificate.json
 
 prints the theorems proved of the data, then VERIFIED or REFUSED and why; of a .jsonl file, with a
 certificate a line, the refused lines and a total (exit code 0 or 1; 2: unreadable file or usage).
@@ -42,7 +42,7 @@ FORMAT = "certreg-certificate/1"
 INLINE_MAX, FILE_MAX = 10**6, 10**8  # points in a certificate, 75 MB in base64; its bytes
 NODES_MAX = 50_000  # commas and brackets; each costs less than 600 bytes of memory: < 30 MB
 DIGITS_MAX, EXPONENT_MAX = 4300, 32768  # of an integer, as Python's own limit; of a dyadic
-LIMITS = {"max-angle": "angle", "max-gap": "share"}  # options, and what of Worth they limit
+LIMITS = {"max-angle": "angle", "max-gap": "share", "max-undecided": "undecided"}  # what they limit
 BLOCK, NEAR = 8192, 128  # points split at a time; exponents so far apart are made the same
 PRIME, BITS, DEGREES = 2**31 - 1, 256, Fraction("57.295779514")  # in a radian: 180/pi = ...513...
 
@@ -70,6 +70,7 @@ class Outcome:
 
     verified: bool
     reason: str = ""
+    undecided: int | None = None  # pairs of which no label is claimed; None: none has a label
     # Found and written when they are read:
     weigh: Callable[[], Worth | None] = field(default=type(None), compare=False, repr=False)
     tell: Telling = field(default=tuple, compare=False, repr=False)
@@ -132,12 +133,15 @@ def check(certificate: bytes, clouds: Clouds | None = None, limits: Limits = {})
 
 
 def within(outcome: Outcome, limits: Limits) -> Outcome:
-    """The outcome; RefusalError where its worth has no such bound, or one above the limit."""
+    """The outcome; RefusalError where it has no such bound, or one above the limit."""
     for name, limit in limits.items():
-        bound, unit = getattr(outcome.worth, name, None), " rad" * (name == "angle")
+        known = outcome if name == "undecided" else outcome.worth
+        bound, unit = getattr(known, name, None), " rad" * (name == "angle")
         degrees = f" ({rounded(bound * DEGREES, 3):.2e} degrees)" if bound and unit else ""
         proved = "none" if bound is None else f"{rounded(bound, 3):.2e}{unit}{degrees}"
         told = f"proved bound on the {name}: {proved}; asked for: {rounded(limit, 17):g}{unit}"
+        if known is outcome:
+            told = f"undecided pairs: {'no labels' if bound is None else bound}; asked for: {limit}"
         require(bound is not None and bound <= limit, told)
     return outcome
 
@@ -317,7 +321,8 @@ def main(argv: list[str]) -> int:
         limits = {LIMITS[name[2:]]: Fraction(repr(float(text))) for name, text in options}
         require(all(limit >= 0 for limit in limits.values()), "a limit is negative")
     except (GetoptError, ValueError, RefusalError):
-        sys.stderr.write("usage: verify.py [--max-angle RAD] [--max-gap SHARE] CERTIFICATE\n")
+        options = "[--max-angle RAD] [--max-gap SHARE] [--max-undecided K]"
+        sys.stderr.write(f"usage: verify.py {options} CERTIFICATE\n")
         return 0 if argv == ["--help"] else 2
     good, total, text, many = 0, 0, b"", path.endswith(".jsonl")
     try:
@@ -1037,7 +1042,7 @@ class CountStatement(Statement):
         complex ones and multiplicities counted. With a . q = 0 every q_i q_j, so q, would be 0. And
         q and -q, of which one at most has a . q = 1 when scaled, are the same rotation.
         """
-        del e, equal  # of no matter here
+        del equal  # of no matter here
         require(m[0][0] > 0, "no weight is positive")
         require(1 < self.modulus < MODULUS_MAX, "proof.modulus is out of range")
         independent = has_rank(coefficients(cross(m), self.chart), 10, self.modulus)
@@ -1045,6 +1050,7 @@ class CountStatement(Statement):
         require(self.at_most >= 4, "claims.at_most is below the proved bound 4")
         theorems = (
             f"Data: n = {self.n} pairs. SHA-256 of their doubles is {self.digest}.",
+            f"Sum of weights: {rounded(m[0][0] * _dyadic(1, e), 12):g}, rounded up.",
             "At most four rotations are at equilibrium: at all others the springs exert a torque.",
             "Complex solutions and multiplicities are counted in.",
             "Not proved: anything under `about`, and where the points come from.",
@@ -1090,7 +1096,6 @@ def torques(A: Matrix, C: Matrix) -> list[int]:
 
 
 # --- end of kind: count -------------------------------------------------------------------------
-
 JSON = json.JSONDecoder(object_pairs_hook=_unique, parse_int=_bounded, parse_constant=_bounded)
 # --- part: springs ------------------------------------------------------------------------------
 # Pair i has W_i = L_i L_i^T, L_i lower triangular, given by its six entries by rows. The energy at
@@ -1787,6 +1792,39 @@ def index_of(P: Line, J: list[Line], most: int) -> int:
 
 
 # --- end of kind: springs-list ------------------------------------------------------------------
+# --- part: bounds -------------------------------------------------------------------------------
+# For kinds whose pairs have bounds: what these are worth beside the clouds.
+
+
+def bounds_worth(
+    rows: Matrix, bounds: Sequence[int], e: int, *, shifts: bool = True, scales: bool = False
+) -> Iterator[str]:
+    """The bounds and how far the clouds reach, in words; all numbers are times 2^e.
+
+    From c and d, the middles of the clouds' boxes, or 0 where t = 0. The motion (s, R, d - s R c)
+    leaves |y - s R x - t| <= s |x - c| + |y - d|, whatever R. So every pair is within its bound b
+    at any rotation if all |x - c| + |y - d| <= b; with a free scale if all |y - d| < b, s small.
+    """
+    clouds = [[*zip(*[row[k : k + 3] for row in rows])] for k in (0, 3)]
+    middles = [[(min(k) + max(k)) * shifts for k in cloud] for cloud in clouds]
+    far = [
+        [sum([(2 * k - m) ** 2 for k, m in zip(point, middle)]) for point in zip(*cloud)]
+        for cloud, middle in zip(clouds, middles)
+    ]  # squares of twice the distances
+    low, high = (repr(ldexp(end(bounds), e)).removesuffix(".0") for end in (min, max))
+    reach = [isqrt(max(squares) << 2 * BITS) * _dyadic(1, e - BITS - 1) for squares in far]
+    source, target = (f"{rounded(k, 3, ROUND_FLOOR):g}" for k in reach)
+    middle = "the middles of their boxes" if shifts else "the origin"
+    yield f"Bounds: least {low}, greatest {high}, as given."
+    yield f"The clouds reach at least {source} (source) and {target} (target) from {middle}."
+    rooms = [(2 * b) ** 2 - B - (0 if scales else A) for A, B, b in zip(*far, bounds)]
+    held = [r > 0 if scales else r >= 0 and r * r >= 4 * A * B for r, A, B in zip(rooms, *far)]
+    if all(held):
+        small = ", if the scale is small enough" * scales
+        yield f"These bounds hold every pair at any rotation{small}: they tell none from another."
+
+
+# --- end of part: bounds ------------------------------------------------------------------------
 # --- kind: truncated-rotation -------------------------------------------------------------------
 # Claims: R is optimal up to proved bounds for F(R) = sum min(|y_i - R x_i|^2 / b_i^2, 1), b_i > 0
 # the bound of a pair, t = 0; and which pairs are within their bounds at every optimum.
@@ -1832,7 +1870,7 @@ class TruncatedRotationStatement(Statement):
         optima minimise c, as F is at most c plus the number of the other pairs. If delta <= mu, c
         has one line of minima: of a plane of them one, p, is across u, and c(p) > c(u).
         """
-        del e, equal  # all is relative to the bounds
+        del equal  # all is relative to the bounds
         q, norm, known = self.pose, sum(c * c for c in self.pose), {*self.labels}
         require(0 < norm < 1 << 2 * BITS and self.gap > 0, "gap or pose is out of range")
         require(len(self.labels) == self.n and known <= {*"10?"}, "labels are not n of 1, 0, ?")
@@ -1853,17 +1891,18 @@ class TruncatedRotationStatement(Statement):
         wide = max([sum([min(k[j], one) for k, _ in pairs]) for j in (0, 4, 7, 9)]) - cost
         share = Fraction(int(gap) + 1, wide) if wide > 0 else Fraction(1)  # k[j]: F at q = e_i
         least, length = max(cost - gap, Fraction(0)) / one, root_up(int(gap) + 1, self.n * one)
-        bound = None if angle is None else angle_bound(delta, mu)
-        weigh = partial(
-            Worth, Fraction(self.n), Fraction(cost, one), least, self.gap, length, share, bound
-        )
-        return Outcome(verified=True, weigh=weigh, tell=partial(self._words, weigh()))
+        bound, n = None if angle is None else angle_bound(delta, mu), Fraction(self.n)
+        weigh = partial(Worth, n, Fraction(cost, one), least, self.gap, length, share, bound)
+        bounds = [*bounds_worth(m, [row[6] for row in m], e, shifts=False)]
+        tell, undecided = partial(self._words, weigh(), bounds), self.labels.count("?")
+        return Outcome(verified=True, undecided=undecided, weigh=weigh, tell=tell)
 
-    def _words(self, w: Worth) -> Iterator[str]:
+    def _words(self, w: Worth, bounds: list[str]) -> Iterator[str]:
         length = isqrt(sum(c * c for c in self.pose) << 128)
         unit = ", ".join(f"{(c << 64) / length:.12f}" for c in self.pose)
         value, least = f"{rounded(w.objective, 12):g}", f"{rounded(w.minimum, 12, ROUND_FLOOR):g}"
         yield f"Data: n = {self.n} pairs, a bound each. SHA-256 of their doubles is {self.digest}."
+        yield from bounds
         yield f"The certified rotation R is that of the quaternion ({unit}), rounded here; w first."
         yield "Cost of a rotation: sum of (residual / bound)^2, or of 1 where that is more."
         above = f"less than {rounded(w.gap, 2):.1e} above the global minimum"
@@ -1985,7 +2024,6 @@ def positive(form: list[int], q: list[int], f: int, h: int, spare: int, slack: i
 
 
 SUMS[TRUNCATED] = (2, bounded_pairs, "bounds are other ones: give --max-residual")
-
 # --- end of kind: truncated-rotation ------------------------------------------------------------
 # --- part: cliques ------------------------------------------------------------------------------
 # Graphs: of each row its neighbours, as bits. Of a clique any two rows are neighbours.
@@ -2473,7 +2511,7 @@ class LabelledStatement(Statement):
         angle = Fraction(2) * root_up(s.numerator, d - s.numerator)  # a/2 < tan(a/2)
         yield (
             f"Every motion that brings these {count} within has its rotation within "
-            f"{rounded(angle * DEGREES, 3):.2e} degrees of that of the least squares."
+            f"{rounded(angle * DEGREES, 3):.2e} degrees of R, that of the pose below."
         )
 
     def outcome(self, words: Sequence[str], K: int, fit: Outcome) -> Outcome:
@@ -2481,7 +2519,8 @@ class LabelledStatement(Statement):
         words = [*words, *[f"Of the least squares over these {K} pairs:"] * bool(fit.theorems)]
         last = "Not proved: anything under `about`, and where the points come from."
         theorems = (*[w for w in (*words, *fit.theorems) if w != last], last)
-        return Outcome(verified=True, weigh=fit.weigh, tell=lambda: theorems)
+        undecided = self.labels.count("?")
+        return Outcome(verified=True, undecided=undecided, weigh=fit.weigh, tell=lambda: theorems)
 
 
 def staged(
@@ -2589,14 +2628,16 @@ class ConsensusStatement(LabelledStatement):
         fit = self.fitted(m, e, met, "springs-sos springs-cones" if self.springs else "isotropic")
         squares, bound, form = weighed([m[i] for i in met], [m[i][6] for i in met])
         reach = self.reach(squares - bound, squares, form, K)
-        return self.outcome([*self._words(K), *reach], K, fit)
+        bounds = bounds_worth(m, [row[7] for row in m], e)
+        return self.outcome([*self._words(K, bounds), *reach], K, fit)
 
-    def _words(self, K: int) -> Iterator[str]:
+    def _words(self, K: int, bounds: Iterator[str]) -> Iterator[str]:
         n, out, sure = self.n, self.labels.count("o"), self.labels.count("i")
         held = "a bound and a spring" if self.springs else "a bound"
         yield f"Data: n = {n} pairs, each with {held}. SHA-256 of their doubles is {self.digest}."
         if self.springs:
             yield "A bound is on the distance of the two points of a pair, whatever its spring."
+        yield from bounds
         yield f"One rigid motion brings {K} of the {n} pairs within their bounds."
         yield f"No rigid motion brings more than {self.upper} within."
         if sure + out == n:
@@ -2703,7 +2744,8 @@ class ConsensusSimilarityStatement(LabelledStatement):
         self.require_claims(sure, union, most)
         fit = self.fitted(m, e, met, "similarity", f"--scale {self.scale}")
         reach = self._scales([m[i] for i in met])
-        return self.outcome([*self._words(K, ends), *reach], K, fit)
+        bounds = bounds_worth(m, [row[7] for row in m], e, scales=True)
+        return self.outcome([*self._words(K, ends, bounds), *reach], K, fit)
 
     def _ends(self) -> list[Fraction]:
         """Of all pieces but the last."""
@@ -2733,10 +2775,11 @@ class ConsensusSimilarityStatement(LabelledStatement):
         require(c >= 0 or self.tau is None, "reach is not proved")
         yield from self.reach(2 * isqrt(max(c, 0) * x), isqrt(x * y), K, len(rows))
 
-    def _words(self, K: int, ends: list[Fraction]) -> Iterator[str]:
+    def _words(self, K: int, ends: list[Fraction], bounds: Iterator[str]) -> Iterator[str]:
         n, out, sure = self.n, self.labels.count("o"), self.labels.count("i")
         motion = "motion with a scale"
         yield f"Data: n = {n} pairs, each with a bound. SHA-256 of their doubles is {self.digest}."
+        yield from bounds
         size = f"{rounded(self.factor, 9):g}, rounded up here"
         yield f"One {motion}, {size}, brings {K} of the {n} pairs within their bounds."
         yield f"No {motion} brings more than {self.upper} within, whatever the scale."
@@ -2759,7 +2802,6 @@ class ConsensusSimilarityStatement(LabelledStatement):
 
 SUMS.update(dict.fromkeys(ConsensusSimilarityStatement.prefixes.values(), BOUNDED))
 # --- end of kind: consensus-similarity ----------------------------------------------------------
-
 FORMS = IsotropicStatement, SimilarityStatement, CountStatement, SpringsSosStatement
 LAST = SpringsConesStatement, SpringsListStatement, TruncatedRotationStatement, ConsensusStatement
 LATEST = (ConsensusSimilarityStatement,)

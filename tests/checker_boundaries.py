@@ -872,6 +872,8 @@ def count_cases() -> Iterator[Case]:
     proof = "REFUSED: proof does not show the quadratics independent$"
     out = r"REFUSED: proof\.modulus is out of range$"
     yield Case("count", outcome_of(counted(good, first, prime)), "VERIFIED.*At most four rotations")
+    light = outcome_of(counted(axes(weights=[0.1] * 6), first, prime))
+    yield Case("count: weights", light, r"VERIFIED.*\nSum of weights: 0\.600000000001, rounded up")
     for at_most in (-1, 0, 1, 2, 3, 4, 5, 10**9):
         answer = (
             "VERIFIED" if at_most >= 4 else r"REFUSED: claims\.at_most is below the proved bound 4$"

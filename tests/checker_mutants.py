@@ -16,6 +16,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING
 
+from bounds_boundaries import bounds_cases
 from checker_boundaries import Case, quick_cases
 from consensus_boundaries import consensus_cases
 from list_boundaries import early_list_cases, list_cases, remember_forty
@@ -347,7 +348,7 @@ WORTH = mutants(
     ("bound * DEGREES, 3", "bound, 3", "bound * DEGREES, 1"),
     ('" rad" * (name == "angle")', '" rad"', '""'),
     ("all(limit >= 0 for", "all(True for", "all(limit > 0 for"),
-    ("getattr(outcome.worth, name, None)", "getattr(outcome.worth, 'share', None)"),
+    ("getattr(known, name, None)", "getattr(known, 'share', None)"),
     ("return within(stated.prove(", "return (lambda outcome, limits: outcome)(stated.prove("),
     ("check(text, limits=limits)", "check(text)"),
     ("0 < good == total", "0 < total", "0 < good", "good == total"),
@@ -429,6 +430,7 @@ RADIUS = mutants(
     ("document.get(name) is None", "document[name] is None"),
 )
 COUNT = mutants(
+    ("rounded(m[0][0] * _dyadic(1, e), 12)", "rounded(m[0][0], 12)"),
     ("(1 if i == 0 else -1)", "1", "-1"),
     ("A[i - 1][j - 1] += 2", "A[i - 1][j - 1] += 1"),
     ("+= 2 * (i != j)", "+= 2"),
@@ -898,8 +900,8 @@ TRUNCATED = mutants(
     ),
     ("max(cost - gap, Fraction(0)) / one", "Fraction(cost, one)", "(cost + gap) / one"),
     ("root_up(int(gap) + 1, self.n * one)", "root_up(int(gap) + 1, one)"),
-    ("bound = None if angle is None else angle_bound(delta, mu)", "bound = angle_bound(delta, mu)"),
-    ("Worth, Fraction(self.n), ", "Worth, Fraction(1), "),
+    ("bound, n = None if angle is None else angle_bound", "bound, n = angle_bound"),
+    ("mu), Fraction(self.n)\n", "mu), Fraction(1)\n"),
     ("require(n <= PAIRS_MAX, f", "require(n < PAIRS_MAX, f", "require(True, f"),
     ("require({*weights} == {1.0}, ", "require(1.0 in weights, ", "require(True, "),
     ('require(min(bounds) > 0, "a', 'require(min(bounds) >= 0, "a', 'require(bounds[0] > 0, "a'),
@@ -1532,8 +1534,30 @@ SCALED = mutants(
     ("if before != OPEN]", "]"),
     ("if after != OPEN]", "if before != OPEN]"),
 )
+BOUNDS = mutants(
+    ("(min(k) + max(k)) * shifts", "min(k) + max(k)", "2 * min(k) * shifts", "0"),
+    ("sum([(2 * k - m) ** 2", "sum([(k - m) ** 2", "sum([abs(2 * k - m)"),
+    ("isqrt(max(squares) <<", "isqrt(min(squares) <<"),
+    ("_dyadic(1, e - BITS - 1)", "_dyadic(1, e - BITS)"),
+    ("rounded(k, 3, ROUND_FLOOR)", "rounded(k, 3)", "rounded(k, 2, ROUND_FLOOR)"),
+    ("repr(ldexp(end(bounds), e))", "repr(float(end(bounds)))"),
+    ("for end in (min, max))", "for end in (max, min))", "for end in (min, min))"),
+    ('.removesuffix(".0")', ""),
+    ("(2 * b) ** 2 - B", "b**2 - B", "(2 * b) ** 2"),
+    ("- (0 if scales else A)", "- A", "", "- (A if scales else 0)"),
+    ("r > 0 if scales else", "r >= 0 if scales else", "True if scales else"),
+    ("r >= 0 and r * r", "r * r", "r > 0 and r * r"),
+    ("r * r >= 4 * A * B", "r * r > 4 * A * B", "True"),
+    ("if all(held):", "if any(held):", "if held[0]:"),
+    ('", if the scale is small enough" * scales', '""'),
+    ("e, shifts=False)", "e)"),
+    ("e, scales=True)", "e)"),
+    ('outcome if name == "undecided"', 'outcome.worth if name == "undecided"'),
+    ("if known is outcome:", "if False:"),
+    ("'no labels' if bound is None else bound", "bound"),
+)
 MUTANTS = tuple(mutant for group, _ in GROUPS for mutant in group)
-MUTANTS += SPRINGS + SIMILARITY + TRUNCATED + LISTS + CONSENSUS + SCALED
+MUTANTS += SPRINGS + SIMILARITY + TRUNCATED + LISTS + CONSENSUS + SCALED + BOUNDS
 
 
 def noticed(text: str, mutant: Mutant, cases: list[Case], early: Sequence[Case] = ()) -> str | None:
@@ -1603,6 +1627,7 @@ def answers(every: int = 1) -> dict[str, str | None]:
     asked.append((TRUNCATED, [*truncated_cases()]))
     asked.append((CONSENSUS, [*consensus_cases(), *sprung_cases()]))
     asked.append((SCALED, scaled_cases()))
+    asked.append((BOUNDS, bounds_cases()))
     for group, questions in asked:
         # Of few mutants it would take longer to find the order than it saves.
         cases = by_cost(text, questions) if every == 1 else list(questions)

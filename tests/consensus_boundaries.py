@@ -753,7 +753,7 @@ def reach_cases() -> Iterator[Case]:
         ),
     ):
         yield Case(f"reach {name}", outcome_of(good | parts), answer)
-    told = r"VERIFIED.*these 6 within has its rotation within 2\.06e\+1 degrees of that of the l"
+    told = r"VERIFIED.*has its rotation within 2\.06e\+1 degrees of R, that of the pose below\.\n"
     yield Case("reach in degrees", outcome_of(good), told)
 
 
@@ -771,6 +771,7 @@ def word_cases() -> Iterator[Case]:
     told = {
         "accept-consensus": (
             r"VERIFIED\nData: n = 12 pairs, each with a bound\. SHA-256 of their doubles is \S+\."
+            r"\nBounds: .*\nThe clouds .*"
             r"\nOne rigid motion brings 6 of the 12 pairs within their bounds\."
             r"\nNo rigid motion brings more than 6 within\."
             r"\nEvery motion that brings 6 within brings these 6 within, and only these\."

@@ -234,7 +234,8 @@ def size_cases() -> Iterator[Case]:
 
 def word_cases() -> Iterator[Case]:
     told = {
-        "": r"VERIFIED\nData: n = 8 pairs.*\nOne motion with a scale, 2, rounded up here, brings "
+        "": r"VERIFIED\nData: n = 8 pairs.*\nBounds: .*\nThe clouds .*"
+        r"\nOne motion with a scale, 2, rounded up here, brings "
         r"6 of the 8 pairs within their bounds\.\nNo motion with a scale brings more than 6 "
         r"within, whatever the scale\.\nEvery motion with a scale that brings 6 within brings "
         r"these 6 within, and only these\.\nIn EVERY motion with a scale that brings 6 within: "
@@ -242,7 +243,7 @@ def word_cases() -> Iterator[Case]:
         r"2, inliers: 6\.\nEvery motion that brings these 6 within has a scale from 1\.\d+ to "
         r"2\.\d+\."
         r"\nEvery motion that brings these 6 within has its rotation within [0-9.e+]+ degrees of "
-        r"that of the least squares\.\nOf the least squares over these 6 pairs:\n",
+        r"R, that of the pose below\.\nOf the least squares over these 6 pairs:\n",
         "-open": r"(?s)VERIFIED.*\nNot proved: which 6 pairs or more are met with a scale from "
         r"1\.875 to 2\.\nWith any other scale: these 6 and only these, where 6 or more are met\."
         r"\nNot proved: which of the other 2 pairs are\.\n",

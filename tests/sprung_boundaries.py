@@ -109,10 +109,11 @@ def word_cases() -> Iterator[Case]:
     answer = (
         r"VERIFIED\nData: n = 12 pairs, each with a bound and a spring\. SHA-256 of their doubles "
         r"is \S+\.\nA bound is on the distance of the two points of a pair, whatever its spring\."
+        r"\nBounds: .*\nThe clouds .*"
         r"\nOne rigid motion brings 9 of the 12 pairs within their bounds\.\n(.*\n)*"
-        r"Every motion that brings these 9 within has its rotation within \S+ degrees of that of "
-        r"the least squares\.\nOf the least squares over these 9 pairs:\nData: n = 9 pairs, each "
-        r"with a matrix W of springs\."
+        r"Every motion that brings these 9 within has its rotation within \S+ degrees of R, "
+        r"that of the pose below\.\nOf the least squares over these 9 pairs:\n"
+        r"Data: n = 9 pairs, each with a matrix W of springs\."
     )
     yield Case("words of springs", outcome_of(vector(NAME).encode()), answer)
 

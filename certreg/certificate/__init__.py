@@ -9,6 +9,7 @@ from certreg._loading import lazy_face
 if TYPE_CHECKING:
     from certreg.certificate.bounds import ExactPose as ExactPose
     from certreg.certificate.bounds import PoseBounds as PoseBounds
+    from certreg.certificate.bounds import angle_from as angle_from
     from certreg.certificate.bounds import flat_energy as flat_energy
     from certreg.certificate.bounds import pose_bounds as pose_bounds
     from certreg.certificate.bounds import pose_energy as pose_energy
@@ -88,6 +89,7 @@ __getattr__ = lazy_face(
         "bounds": (
             "ExactPose",
             "PoseBounds",
+            "angle_from",
             "flat_energy",
             "pose_bounds",
             "pose_energy",

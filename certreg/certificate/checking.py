@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from certreg.verify import Limits, Worth
 
 OBJECTIVES = {"consensus": "--max-residual", "truncated": "--objective truncated"}  # of models
-UNITS = {"angle": "radians", "share": "a number"}
+UNITS = {"angle": "radians", "share": "a number", "undecided": "a number of pairs"}
 # Of own certificates: so few the checker adds up itself, in 20 ms. From `MANY_POINTS` on there are
 # two exact methods besides, and a certificate is made with one of them.
 PYTHON_POINTS = 2048
@@ -52,12 +52,13 @@ class CertificateVerdict(Verdict, Shown):
         return self.weigh()
 
 
-def verify(
+def verify(  # noqa: PLR0913 - each limit is one question, and is asked for seldom
     certificate: str | os.PathLike[str] | bytes | Certificate[CertificateBody],
     problem: RegistrationProblem | Clouds | None = None,
     *,
     max_angle: float | Fraction | None = None,
     max_gap: float | Fraction | None = None,
+    max_undecided: int | None = None,
     max_residual: Any = None,
     objective: str | None = None,
 ) -> CertificateVerdict:
@@ -73,6 +74,9 @@ def verify(
     max_angle, max_gap
         Refuse where the proved bound on the angle to the optima, in radians, or on the gap, as a
         share of the range of energies, is larger, or where there is none.
+    max_undecided
+        Refuse where more pairs have no proved label, of pairs that may be wrong, and certificates
+        without labels.
     max_residual, objective
         Beside a problem: the bounds that its pairs had, and what was sought with them, as for
         `certreg.certify`.
@@ -92,7 +96,7 @@ def verify(
         are none, or stand beside no problem.
     """
     content = certificate_bytes(certificate)
-    limits = _limits(angle=max_angle, share=max_gap)
+    limits = _limits(angle=max_angle, share=max_gap, undecided=max_undecided)
     if max_residual is not None or objective is not None:
         problem = bounded_clouds(problem, max_residual, objective)
     if problem is None or isinstance(problem, Clouds) or problem.n <= INLINE_MAX:
@@ -113,6 +117,7 @@ def verify_lines(
     *,
     max_angle: float | Fraction | None = None,
     max_gap: float | Fraction | None = None,
+    max_undecided: int | None = None,
 ) -> int:
     """What `verify.py` prints of a file with a certificate a line, and its exit code.
 
@@ -122,7 +127,7 @@ def verify_lines(
     if mistaken is not None:
         sys.stdout.write(f"REFUSED: {mistaken}\n")
         return 1
-    limits = _limits(angle=max_angle, share=max_gap)
+    limits = _limits(angle=max_angle, share=max_gap, undecided=max_undecided)
     given = ((option, limits.get(name)) for option, name in LIMITS.items())
     options = [f"--{option}={float(limit)!r}" for option, limit in given if limit is not None]
     return main([*options, "--", os.fspath(path)])

@@ -90,7 +90,10 @@ class Witness(Brief):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Reach(Brief):
-    """sin^2(a/2) is less, a the angle between two motions that meet the pairs; tau proves it."""
+    """sin^2(a/2) is less, a the angle from the pose in `fit` to any motion that meets the pairs.
+
+    tau proves it.
+    """
 
     sin2_half_angle: Dyadic
     tau: Dyadic

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -35,6 +35,12 @@ if TYPE_CHECKING:
     type=NUMBER,
     help="Refuse unless the gap is proved to be at most this share of the range of energies.",
 )
+@click.option(
+    "--max-undecided",
+    metavar="K",
+    type=click.IntRange(min=0),
+    help="Refuse where more than K pairs that may be wrong have no proved label.",
+)
 @click.option("--coq", is_flag=True, help="Let Coq decide, by the proofs in derivations/coq.")
 @click.option("--out", type=CLOUD, help="With --coq: keep the file given to Coq, .v.")
 def verify(
@@ -43,6 +49,7 @@ def verify(
     clouds: RegistrationProblem | Clouds | None,
     max_angle: float | None,
     max_gap: float | None,
+    max_undecided: int | None,
     coq: bool,
     out: Path | None,
 ) -> int:
@@ -57,17 +64,24 @@ def verify(
     if out is not None and not coq:
         message = "--out goes with --coq"
         raise click.UsageError(message)
-    if coq and not (max_angle is None and max_gap is None):
-        message = "--max-angle and --max-gap go without --coq, which decides on the claims alone"
+    limits: dict[str, Any] = {
+        "max_angle": max_angle,
+        "max_gap": max_gap,
+        "max_undecided": max_undecided,
+    }
+    if coq and any(limit is not None for limit in limits.values()):
+        message = (
+            "--max-angle, --max-gap, --max-undecided go without --coq: it decides on the claims"
+        )
         raise click.UsageError(message)
     if certificate.suffix == ".jsonl":
         if coq or clouds is not None:
             message = "a file of many certificates goes without SOURCE TARGET and --coq"
             raise click.UsageError(message)
-        return verify_lines(certificate, max_angle=max_angle, max_gap=max_gap)
+        return verify_lines(certificate, **limits)
     if coq:
         verdict = verify_with_coq(certificate, clouds, out=out)
     else:
-        verdict = checked(certificate, clouds, max_angle=max_angle, max_gap=max_gap)
+        verdict = checked(certificate, clouds, **limits)
     click.echo(verdict)
     return DONE if verdict.proved else REFUSED

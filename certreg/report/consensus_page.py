@@ -136,7 +136,7 @@ def _overview(result: ConsensusRegistration) -> Overview:
 
 def _residual_words(result: ConsensusRegistration) -> Iterator[str]:
     largest = number(float(result.residuals[result.inliers].max()))
-    yield f"The pose is that of the least squares over the {result.lower} pairs that are met."
+    yield f"The pose is fitted by least squares to the {result.lower} pairs that are met."
     if (kinds := kinds_words(result)) is not None:
         yield f"{begun(kinds)}."
         if result.fit.unique is not True:
@@ -226,7 +226,7 @@ def _known(result: ConsensusRegistration) -> Iterator[Sentence]:
     if (reach := reach_degrees(result)) is not None:
         yield Sentence(
             words=f"The rotation of every motion that brings these {found} within is at most "
-            f"{reach} degrees from that of the least squares.",
+            f"{reach} degrees from that of the pose given below.",
             guarantee=exact,
             theorems=("angle_of_consensus",),
         )

@@ -1,4 +1,8 @@
-"""How far motions that meet the same pairs may turn from the pose, or why that is not bounded."""
+"""How far motions that meet the same pairs may turn from the pose, or why that is not bounded.
+
+A certificate bounds the turn from the pose in its `fit`. The pose shown is another: it is rounded
+to doubles and, in a report of a certificate, computed anew. What lies between the two is added.
+"""
 
 from __future__ import annotations
 
@@ -7,9 +11,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.exact import as_given, at_most, degrees_above, half_angle_bound
+from certreg.certificate import ExactPose, angle_from
+from certreg.exact import as_given, at_most, degrees_above
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from fractions import Fraction
+
+    from certreg.geometry import Pose, Similarity
     from certreg.registration import ConsensusRegistration
 
 DIGITS = 7  # of the angle, rounded up
@@ -17,12 +26,24 @@ ON_LINE = 1e-9  # of the size of a cloud: nearer to a line its points are said t
 
 
 def reach_degrees(result: ConsensusRegistration) -> str | None:
-    """A bound on the angle to the rotations of all motions that meet these pairs; None: none."""
-    reach = result.certificate.body.reach
-    if reach is None:
+    """A bound on the angle from the pose to all motions that meet these pairs; None: none."""
+    body, pose = result.certificate.body, result.pose
+    if body.reach is None or body.fit is None:
         return None
-    angle = half_angle_bound(reach.sin2_half_angle.value)
-    return at_most(degrees_above(angle), DIGITS)
+    certified = body.fit.get("proof", body.fit)["pose"]
+    return degrees_from(pose, certified, body.reach.sin2_half_angle.value, digits=DIGITS)
+
+
+def degrees_from(
+    pose: Pose | Similarity, certified: Sequence[int], sin2: Fraction, *, digits: int
+) -> str | None:
+    """A bound on the angle from a pose to rotations near a certified one; None: 180 degrees.
+
+    certified: its quaternion, of any length. sin2: above sin^2 of half of their angle to that.
+    """
+    own = ExactPose.of_doubles(pose.quaternion_wxyz, pose.translation).quaternion
+    angle = angle_from(certified, own, sin2)
+    return None if angle >= math.pi else at_most(degrees_above(angle), digits)
 
 
 def why_unbounded(result: ConsensusRegistration) -> str:

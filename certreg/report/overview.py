@@ -353,9 +353,9 @@ def robustness_facts(registration: AnyRegistration) -> Iterator[Fact]:
         yield Fact(
             name="Robustness",
             value=at_least(found.target),
-            words=f"by less than this every target point may be off, and no optimum turns by more "
-            f"than {as_given(found.angle)}°; points of both clouds by less than "
-            f"{at_least(found.both)} (sufficient, not sharp)"
+            words=f"by less than this every target point may be off, and every optimum stays "
+            f"within {as_given(found.angle)}° of the certified rotation; points of both clouds by "
+            f"less than {at_least(found.both)} (sufficient, not sharp)"
             f"{meanwhile_words(registration, found)}",
         )
 

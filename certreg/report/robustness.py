@@ -16,9 +16,9 @@ def robustness_words(registration: AnyRegistration) -> str:
     if found is None:
         return "not proved"
     return (
-        f"no optimum turns by more than {as_given(found.angle)} degrees as long as every target "
-        f"point is off by less than {at_least(found.target)}; points of both clouds, "
-        f"{at_least(found.both)} (sufficient, not sharp)"
+        f"every optimum stays within {as_given(found.angle)} degrees of the certified rotation as "
+        f"long as every target point is off by less than {at_least(found.target)}; points of both "
+        f"clouds, {at_least(found.both)} (sufficient, not sharp)"
         f"{meanwhile_words(registration, found)}"
     )
 

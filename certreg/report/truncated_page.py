@@ -95,7 +95,7 @@ def _worth(result: TruncatedRegistration) -> Worth:
 def _overview(result: TruncatedRegistration) -> Overview:
     """That of the least squares over the pairs within, with what is proved of all rotations."""
     worth = _worth(result)
-    degrees = optimum_degrees(result)
+    gap, degrees = at_most(worth.gap, 2), optimum_degrees(result)
     turn = Fact(name="Angle", value="not bounded", words=why_unbounded(result))
     if degrees is not None:
         turn = Fact(name="Angle", value=f"≤ {degrees}°", words="from this rotation to any optimum")
@@ -103,12 +103,12 @@ def _overview(result: TruncatedRegistration) -> Overview:
         Fact(
             name="Truncated cost",
             value=f"≤ {at_most(worth.objective, COST_DIGITS)}",
-            words="of this rotation",
+            words="of the certified rotation",
         ),
         Fact(
             name="Least cost",
             value=f"≥ {at_least(worth.minimum, COST_DIGITS)}",
-            words=f"over all rotations; that of this one is less than {at_most(worth.gap, 2)} more",
+            words=f"over all rotations; the certified one has less than {gap} more",
         ),
         Fact(name="Labels", value=counted_labels(result.labels), words="at every optimum"),
         turn,
@@ -120,7 +120,7 @@ def _residual_words(result: TruncatedRegistration) -> Iterator[str]:
     """Which pairs the rotation is fitted to, and which angles their bounds allow."""
     problem, within = result.problem, len(result.rows)
     yield (
-        f"The rotation is that of the least squares over the {pairs_words(within)} within, each "
+        f"The rotation is fitted by least squares to the {pairs_words(within)} within, each "
         "residual divided by its bound."
     )
     most = np.degrees(widest_angles(problem.source, problem.target, problem.bounds))
@@ -191,7 +191,7 @@ def _known(result: TruncatedRegistration) -> list[Sentence]:
     sure, out = labels.count("inlier"), labels.count("outlier")
     counts = f"{are_words(sure, 'inlier')} and {are_words(out, 'outlier')}"
     told = [
-        f"The truncated cost of this rotation is at most {cost}; that of none is below {least}.",
+        f"The certified rotation costs at most {cost}; no rotation costs less than {least}.",
         f"Of the {result.problem.n} pairs {counts} at every optimum.",
     ]
     if (degrees := optimum_degrees(result)) is not None:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from certreg.exact import as_given, at_most
 from certreg.report.cards import Card
 from certreg.report.consensus_fit import fit_causes, fit_remedies, fit_verdict, further_lines
+from certreg.report.consensus_reach import degrees_from
 from certreg.report.consensus_summary import (
     counted_labels,
     pair_remedies,
@@ -16,7 +17,6 @@ from certreg.report.consensus_summary import (
 from certreg.report.remedies import ADVICE
 from certreg.report.summary import MEANS, UNMET, explained_words, number, uncertainty_lines
 from certreg.results import Limits
-from certreg.verify import DEGREES
 
 if TYPE_CHECKING:
     from certreg.registration import TruncatedRegistration
@@ -89,10 +89,11 @@ def truncated_facts(result: TruncatedRegistration) -> list[tuple[str, str]]:
 
 def optimum_degrees(result: TruncatedRegistration) -> str | None:
     """A proved bound on the angle from the rotation to every optimum; None where there is none."""
-    worth = result.verdict.worth
-    if result.certificate is None or worth is None or worth.angle is None:
+    body = None if result.certificate is None else result.certificate.body
+    sin2 = None if body is None else body.claims.sin2_half_angle
+    if body is None or sin2 is None:
         return None
-    return at_most(worth.angle * DEGREES, 2)
+    return degrees_from(result.pose, body.quaternion, sin2.value, digits=2)
 
 
 def why_unbounded(result: TruncatedRegistration) -> str:

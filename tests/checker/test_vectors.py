@@ -15,6 +15,7 @@ import pytest
 checker = import_module("certreg.verify")
 ROOT = Path(__file__).parents[2]
 VECTORS = ROOT / "vectors"
+KEPT = {".json", ".txt"}
 MANIFEST = json.loads((VECTORS / "manifest.json").read_bytes())["vectors"]
 REASONS = {  # what the checker's words are about, by class
     "form": r"exactly the keys|list of integers|not JSON|appears twice|wrong type",
@@ -32,6 +33,11 @@ REASONS = {  # what the checker's words are about, by class
     "consensus": r"\b(bound|fit|group|labels|pieces?|reach|row|stages?|states|steps?|upper)\b"
     r"|\bwitness\b|claims\.scale_",
 }
+SENTENCES = {
+    name: sentences
+    for part in (VECTORS / "theorems.txt").read_text("utf-8").removesuffix("\n").split("\n\n")
+    for name, *sentences in [part.split("\n  ")]
+}
 each_vector = pytest.mark.parametrize("vector", MANIFEST, ids=lambda vector: vector["file"])
 
 
@@ -44,6 +50,7 @@ def test_a_vector_is_accepted_or_refused_for_the_reason_it_was_made_for(vector):
     assert hashlib.sha256(content).hexdigest() == vector["sha256"]
     assert ("VERIFIED" if outcome.verified else "REFUSED") == vector["verdict"]
     assert vector["file"].startswith("accept" if outcome.verified else "refuse")
+    assert list(outcome.theorems) == SENTENCES.get(vector["file"], [])
     if not outcome.verified:
         found = {name for name, words in REASONS.items() if re.search(words, outcome.reason)}
         assert vector["reason"] in found
@@ -67,8 +74,9 @@ def test_the_folder_holds_what_the_manifest_lists_and_is_small():
     held = {file.name for file in VECTORS.glob("*.json")} - {"manifest.json"}
 
     assert held == {vector["file"] for vector in MANIFEST}
+    assert {*SENTENCES} == {name for name in held if name.startswith("accept")}
     assert {vector["reason"] for vector in MANIFEST} == {None, *REASONS}
-    assert sum(file.stat().st_size for file in VECTORS.glob("*.json")) < 600_000
+    assert sum(file.stat().st_size for file in VECTORS.iterdir() if file.suffix in KEPT) < 700_000
 
 
 @pytest.mark.slow
@@ -85,4 +93,5 @@ def test_the_vectors_are_made_anew_byte_for_byte(tmp_path: Path):
 
     assert (run.returncode, run.stdout, run.stderr) == (0, "", "")
     made = {file.name: file.read_bytes() for file in tmp_path.iterdir()}
-    assert made == {file.name: file.read_bytes() for file in VECTORS.glob("*.json")}
+    held = {file.name: file.read_bytes() for file in VECTORS.iterdir() if file.suffix in KEPT}
+    assert made == held

@@ -149,7 +149,8 @@ def test_how_sure_the_pose_is_is_told(springs: dict[str, Any]):
     for text in (given, unknown):
         assert all(f"\n  {name} +/- " in text for name in ("centre", "rotation", "translation"))
         assert (
-            "\n  robustness        of the least squares: no optimum turns by more than 5 d" in text
+            "\n  robustness        of the least squares: every optimum stays within 5 degrees"
+            in text
         )
     assert "from the residuals" not in given
     assert "\n  chi-squared       " in given

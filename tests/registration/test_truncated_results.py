@@ -234,4 +234,4 @@ def test_a_bound_that_holds_by_chance_is_warned_of(given):
     assert "\n  least squares     of these 6: CERTIFIED: the global optimum, and unique" in str(
         narrow
     )
-    assert "\n  robustness        of the least squares: no optimum turns by more" in str(narrow)
+    assert "\n  robustness        of the least squares: every optimum stays" in str(narrow)

@@ -6,6 +6,7 @@ import html
 import re
 from dataclasses import replace
 from fractions import Fraction
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,13 +15,17 @@ from strategies import random_rotation
 
 import certreg
 from certreg.exact import double_above
+from certreg.geometry import Pose
 from certreg.registration import code_of_registration
 from certreg.registration.ambiguity import NEARLY_AMBIGUOUS
+from certreg.report import report_of
 from certreg.report.cards import AMBER, GREEN
 from certreg.report.consensus_page import ConsensusReport
-from certreg.report.consensus_reach import reach_degrees
+from certreg.report.consensus_reach import degrees_from, reach_degrees
+from certreg.report.truncated_summary import optimum_degrees
 from certreg.report.viewer import Names
 
+VECTORS = Path(__file__).parents[2] / "vectors"
 BOUND = 0.05
 WIDE = (
     "  proved angle      not bounded: for bounds as wide as these no angle below 180 degrees is "
@@ -39,7 +44,11 @@ def on_line(noise: float, **options: Any) -> Any:
 
 
 def page_of(found: Any) -> str:
-    text = re.sub(r"(?s)<(style|svg)>?.*?</\1>", " ", ConsensusReport.of(found).html().decode())
+    return words_of(ConsensusReport.of(found))
+
+
+def words_of(report: Any) -> str:
+    text = re.sub(r"(?s)<(style|svg)>?.*?</\1>", " ", report.html().decode())
     return " ".join(html.unescape(re.sub(r"<[^>]*>", " ", text)).split())
 
 
@@ -137,6 +146,49 @@ def test_the_angle_that_is_told_is_no_less_than_the_one_that_is_proved():
     assert f"at most {told} degrees from this rotation to that of any motion" in str(found)
     assert f"≤ {told}°" in page_of(found)
     assert Fraction(told) < 45
+
+
+def test_the_angle_is_from_the_pose_shown_also_where_the_certificate_is_about_another():
+    """That of this certificate is 43.41 degrees from the least squares, which the report shows."""
+    report = report_of(VECTORS / "accept-consensus-springs-reach-of-the-pose.json")
+    found = report.registration
+    told, reach = float(reach_degrees(found) or 0.0), found.certificate.body.reach
+    q = np.array(found.certificate.body.fit["proof"]["pose"], dtype=float)
+    apart = 2.0 * np.arccos(abs(q @ found.pose.quaternion_wxyz) / np.linalg.norm(q))
+    proved = np.degrees(apart + 2.0 * np.arcsin(np.sqrt(float(reach.sin2_half_angle.value))))
+
+    assert np.degrees(apart) == pytest.approx(43.41, abs=0.01)
+    assert proved <= told <= proved + 1e-4
+    page = words_of(report)
+    assert f"at most {reach_degrees(found)} degrees from that of the pose given below." in page
+    assert "degrees of R, that of the pose below." in page
+    assert "degrees from that of the least squares" not in page
+    assert "CERTIFIED, BUT THE POSE IS NOT CERTIFIED" in page
+
+
+def test_an_angle_to_another_rotation_is_added_to_what_is_proved_from_that():
+    """90 degrees apart, and 60 more; 180 bound nothing."""
+    pose = Pose.from_matrix(np.eye(4))
+
+    assert degrees_from(pose, (1, 0, 0, 1), Fraction(1, 4), digits=9) == "150.000001"
+    assert degrees_from(pose, (3, 0, 0, 0), Fraction(1, 4), digits=9) == "60.0000001"
+    assert degrees_from(pose, (1, 0, 0, 1), Fraction(1, 2), digits=9) is None
+
+
+def test_the_angle_of_truncated_squares_is_from_the_rotation_shown():
+    rng = np.random.default_rng(6)
+    source = rng.uniform(-1.0, 1.0, (12, 3))
+    target = source[:, [1, 2, 0]] + rng.uniform(-0.01, 0.01, (12, 3))
+    found: Any = certreg.certify(
+        source, target, max_residual=BOUND, objective="truncated", rotation_only=True
+    )
+    w, x, y, z = found.certificate.body.quaternion
+    turned = replace(found.certificate.body, quaternion=(w, x, y, z + w))
+    other: Any = replace(found, certificate=replace(found.certificate, body=turned))
+
+    assert float(optimum_degrees(found) or 0.0) < 1e-3
+    assert float(optimum_degrees(other) or 0.0) > 10.0
+    assert optimum_degrees(replace(found, certificate=None)) is None
 
 
 def certified_cube() -> Any:

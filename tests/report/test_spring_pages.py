@@ -86,7 +86,7 @@ def test_what_is_proved_names_its_theorems_and_the_robustness(planes):
     text = SpringReport.of(planes).html().decode()
     table = text[text.index('id="proof"') : text.index("Not claimed")]
 
-    assert "No optimum turns by more than 5 degrees" in table
+    assert "Every optimum stays within 5 degrees of the certified rotation" in table
     for name in ("quartic_relaxation", "growth_form", "growth_radius", "spring_translation"):
         assert f"<code>{name}</code>" in table
     assert "spring_caps" not in table

@@ -30,8 +30,8 @@ if TYPE_CHECKING:
 
 TURN = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
 FITTED = (
-    "The rotation is that of the least squares over the 6 pairs within, each residual divided by "
-    "its bound."
+    "The rotation is fitted by least squares to the 6 pairs within, each residual divided by its "
+    "bound."
 )
 APART = (
     "at every rotation: the distances of the two points from the origin differ by more than the "
@@ -76,7 +76,7 @@ def words_of(found: Any) -> str:
         "o rotation has a smaller truncated cost than 6.75231, and 6 of the 12 pairs are within",
         "Truncated cost ≤ 6.75231",
         "Least cost ≥ 6.75231",
-        "over all rotations; that of this one is less than 7.0e-10 more",
+        "over all rotations; the certified one has less than 7.0e-10 more",
         "Labels 6 inliers, 6 outliers, 0 undecided at every optimum",
         "° from this rotation to any optimum",
         FITTED,
