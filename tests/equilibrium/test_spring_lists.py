@@ -20,6 +20,7 @@ from certreg.equilibrium.critical_set import Completeness
 from certreg.equilibrium.line_boxes import BallQuartic, all_different, boxed, index_of
 from certreg.equilibrium.line_ranks import PRIMES, at_most_forty, infinitely_many, plane
 from certreg.equilibrium.line_set import Finiteness
+from certreg.equilibrium.spring_homotopy import by_forty_paths
 from certreg.errors import ContradictionError
 from certreg.objective import Isotropic, Springs
 from certreg.objective.levelling import levelled_exactly, norm_fourth
@@ -340,3 +341,32 @@ def test_a_line_and_its_conjugate_are_one_pair():
 
     assert not all_different(pair)
     assert not any(line.is_real for line in pair)
+
+
+def twins_of_springs(off: float) -> Springs:
+    """Half a turn of the source about z exchanges pairs of one target each, but for one number."""
+    rng = np.random.default_rng(0)
+    x, y, normals = rng.integers(-5, 6, (3, 6, 3)).astype(float)
+    y[0], normals[0] = [0.0, 3.0, 1.0], [1.0, 2.0, -1.0]
+    target = np.vstack([y, y])
+    target[0, 0] = off
+    source = np.vstack([x, x * [-1.0, -1.0, 1.0]])
+    stated = RegistrationProblem(source, target, normals=np.vstack([normals, normals]))
+    return Springs(spring_moments(stated))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("exponent", [20, 100, 400])
+def test_the_first_of_a_list_is_the_best_however_little_the_next_costs_more(exponent: int):
+    """The sign of the number says which of two rotations, half a turn apart, is the better one."""
+    one, other = (by_forty_paths(twins_of_springs(sign * 2.0**-exponent)) for sign in (1, -1))
+    first, second = (unit_double(part.quaternion) for part in one.components[:2])
+
+    assert (one.tied, other.tied) == (1, 1)
+    np.testing.assert_allclose(unit_double(other.components[0].quaternion), second, atol=1e-4)
+    np.testing.assert_allclose(unit_double(other.components[1].quaternion), first, atol=1e-4)
+
+
+@pytest.mark.slow
+def test_two_of_one_energy_tie():
+    assert by_forty_paths(twins_of_springs(0.0)).tied == 2
