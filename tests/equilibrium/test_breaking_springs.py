@@ -296,6 +296,48 @@ def test_a_continuum_is_decided_only_where_no_rotation_mends_a_spring():
     assert (broken.labels, broken.doubtful, broken.index) == (Labels.PROVED, (), 0)
 
 
+@pytest.mark.parametrize("far", [2, 5])
+@pytest.mark.parametrize("place", [-1, 0, 1])
+def test_along_a_continuum_a_spring_is_broken_beyond_the_difference_of_its_radii(
+    far: int, place: int
+):
+    """About the line the source's end is 3 from it, the target's `far`: they meet to |3 - far|."""
+    line, nearest = [[-3, 0, 0], [0, 0, 0], [3, 0, 0]], float(abs(3 - far))
+    bound = np.nextafter(nearest, nearest + place) if place else nearest
+    for ends in ([[0, 3, 0], [0, 0, far]], [[0, 0, 3], [0, -far, 0]]):
+        problem = RegistrationProblem([*line, ends[0]], [*line, ends[1]])
+        springs = SpringSet(BreakingProblem.of(problem, [0.5, 0.5, 0.5, bound]), (0, 1, 2))
+        (first,) = [pose for pose in springs.rest_poses() if pose.index == 0]
+
+        proved = place < 0
+        assert first.kind is ComponentKind.CIRCLE
+        assert first.labels is (Labels.PROVED if proved else Labels.CONTINUUM)
+        assert first.doubtful == (() if proved else (3,))
+
+
+@pytest.mark.parametrize(
+    ("far", "near", "expected"),
+    [
+        (2.5, np.nextafter(1.0, 2.0), (Labels.PROVED, ())),
+        (2.5, 1.0, (Labels.CONTINUUM, (2, 3))),  # on the bound, all along
+        (2.5, np.nextafter(1.0, 0.0), None),  # the two are broken all along
+        (np.nextafter(2.0, 3.0), 1.5, (Labels.PROVED, ())),
+        (2.0, 1.5, (Labels.CONTINUUM, (0, 1))),  # all energy there is, 4, as that of one
+    ],
+)
+def test_along_a_continuum_a_spring_of_the_set_holds_within_its_radii_and_the_energy(
+    far: float, near: float, expected: tuple[Labels, tuple[int, ...]] | None
+):
+    """The target is on a line: two springs stay 1 long, the energy is 4 along the optima."""
+    source = [[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0]]
+    target = [[2, 0, 0], [-2, 0, 0], [0, 0, 0], [0, 0, 0]]
+    problem = BreakingProblem.of(RegistrationProblem(source, target), [far, far, near, near])
+    found = [pose for pose in SpringSet(problem, (0, 1, 2, 3)).rest_poses() if not pose.index]
+
+    assert [(pose.labels, pose.doubtful) for pose in found] == ([expected] if expected else [])
+    assert all(pose.energy == 4 for pose in found)
+
+
 @pytest.mark.slow
 def test_labels_do_not_change_with_the_unit_and_the_origin():
     rng = np.random.default_rng(5)

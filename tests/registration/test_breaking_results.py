@@ -2,16 +2,23 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
 import numpy as np
 import pytest
 from wrong_pairs import wrong_pairs
 
 import certreg
 from certreg.dynamics import BreakingStatus, SimulationSettings
-from certreg.equilibrium import Labels
+from certreg.equilibrium import Labels, SpringSet
 from certreg.errors import InvalidProblemError, UndecidedError
+from certreg.registration.breaking import _optimum_listed
 from certreg.registration.examples import TWIN_MOTIONS as TWINS
 from certreg.results import OUT_OF_RANGE
+
+if TYPE_CHECKING:
+    from certreg.registration import BreakingEquilibria
 
 
 def clouds(seed: int, n: int, wrong: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -107,6 +114,49 @@ def test_with_few_springs_that_hold_the_least_energy_may_be_elsewhere():
 
     assert found.stable[0].energy == 32.0
     assert not found.optimum_listed
+
+
+def one_broken(weights: list[float], bounds: list[float]) -> BreakingEquilibria:
+    """Three springs that hold at no energy; another pose holds the last two, and breaks the rest.
+
+    With three springs or more at least one breaks, the last; with fewer two do, at least.
+    """
+    source = [[0, 0, 0], [3, 0, 0], [0, 4, 0], [20, 0, 0]]
+    target = [[0, 0, 0], [3, 0, 0], [0, 4, 0], [4, 24, 0]]
+    return certreg.breaking_equilibria(source, target, max_residual=bounds, weights=weights)
+
+
+@pytest.mark.parametrize(
+    ("weights", "bound", "listed"),
+    [
+        ([2, 2, 5, 1], np.nextafter(2.0, 1.0), True),
+        ([2, 2, 5, 1], 2.0, True),  # 1 * 2^2 = 2 + 2: the other pose is as good, and no better
+        ([2, 2, 5, 1], np.nextafter(2.0, 3.0), False),
+        ([0.1, 0.2, 5, 0.3], 1.0, True),  # the doubles 0.1 and 0.2 add up to more than 0.3
+        ([0.1, 0.2, 5, np.nextafter(0.3, 1.0)], 1.0, False),  # and to less than the next
+    ],
+)
+def test_the_optimum_is_listed_up_to_the_energy_of_poses_that_hold_fewer_springs(
+    weights: list[float], bound: float, listed
+):
+    found = one_broken(weights, [1.0, 1.0, 1.0, bound])
+
+    assert [each.unbroken for each in found.stable] == [(0, 1, 2)]
+    assert found.optimum_listed is listed
+
+
+@pytest.mark.parametrize("labels", [label for label in Labels if label is not Labels.PROVED])
+@pytest.mark.parametrize("index", [0, 1])
+def test_the_optimum_is_listed_unless_a_doubtful_pose_may_be_a_minimum(labels: Labels, index: int):
+    """A tie is none, nor is a pose from which the energy falls."""
+    problem = one_broken([1.0] * 4, [1.0] * 4).problem
+    best, *_ = SpringSet(problem, (0, 1, 2)).rest_poses()
+    other = replace(best, labels=labels, index=index)
+
+    assert best.labels is Labels.PROVED
+    assert _optimum_listed(problem, 3, [best], []) is True
+    assert _optimum_listed(problem, 3, [best], [other]) is (labels is Labels.TIED or index > 0)
+    assert not _optimum_listed(problem, 3, [], [])
 
 
 @pytest.mark.parametrize("least", [2, 8])

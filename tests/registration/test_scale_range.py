@@ -2,15 +2,24 @@
 
 from __future__ import annotations
 
+import math
 from fractions import Fraction
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 
+from certreg.exact import Dyadic
 from certreg.objective.isotropic import Isotropic
 from certreg.problem.moments import exact_moments
 from certreg.problem.problem import RegistrationProblem
-from certreg.registration.scale_range import moved_scale, moved_symmetric_scale, spreads_of
+from certreg.registration.scale_range import (
+    moved_scale,
+    moved_symmetric_scale,
+    proved_scales,
+    spreads_of,
+)
 
 
 def scales(x, y, w):
@@ -61,3 +70,30 @@ def test_where_the_source_may_shrink_to_a_point_there_is_no_bound():
     assert (
         moved_symmetric_scale((Fraction(1), Fraction(4), Fraction(0)), *[Fraction(0)] * 2) is None
     )
+
+
+@pytest.mark.parametrize("kind", ["asymmetric", "symmetric"])
+@pytest.mark.parametrize("moves", [(Fraction(0), Fraction(1, 10)), (Fraction(1, 7), Fraction(0))])
+def test_a_range_of_scales_is_rounded_outwards_to_the_next_doubles(
+    kind: str, moves: tuple[Fraction, Fraction]
+):
+    points = np.diag([3.0, 2.0, 1.0])
+    moments = exact_moments(RegistrationProblem(points, points))
+    spreads, tiny = spreads_of(moments), Fraction(1, 1 << 70)
+    level = spreads[1]
+    scales = [Dyadic(mantissa=(1 << 70) + sign, exponent=-70) for sign in (-1, 1)]
+    body: Any = SimpleNamespace(
+        scale=kind, claims=SimpleNamespace(scale_lower=scales[0], scale_upper=scales[1])
+    )
+    exact = (
+        moved_symmetric_scale(spreads, *moves)
+        if kind == "symmetric"
+        else moved_scale(level * (1 - tiny), level * (1 + tiny), spreads, *moves)
+    )
+    found = proved_scales(body, moments, source=moves[0], target=moves[1])
+
+    assert exact is not None
+    assert found is not None
+    assert Fraction(found[0]) <= exact[0] < Fraction(math.nextafter(found[0], 9.0))
+    assert Fraction(math.nextafter(found[1], 0.0)) < exact[1] <= Fraction(found[1])
+    assert proved_scales(body, moments, source=Fraction(9), target=Fraction(0)) is None
