@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from fractions import Fraction
 from itertools import combinations
 from typing import TYPE_CHECKING, Any
@@ -336,6 +337,31 @@ def test_along_a_continuum_a_spring_of_the_set_holds_within_its_radii_and_the_en
 
     assert [(pose.labels, pose.doubtful) for pose in found] == ([expected] if expected else [])
     assert all(pose.energy == 4 for pose in found)
+
+
+def test_along_a_continuum_the_energy_counts_with_twice_its_error():
+    """As above: two springs have all energy, of which 4 is known, and of another line 4.9."""
+    source = [[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0]]
+    target = [[2, 0, 0], [-2, 0, 0], [0, 0, 0], [0, 0, 0]]
+    problem = BreakingProblem.of(RegistrationProblem(source, target), [2.2, 2.2, 1.5, 1.5])
+    springs = SpringSet(problem, (0, 1, 2, 3))
+    first, *_ = eigenlines(springs.objective)
+
+    for error, doubtful in ((Fraction(42, 100), ()), (Fraction(421, 1000), (0, 1))):
+        found = springs._labels(replace(first, error=error))  # 2.2^2 = 4 + 2 * 0.42
+        assert found is not None
+        assert found.doubtful == doubtful
+
+
+@pytest.mark.parametrize("inside", [-1, 0, 1])
+def test_a_set_is_dropped_where_its_energy_less_twice_its_error_is_not_below_breaking_it(inside):
+    springs = SpringSet(mixed(0, bound=0.3), (0, 1, 2, 3))
+    line = coarse(springs.objective)
+    energy = springs.objective.energy(line.quaternion)
+    springs.__dict__["_most"] = energy - 2 * line.error + inside * Fraction(1, 1 << 80)
+
+    assert line.error > 0
+    assert (springs._labels(line) is None) == (inside <= 0)
 
 
 @pytest.mark.slow

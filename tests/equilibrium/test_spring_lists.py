@@ -4,22 +4,31 @@ from __future__ import annotations
 
 import functools
 from dataclasses import replace
+from fractions import Fraction
 from importlib import import_module
-from typing import Any
+from types import SimpleNamespace
+from typing import Any, cast
 
 import degenerate_springs
 import numpy as np
 import pytest
 import spring_families
 from commands import checked
+from flint import acb, fmpz
 
 from benchmarks.rates import spring_lists
 from certreg import RegistrationProblem
 from certreg.equilibrium import compare, critical_lines, search, unit_double
-from certreg.equilibrium.critical_set import Completeness
+from certreg.equilibrium.critical_set import Completeness, Critical
 from certreg.equilibrium.line_boxes import BallQuartic, all_different, boxed, index_of
-from certreg.equilibrium.line_ranks import PRIMES, at_most_forty, infinitely_many, plane
-from certreg.equilibrium.line_set import Finiteness
+from certreg.equilibrium.line_ranks import (
+    PRIMES,
+    _rank_is_below,
+    at_most_forty,
+    infinitely_many,
+    plane,
+)
+from certreg.equilibrium.line_set import Finiteness, line_set
 from certreg.equilibrium.spring_homotopy import by_forty_paths
 from certreg.errors import ContradictionError
 from certreg.objective import Isotropic, Springs
@@ -370,3 +379,53 @@ def test_the_first_of_a_list_is_the_best_however_little_the_next_costs_more(expo
 @pytest.mark.slow
 def test_two_of_one_energy_tie():
     assert by_forty_paths(twins_of_springs(0.0)).tied == 2
+
+
+def test_a_rank_over_the_rationals_is_not_that_of_one_prime():
+    """Multiples of the largest primes below 2^62 vanish modulo these."""
+    found, prime = list[int](), 1 << 62
+    while len(found) < 3:
+        prime -= 1
+        if fmpz(prime).is_prime():
+            found.append(prime)
+    first, second, third = found
+    for entry, zero in ((first, False), (first * second, False), (0, True)):
+        table = np.array([[1, 1], [1, 1 + entry]], dtype=object)
+        assert _rank_is_below(table, 2) is zero
+    assert not _rank_is_below(np.array([[first * second * third]], dtype=object), 1)
+    assert _rank_is_below(np.array([[3, 6], [1, 2]], dtype=object), 2)
+
+
+@pytest.mark.parametrize(("complete", "tied"), [(True, 2), (False, 0)])
+def test_how_many_tie_is_told_of_a_whole_list_alone(complete, tied: int):
+    part = Critical(
+        quaternion=(1, 0, 0, 0),
+        span=((1, 0, 0, 0),),
+        value=Fraction(0),
+        index=0,
+        guarantee=Guarantee.ENCLOSED,
+    )
+    pairs = 18 if complete else 17
+    found = line_set("one", [part] * 4, finiteness=Finiteness.FORTY, pairs=pairs, tied=2)
+
+    assert (found.complete, found.tied) == (complete, tied)
+    for many, finiteness in ((4, Finiteness.COMPLEX), (3, Finiteness.FORTY), (4, Finiteness.FOUR)):
+        listed = line_set("one", [part] * many, finiteness=finiteness, pairs=18, tied=1)
+        assert not listed.complete
+    four = [
+        line_set("one", [part] * k, finiteness=Finiteness.FOUR, pairs=(4 - k) // 2, tied=1)
+        for k in (4, 2)
+    ]
+    assert [each.complete for each in four] == [True, False]
+
+
+def test_a_line_and_its_conjugate_are_found_twice():
+    line, other = (
+        SimpleNamespace(is_real=False, quaternion=(acb(1), acb(0, sign), acb(2, sign), acb(0)))
+        for sign in (1, -1)
+    )
+    third = SimpleNamespace(is_real=False, quaternion=(acb(1), acb(0, 2), acb(2, 1), acb(0)))
+
+    assert all_different(cast("Any", [line]))
+    assert not all_different(cast("Any", [line, other]))
+    assert all_different(cast("Any", [line, third]))
