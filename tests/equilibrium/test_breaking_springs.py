@@ -12,7 +12,7 @@ import pytest
 from strategies import random_rotation
 
 from certreg.equilibrium import spring_sets
-from certreg.equilibrium.breaking import Labels, RestPose, SpringSet, _Residuals
+from certreg.equilibrium.breaking import Labels, RestPose, SpringSet, _Residuals, _roots
 from certreg.equilibrium.eigenlines import Eigenline, _eigenline, eigenlines
 from certreg.equilibrium.spring_sets import consistent_springs, label_sets
 from certreg.errors import InvalidProblemError, UndecidedError
@@ -326,17 +326,19 @@ def test_along_a_continuum_a_spring_is_broken_beyond_the_difference_of_its_radii
         (2.0, 1.5, (Labels.CONTINUUM, (0, 1))),  # all energy there is, 4, as that of one
     ],
 )
+@pytest.mark.parametrize("weight", [1.0, 3.0, 0.75])
 def test_along_a_continuum_a_spring_of_the_set_holds_within_its_radii_and_the_energy(
-    far: float, near: float, expected: tuple[Labels, tuple[int, ...]] | None
+    far: float, near: float, expected: tuple[Labels, tuple[int, ...]] | None, weight: float
 ):
-    """The target is on a line: two springs stay 1 long, the energy is 4 along the optima."""
+    """The target is on a line: two springs stay 1 long, the energy is 4 weights at the optima."""
     source = [[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0]]
     target = [[2, 0, 0], [-2, 0, 0], [0, 0, 0], [0, 0, 0]]
-    problem = BreakingProblem.of(RegistrationProblem(source, target), [far, far, near, near])
+    stated = RegistrationProblem(source, target, weights=[weight] * 4)
+    problem = BreakingProblem.of(stated, [far, far, near, near])
     found = [pose for pose in SpringSet(problem, (0, 1, 2, 3)).rest_poses() if not pose.index]
 
     assert [(pose.labels, pose.doubtful) for pose in found] == ([expected] if expected else [])
-    assert all(pose.energy == 4 for pose in found)
+    assert all(pose.energy == 4 * weight for pose in found)
 
 
 def test_along_a_continuum_the_energy_counts_with_twice_its_error():
@@ -381,6 +383,13 @@ def test_labels_do_not_change_with_the_unit_and_the_origin():
     assert len(seen(1.0, 0.0)) > 3
     assert plain(seen(2.0**-300, 0.0)) == plain(seen(1.0, 0.0))
     assert plain(seen(1.0, 2.0**40)) == plain(seen(1.0, 0.0))
+
+
+def test_a_root_is_between_the_integers_next_to_it():
+    for square in range(200):
+        low, high = _roots(square)
+        assert low**2 <= square <= high**2
+        assert high - low == (low**2 != square)
 
 
 # Sets ---------------------------------------------------------------------------------------------
