@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from types import SimpleNamespace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
@@ -13,9 +14,11 @@ import certreg
 from certreg.dynamics import BreakingStatus, SimulationSettings
 from certreg.equilibrium import Labels, SpringSet
 from certreg.errors import InvalidProblemError, UndecidedError
+from certreg.problem import BreakingProblem, RegistrationProblem
 from certreg.registration.breaking import _optimum_listed
+from certreg.registration.breaking_simulation import _end
 from certreg.registration.examples import TWIN_MOTIONS as TWINS
-from certreg.results import OUT_OF_RANGE
+from certreg.results import OUT_OF_RANGE, ComponentKind
 
 if TYPE_CHECKING:
     from certreg.registration import BreakingEquilibria
@@ -93,6 +96,32 @@ def test_what_is_not_decided_is_said():
     assert not found.complete
     assert not found.optimum_listed
     assert repr(found).endswith(f", {len(found.doubtful)} doubtful>")
+
+
+def test_of_a_continuum_none_is_a_strict_minimum():
+    """Three points on a line stay, the fourth is broken along all turns about it."""
+    line = [[-3, 0, 0], [0, 0, 0], [3, 0, 0]]
+    found = certreg.breaking_equilibria(
+        [*line, [0, 2, 0]], [*line, [0, 0, 4]], max_residual=[0.5, 0.5, 0.5, 0.25]
+    )
+    (turning,) = [each for each in found.equilibria if each.kind is not ComponentKind.POINT]
+
+    assert (turning.unbroken, turning.labels, turning.morse_index) == (
+        *((0, 1, 2), Labels.PROVED),
+        0,
+    )
+    assert not turning.stable
+
+
+@pytest.mark.parametrize("labels", Labels)
+def test_a_list_is_complete_where_all_that_is_doubtful_is_on_a_tie(labels: Labels):
+    found = one_broken([1.0] * 4, [1.0] * 4)
+    first, *_ = found.equilibria
+    doubted = replace(found, doubtful=(replace(first, labels=labels),))
+
+    assert found.complete
+    assert doubted.complete is (labels is Labels.TIED)
+    assert doubted.doubtful[0].stable is (labels is Labels.PROVED)
 
 
 def test_a_tie_is_decided_and_no_minimum():
@@ -255,6 +284,20 @@ def test_an_end_whose_labels_are_not_proved_is_not_called_self_consistent():
         "Ended on 4 of 4 springs; not proved that just these hold at rest: a residual is on its "
         "bound, or nearly so, or the rest poses form a continuum."
     )
+
+
+def test_a_run_does_not_end_at_a_rest_pose_from_which_the_energy_falls():
+    """At the best rotation of the three the fourth holds, too; at another it is broken."""
+    cloud = np.array([[0, 0, 0], [0, 0, 2], [4, 3, 1], [9, 9, 9.0]])
+    problem = BreakingProblem.of(RegistrationProblem(cloud, cloud), 2.5)
+    held = np.array([True, True, True, False])
+    run: Any = SimpleNamespace(
+        status=BreakingStatus.SETTLED, stages=(SimpleNamespace(held=held, count=3),)
+    )
+    found = list(SpringSet(problem, (0, 1, 2)).rest_poses())
+
+    assert [(pose.index, pose.labels) for pose in found] == [(1, Labels.PROVED)]
+    assert _end(problem, run) is None
 
 
 @pytest.mark.parametrize("shrinking", [1.0, float("nan"), 1e7])
