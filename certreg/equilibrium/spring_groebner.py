@@ -223,8 +223,8 @@ def _listed(objective: Springs, levelled: LevelledExactly, lines: list[tuple[arb
     quartic = BallQuartic(levelled)
     with ctx.workprec(MOST_BITS):
         parts = [(_critical(objective, quartic, q), quartic.level(q)) for q in lines]
-    parts.sort(key=lambda part: part[0].value)
-    least = parts[0][1]
+    least = min((level for _, level in parts), key=lambda level: level.mid())
+    parts.sort(key=lambda part: (bool(part[1] > least), part[0].value))
     return line_set(
         GROEBNER,
         [part for part, _ in parts],

@@ -8,7 +8,6 @@ apart.
 
 from __future__ import annotations
 
-from itertools import compress
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -107,23 +106,26 @@ def proved_lines(quartic: BallQuartic, ends: CriticalLines) -> list[BoxedLine]:
 def proved_components(objective: Springs, real: Sequence[BoxedLine]) -> tuple[list[Critical], int]:
     """Proved equilibria by ascending energy, and how many of the first may be the best."""
     lines = [line.within(BITS + SPARE_BITS) for line in real]
-    lines.sort(key=lambda line: line.system.quartic.level(line.quaternion).mid())
-    tied = _tied(lines)
-    return [_proved_component(objective, line) for line in lines], tied
+    with ctx.workprec(2 * BITS):
+        lines.sort(key=lambda line: line.system.quartic.level(line.quaternion).mid())
+    best = _least(lines)
+    order = [*best, *(place for place in range(len(lines)) if place not in best)]
+    return [_proved_component(objective, lines[place]) for place in order], len(best)
 
 
-def _tied(lines: Sequence[BoxedLine]) -> int:
-    """How many lines may have the least energy, told apart with up to `TIE_BITS`."""
-    bits, several = BITS, list[BoxedLine](lines)
+def _least(lines: Sequence[BoxedLine]) -> list[int]:
+    """Which lines may have the least energy, told apart with up to `TIE_BITS`."""
+    bits, several = BITS, list[tuple[int, BoxedLine]](enumerate(lines))
     while len(several) > 1 and bits <= TIE_BITS:
-        several = [line.within(bits) for line in several]
+        several = [(place, line.within(bits)) for place, line in several]
         with ctx.workprec(2 * bits):
-            levels = [line.system.quartic.level(line.quaternion) for line in several]
+            levels = [line.system.quartic.level(line.quaternion) for _, line in several]
         least = min(levels, key=lambda level: level.mid())
-        tied = [not bool(level > least) for level in levels]
-        several = list[BoxedLine](compress(several, tied))
+        several = [
+            one for one, level in zip(several, levels, strict=True) if not bool(level > least)
+        ]
         bits *= 2
-    return len(several)
+    return [place for place, _ in several]
 
 
 def _halved(points: Complexes) -> Complexes:

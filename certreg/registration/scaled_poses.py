@@ -80,10 +80,13 @@ def gap_parts(objective: Isotropic, gap: Fraction, pose: ExactPose) -> GapParts 
         return None
     apart = objective.translation_energy(q, pose.translation, pose.scale)
     shifted = apart / (pose.scale if scaling.symmetric else 1)
-    turned = objective.energy(q)  # of a symmetric scale up to the slack below the true one
+    turned, best = objective.energy(q), objective.optimum
+    lost = turned - objective.energy(best)
+    if scaling.symmetric:  # whose energies are up to the slack below the true ones
+        lost = 2 * (objective.alignment(best) - objective.alignment(q))
     centred = objective.energy_at(q, apart, pose.scale) - shifted
     return GapParts(
-        rotation=max(Fraction(0), turned - objective.energy(objective.optimum)) + gap,
+        rotation=max(Fraction(0), lost) + gap,
         scale=max(Fraction(0), centred - turned),
         translation=shifted,
     )

@@ -239,6 +239,8 @@ def _optimal(
     if separated and excess > SAME_ENERGY * oscillation:
         return False
     if critical.complete:
+        if critical.tied and place >= critical.tied:
+            return False
         return critical.tied == 1 or TIED
     return NOT_LISTED_WHOLE if separated else NOT_SEPARATED
 
@@ -265,5 +267,5 @@ def _margin(critical: LineSet) -> float | None:
     values = [part.value for part in critical.components]
     if critical.tied != 1 or len(values) < 2:
         return None
-    span = values[-1] - values[0]
-    return float((values[1] - values[0]) / span)
+    apart = max(values[1] - values[0], Fraction(0))  # known to be positive, in more digits
+    return float(apart / (values[-1] - values[0]))

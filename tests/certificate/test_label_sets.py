@@ -38,3 +38,23 @@ def test_all_sets_but_one_are_disproved_beside_the_optimum(problem: TruncatedPro
 
 def test_beside_a_poor_rotation_little_is_disproved(problem: TruncatedProblem):
     assert not disproves_labels(problem, [True] * 4 + [False] * 2, [0, 1, 0, 0])
+
+
+@pytest.mark.parametrize(
+    ("bound", "disproved"),
+    [(np.nextafter(6.0, 5.0), False), (6.0, False), (np.nextafter(6.0, 7.0), True)],
+)
+def test_labels_of_a_rotation_that_costs_as_much_are_not_disproved(bound: float, disproved):
+    """Two pairs fit a rotation that leaves the third out: it costs 1, as three thirds do.
+
+    A third is no number of 64 bits: rounded down, three of them are less than 1.
+    """
+    source = np.array([[-3.0, 0.0, 0.0], [0.0, -3.0, 0.0], [10.0, 0.0, 0.0]])
+    points = RegistrationProblem(source, source + 2.0, rotation_only=True)
+    problem = TruncatedProblem(points, bound)
+    turn = np.array([[1, -2, 2], [-2, 1, 2], [-2, -2, -1]]) / 3
+    off = np.linalg.norm(source @ turn.T - source - 2.0, axis=1)
+
+    np.testing.assert_allclose(off[:2], 0.0, atol=1e-12)
+    assert off[2] > bound
+    assert disproves_labels(problem, [True, True, False], [1, 0, 0, 0]) is disproved

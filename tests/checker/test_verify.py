@@ -510,6 +510,16 @@ def test_bounds_are_rounded_up_to_the_next_decimal(numerator, denominator, digit
     assert below <= value < below * (1 + Fraction(1, 10 ** (digits - 1)))
 
 
+@pytest.mark.parametrize("beside", [-math.inf, 0.0, math.inf])
+@pytest.mark.parametrize("value", [0.1, 0.123456789, 2.5, 1e-7, 1234567.0, 123456789.0])
+def test_a_range_in_words_holds_the_range(value: float, beside: float):
+    number = Fraction(math.nextafter(value, beside) if beside else value)
+    low, high = (Fraction(word) for word in checker.between(number, number).split()[1::2])
+
+    assert low <= number <= high <= low * (1 + Fraction(1, 10**7))
+    assert checker.between(number, None) == f"from {checker.between(number, number).split()[1]} on"
+
+
 @pytest.mark.slow
 @given(st.integers(1, 10**400), st.integers(1, 10**400))
 @examples(100)

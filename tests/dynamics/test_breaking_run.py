@@ -65,6 +65,23 @@ def test_at_the_end_the_springs_within_their_bounds_hold_at_their_least_squares_
     assert last.energy == pytest.approx(expected, rel=1e-6)
 
 
+@pytest.mark.parametrize("width", [1.0, 3.0, 40.0])
+def test_a_stage_has_the_energy_of_its_bounds_and_that_of_those_given(width: float):
+    problem = made(3)
+    points, annealed = problem.problem, breaking._Annealed(problem, Integrator.MIDPOINT, None)
+    _, stage = annealed.stage(width)
+    ends = points.source @ annealed.rotation.T + annealed.given_translation
+    lengths = np.linalg.norm(points.target - ends, axis=1)
+    clipped, given = (
+        float(points.weights @ np.minimum(lengths, most) ** 2)
+        for most in (width * problem.bounds, problem.bounds)
+    )
+
+    assert stage.energy == pytest.approx(clipped, rel=1e-6)
+    assert stage.given_energy == pytest.approx(given, rel=1e-6)
+    assert (given < clipped) == (width > 1.0)
+
+
 def test_springs_may_mend():
     """A spring that broke while the body was far off is within its bound later."""
     run = run_breaking(made(21), Integrator.MIDPOINT)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from fractions import Fraction
 from itertools import combinations
 from typing import TYPE_CHECKING, Any
@@ -11,7 +12,7 @@ import pytest
 from strategies import random_rotation
 
 from certreg.equilibrium import spring_sets
-from certreg.equilibrium.breaking import Labels, RestPose, SpringSet, _Residuals
+from certreg.equilibrium.breaking import Labels, RestPose, SpringSet, _Residuals, _roots
 from certreg.equilibrium.eigenlines import Eigenline, _eigenline, eigenlines
 from certreg.equilibrium.spring_sets import consistent_springs, label_sets
 from certreg.errors import InvalidProblemError, UndecidedError
@@ -296,6 +297,75 @@ def test_a_continuum_is_decided_only_where_no_rotation_mends_a_spring():
     assert (broken.labels, broken.doubtful, broken.index) == (Labels.PROVED, (), 0)
 
 
+@pytest.mark.parametrize("far", [2, 5])
+@pytest.mark.parametrize("place", [-1, 0, 1])
+def test_along_a_continuum_a_spring_is_broken_beyond_the_difference_of_its_radii(
+    far: int, place: int
+):
+    """About the line the source's end is 3 from it, the target's `far`: they meet to |3 - far|."""
+    line, nearest = [[-3, 0, 0], [0, 0, 0], [3, 0, 0]], float(abs(3 - far))
+    bound = np.nextafter(nearest, nearest + place) if place else nearest
+    for ends in ([[0, 3, 0], [0, 0, far]], [[0, 0, 3], [0, -far, 0]]):
+        problem = RegistrationProblem([*line, ends[0]], [*line, ends[1]])
+        springs = SpringSet(BreakingProblem.of(problem, [0.5, 0.5, 0.5, bound]), (0, 1, 2))
+        (first,) = [pose for pose in springs.rest_poses() if pose.index == 0]
+
+        proved = place < 0
+        assert first.kind is ComponentKind.CIRCLE
+        assert first.labels is (Labels.PROVED if proved else Labels.CONTINUUM)
+        assert first.doubtful == (() if proved else (3,))
+
+
+@pytest.mark.parametrize(
+    ("far", "near", "expected"),
+    [
+        (2.5, np.nextafter(1.0, 2.0), (Labels.PROVED, ())),
+        (2.5, 1.0, (Labels.CONTINUUM, (2, 3))),  # on the bound, all along
+        (2.5, np.nextafter(1.0, 0.0), None),  # the two are broken all along
+        (np.nextafter(2.0, 3.0), 1.5, (Labels.PROVED, ())),
+        (2.0, 1.5, (Labels.CONTINUUM, (0, 1))),  # all energy there is, 4, as that of one
+    ],
+)
+@pytest.mark.parametrize("weight", [1.0, 3.0, 0.75])
+def test_along_a_continuum_a_spring_of_the_set_holds_within_its_radii_and_the_energy(
+    far: float, near: float, expected: tuple[Labels, tuple[int, ...]] | None, weight: float
+):
+    """The target is on a line: two springs stay 1 long, the energy is 4 weights at the optima."""
+    source = [[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0]]
+    target = [[2, 0, 0], [-2, 0, 0], [0, 0, 0], [0, 0, 0]]
+    stated = RegistrationProblem(source, target, weights=[weight] * 4)
+    problem = BreakingProblem.of(stated, [far, far, near, near])
+    found = [pose for pose in SpringSet(problem, (0, 1, 2, 3)).rest_poses() if not pose.index]
+
+    assert [(pose.labels, pose.doubtful) for pose in found] == ([expected] if expected else [])
+    assert all(pose.energy == 4 * weight for pose in found)
+
+
+def test_along_a_continuum_the_energy_counts_with_twice_its_error():
+    """As above: two springs have all energy, of which 4 is known, and of another line 4.9."""
+    source = [[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0]]
+    target = [[2, 0, 0], [-2, 0, 0], [0, 0, 0], [0, 0, 0]]
+    problem = BreakingProblem.of(RegistrationProblem(source, target), [2.2, 2.2, 1.5, 1.5])
+    springs = SpringSet(problem, (0, 1, 2, 3))
+    first, *_ = eigenlines(springs.objective)
+
+    for error, doubtful in ((Fraction(42, 100), ()), (Fraction(421, 1000), (0, 1))):
+        found = springs._labels(replace(first, error=error))  # 2.2^2 = 4 + 2 * 0.42
+        assert found is not None
+        assert found.doubtful == doubtful
+
+
+@pytest.mark.parametrize("inside", [-1, 0, 1])
+def test_a_set_is_dropped_where_its_energy_less_twice_its_error_is_not_below_breaking_it(inside):
+    springs = SpringSet(mixed(0, bound=0.3), (0, 1, 2, 3))
+    line = coarse(springs.objective)
+    energy = springs.objective.energy(line.quaternion)
+    springs.__dict__["_most"] = energy - 2 * line.error + inside * Fraction(1, 1 << 80)
+
+    assert line.error > 0
+    assert (springs._labels(line) is None) == (inside <= 0)
+
+
 @pytest.mark.slow
 def test_labels_do_not_change_with_the_unit_and_the_origin():
     rng = np.random.default_rng(5)
@@ -313,6 +383,13 @@ def test_labels_do_not_change_with_the_unit_and_the_origin():
     assert len(seen(1.0, 0.0)) > 3
     assert plain(seen(2.0**-300, 0.0)) == plain(seen(1.0, 0.0))
     assert plain(seen(1.0, 2.0**40)) == plain(seen(1.0, 0.0))
+
+
+def test_a_root_is_between_the_integers_next_to_it():
+    for square in range(200):
+        low, high = _roots(square)
+        assert low**2 <= square <= high**2
+        assert high - low == (low**2 != square)
 
 
 # Sets ---------------------------------------------------------------------------------------------

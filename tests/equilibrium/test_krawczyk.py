@@ -226,3 +226,39 @@ def test_a_box_that_is_small_enough_is_kept_as_it_is():
 
     assert tightened(systems[0], box, -widest - 1) is box
     assert tightened(systems[0], box, -widest) is not box
+
+
+def test_where_every_point_is_a_root_no_box_holds_exactly_one():
+    """The image of a box is the box, which is not its interior."""
+
+    class Nothing:
+        def values(self, x: Any) -> Any:
+            return 0 * x
+
+        def jacobian(self, x: Any) -> Any:
+            return arb_mat(x.nrows(), x.nrows())
+
+    x, one = arb_mat(2, 1, [0, 0]), arb_mat(2, 2, 1)
+
+    assert krawczyk._krawczyk(Nothing(), x, one, 0 * x) is None
+
+
+@pytest.mark.parametrize("place", [0, 2])
+def test_one_coordinate_that_is_not_real_is_enough_and_a_ball_about_0_is_none(place: int):
+    for part, reality in (
+        (arb(1, 0.5), Reality.NOT_REAL),
+        (arb(1, 1), Reality.UNKNOWN),
+        (arb(0), Reality.UNKNOWN),
+    ):
+        balls = [acb(2, arb(0, 1)) for _ in range(3)]
+        balls[place] = acb(2, part)
+        assert RootBox(coordinates=tuple(balls), bits=53).reality is reality
+
+
+def test_lines_are_different_where_a_minor_is_not_zero_for_certain():
+    one = RootBox(coordinates=tuple(map(arb, (1, 2, 3, 4))), bits=53)
+    for last, distinct in ((arb(4.5, 0.25), True), (arb(4.5, 0.5), False), (arb(8), True)):
+        other = RootBox(coordinates=(arb(1), arb(2), arb(3), last), bits=53)
+        assert are_distinct([one, other]) is distinct
+    twice = RootBox(coordinates=tuple(map(arb, (2, 4, 6, 8))), bits=53)
+    assert not are_distinct([one, twice])

@@ -4,22 +4,32 @@ from __future__ import annotations
 
 import functools
 from dataclasses import replace
+from fractions import Fraction
 from importlib import import_module
-from typing import Any
+from types import SimpleNamespace
+from typing import Any, cast
 
 import degenerate_springs
 import numpy as np
 import pytest
 import spring_families
 from commands import checked
+from flint import acb, fmpz
 
 from benchmarks.rates import spring_lists
 from certreg import RegistrationProblem
 from certreg.equilibrium import compare, critical_lines, search, unit_double
-from certreg.equilibrium.critical_set import Completeness
+from certreg.equilibrium.critical_set import Completeness, Critical
 from certreg.equilibrium.line_boxes import BallQuartic, all_different, boxed, index_of
-from certreg.equilibrium.line_ranks import PRIMES, at_most_forty, infinitely_many, plane
-from certreg.equilibrium.line_set import Finiteness
+from certreg.equilibrium.line_ranks import (
+    PRIMES,
+    _rank_is_below,
+    at_most_forty,
+    infinitely_many,
+    plane,
+)
+from certreg.equilibrium.line_set import Finiteness, line_set
+from certreg.equilibrium.spring_homotopy import by_forty_paths
 from certreg.errors import ContradictionError
 from certreg.objective import Isotropic, Springs
 from certreg.objective.levelling import levelled_exactly, norm_fourth
@@ -340,3 +350,82 @@ def test_a_line_and_its_conjugate_are_one_pair():
 
     assert not all_different(pair)
     assert not any(line.is_real for line in pair)
+
+
+def twins_of_springs(off: float) -> Springs:
+    """Half a turn of the source about z exchanges pairs of one target each, but for one number."""
+    rng = np.random.default_rng(0)
+    x, y, normals = rng.integers(-5, 6, (3, 6, 3)).astype(float)
+    y[0], normals[0] = [0.0, 3.0, 1.0], [1.0, 2.0, -1.0]
+    target = np.vstack([y, y])
+    target[0, 0] = off
+    source = np.vstack([x, x * [-1.0, -1.0, 1.0]])
+    stated = RegistrationProblem(source, target, normals=np.vstack([normals, normals]))
+    return Springs(spring_moments(stated))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("exponent", [20, 100, 400])
+def test_the_first_of_a_list_is_the_best_however_little_the_next_costs_more(exponent: int):
+    """The sign of the number says which of two rotations, half a turn apart, is the better one."""
+    one, other = (by_forty_paths(twins_of_springs(sign * 2.0**-exponent)) for sign in (1, -1))
+    first, second = (unit_double(part.quaternion) for part in one.components[:2])
+
+    assert (one.tied, other.tied) == (1, 1)
+    np.testing.assert_allclose(unit_double(other.components[0].quaternion), second, atol=1e-4)
+    np.testing.assert_allclose(unit_double(other.components[1].quaternion), first, atol=1e-4)
+
+
+@pytest.mark.slow
+def test_two_of_one_energy_tie():
+    assert by_forty_paths(twins_of_springs(0.0)).tied == 2
+
+
+def test_a_rank_over_the_rationals_is_not_that_of_one_prime():
+    """Multiples of the largest primes below 2^62 vanish modulo these."""
+    found, prime = list[int](), 1 << 62
+    while len(found) < 3:
+        prime -= 1
+        if fmpz(prime).is_prime():
+            found.append(prime)
+    first, second, third = found
+    for entry, zero in ((first, False), (first * second, False), (0, True)):
+        table = np.array([[1, 1], [1, 1 + entry]], dtype=object)
+        assert _rank_is_below(table, 2) is zero
+    assert not _rank_is_below(np.array([[first * second * third]], dtype=object), 1)
+    assert _rank_is_below(np.array([[3, 6], [1, 2]], dtype=object), 2)
+
+
+@pytest.mark.parametrize(("complete", "tied"), [(True, 2), (False, 0)])
+def test_how_many_tie_is_told_of_a_whole_list_alone(complete, tied: int):
+    part = Critical(
+        quaternion=(1, 0, 0, 0),
+        span=((1, 0, 0, 0),),
+        value=Fraction(0),
+        index=0,
+        guarantee=Guarantee.ENCLOSED,
+    )
+    pairs = 18 if complete else 17
+    found = line_set("one", [part] * 4, finiteness=Finiteness.FORTY, pairs=pairs, tied=2)
+
+    assert (found.complete, found.tied) == (complete, tied)
+    for many, finiteness in ((4, Finiteness.COMPLEX), (3, Finiteness.FORTY), (4, Finiteness.FOUR)):
+        listed = line_set("one", [part] * many, finiteness=finiteness, pairs=18, tied=1)
+        assert not listed.complete
+    four = [
+        line_set("one", [part] * k, finiteness=Finiteness.FOUR, pairs=(4 - k) // 2, tied=1)
+        for k in (4, 2)
+    ]
+    assert [each.complete for each in four] == [True, False]
+
+
+def test_a_line_and_its_conjugate_are_found_twice():
+    line, other = (
+        SimpleNamespace(is_real=False, quaternion=(acb(1), acb(0, sign), acb(2, sign), acb(0)))
+        for sign in (1, -1)
+    )
+    third = SimpleNamespace(is_real=False, quaternion=(acb(1), acb(0, 2), acb(2, 1), acb(0)))
+
+    assert all_different(cast("Any", [line]))
+    assert not all_different(cast("Any", [line, other]))
+    assert all_different(cast("Any", [line, third]))

@@ -2,16 +2,26 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 import pytest
 from wrong_pairs import wrong_pairs
 
 import certreg
 from certreg.dynamics import BreakingStatus, SimulationSettings
-from certreg.equilibrium import Labels
+from certreg.equilibrium import Labels, SpringSet
 from certreg.errors import InvalidProblemError, UndecidedError
+from certreg.problem import BreakingProblem, RegistrationProblem
+from certreg.registration.breaking import _optimum_listed
+from certreg.registration.breaking_simulation import _end
 from certreg.registration.examples import TWIN_MOTIONS as TWINS
-from certreg.results import OUT_OF_RANGE
+from certreg.results import OUT_OF_RANGE, ComponentKind
+
+if TYPE_CHECKING:
+    from certreg.registration import BreakingEquilibria
 
 
 def clouds(seed: int, n: int, wrong: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -88,6 +98,32 @@ def test_what_is_not_decided_is_said():
     assert repr(found).endswith(f", {len(found.doubtful)} doubtful>")
 
 
+def test_of_a_continuum_none_is_a_strict_minimum():
+    """Three points on a line stay, the fourth is broken along all turns about it."""
+    line = [[-3, 0, 0], [0, 0, 0], [3, 0, 0]]
+    found = certreg.breaking_equilibria(
+        [*line, [0, 2, 0]], [*line, [0, 0, 4]], max_residual=[0.5, 0.5, 0.5, 0.25]
+    )
+    (turning,) = [each for each in found.equilibria if each.kind is not ComponentKind.POINT]
+
+    assert (turning.unbroken, turning.labels, turning.morse_index) == (
+        *((0, 1, 2), Labels.PROVED),
+        0,
+    )
+    assert not turning.stable
+
+
+@pytest.mark.parametrize("labels", Labels)
+def test_a_list_is_complete_where_all_that_is_doubtful_is_on_a_tie(labels: Labels):
+    found = one_broken([1.0] * 4, [1.0] * 4)
+    first, *_ = found.equilibria
+    doubted = replace(found, doubtful=(replace(first, labels=labels),))
+
+    assert found.complete
+    assert doubted.complete is (labels is Labels.TIED)
+    assert doubted.doubtful[0].stable is (labels is Labels.PROVED)
+
+
 def test_a_tie_is_decided_and_no_minimum():
     four = [[0, 0, 0], [3, 0, 0], [0, 4, 0], [0, 0, 5]]
     found = certreg.breaking_equilibria([*four, [7, 1, 2]], [*four, [8, 1, 2]], max_residual=1.0)
@@ -107,6 +143,49 @@ def test_with_few_springs_that_hold_the_least_energy_may_be_elsewhere():
 
     assert found.stable[0].energy == 32.0
     assert not found.optimum_listed
+
+
+def one_broken(weights: list[float], bounds: list[float]) -> BreakingEquilibria:
+    """Three springs that hold at no energy; another pose holds the last two, and breaks the rest.
+
+    With three springs or more at least one breaks, the last; with fewer two do, at least.
+    """
+    source = [[0, 0, 0], [3, 0, 0], [0, 4, 0], [20, 0, 0]]
+    target = [[0, 0, 0], [3, 0, 0], [0, 4, 0], [4, 24, 0]]
+    return certreg.breaking_equilibria(source, target, max_residual=bounds, weights=weights)
+
+
+@pytest.mark.parametrize(
+    ("weights", "bound", "listed"),
+    [
+        ([2, 2, 5, 1], np.nextafter(2.0, 1.0), True),
+        ([2, 2, 5, 1], 2.0, True),  # 1 * 2^2 = 2 + 2: the other pose is as good, and no better
+        ([2, 2, 5, 1], np.nextafter(2.0, 3.0), False),
+        ([0.1, 0.2, 5, 0.3], 1.0, True),  # the doubles 0.1 and 0.2 add up to more than 0.3
+        ([0.1, 0.2, 5, np.nextafter(0.3, 1.0)], 1.0, False),  # and to less than the next
+    ],
+)
+def test_the_optimum_is_listed_up_to_the_energy_of_poses_that_hold_fewer_springs(
+    weights: list[float], bound: float, listed
+):
+    found = one_broken(weights, [1.0, 1.0, 1.0, bound])
+
+    assert [each.unbroken for each in found.stable] == [(0, 1, 2)]
+    assert found.optimum_listed is listed
+
+
+@pytest.mark.parametrize("labels", [label for label in Labels if label is not Labels.PROVED])
+@pytest.mark.parametrize("index", [0, 1])
+def test_the_optimum_is_listed_unless_a_doubtful_pose_may_be_a_minimum(labels: Labels, index: int):
+    """A tie is none, nor is a pose from which the energy falls."""
+    problem = one_broken([1.0] * 4, [1.0] * 4).problem
+    best, *_ = SpringSet(problem, (0, 1, 2)).rest_poses()
+    other = replace(best, labels=labels, index=index)
+
+    assert best.labels is Labels.PROVED
+    assert _optimum_listed(problem, 3, [best], []) is True
+    assert _optimum_listed(problem, 3, [best], [other]) is (labels is Labels.TIED or index > 0)
+    assert not _optimum_listed(problem, 3, [], [])
 
 
 @pytest.mark.parametrize("least", [2, 8])
@@ -205,6 +284,20 @@ def test_an_end_whose_labels_are_not_proved_is_not_called_self_consistent():
         "Ended on 4 of 4 springs; not proved that just these hold at rest: a residual is on its "
         "bound, or nearly so, or the rest poses form a continuum."
     )
+
+
+def test_a_run_does_not_end_at_a_rest_pose_from_which_the_energy_falls():
+    """At the best rotation of the three the fourth holds, too; at another it is broken."""
+    cloud = np.array([[0, 0, 0], [0, 0, 2], [4, 3, 1], [9, 9, 9.0]])
+    problem = BreakingProblem.of(RegistrationProblem(cloud, cloud), 2.5)
+    held = np.array([True, True, True, False])
+    run: Any = SimpleNamespace(
+        status=BreakingStatus.SETTLED, stages=(SimpleNamespace(held=held, count=3),)
+    )
+    found = list(SpringSet(problem, (0, 1, 2)).rest_poses())
+
+    assert [(pose.index, pose.labels) for pose in found] == [(1, Labels.PROVED)]
+    assert _end(problem, run) is None
 
 
 @pytest.mark.parametrize("shrinking", [1.0, float("nan"), 1e7])

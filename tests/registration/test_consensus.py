@@ -153,6 +153,8 @@ def test_partial_proofs_are_said_as_such():
         f"{share:.2g} % of the cloud's size: so many pairs agree by chance that none is proved an "
         "outlier."
     )
+    codes = [replace(result, found=each).exit_code for each in (found, one, partly, none)]
+    assert codes == [0, 3, 4, 4]
 
 
 def _headline(problem, found):

@@ -53,6 +53,19 @@ def test_fewer_labels_than_the_most():
     assert less.headline.endswith("the most is 14 to 16, proved; these are 12.")
 
 
+def test_only_proved_inliers_are_said_to_be_in_every_motion_that_brings_as_many():
+    kept = judged(*wrong_pairs(1), ["inlier"] * 12 + ["outlier"] * 8)
+    most = kept.most
+    assert most is not None
+    for letters, said in (("ii", "rows 12, 13"), ("i?", "row 12"), ("?i", "row 13"), ("??", "")):
+        told = replace(kept, most=replace(most, labels="i" * 12 + letters + "o" * 6)).headline
+        end = f"Every motion that brings 14 within has {said} (from 0), too: proved."
+        assert told.endswith(f"these are 12. {end}" if said else "these are 12.")
+
+    twin = judged(*twins(), [1] * 5 + [0] * 7, 1e-3)  # another six are met, too
+    assert twin.headline.endswith("the most is 6, proved; these are 5.")
+
+
 def test_a_wrong_label_is_refuted_by_lengths():
     kept = judged(*wrong_pairs(1), [True] * 14 + [False] * 5 + [True])
     assert kept.headline == (

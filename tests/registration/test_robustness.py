@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 
 from certreg import RegistrationProblem, certify
+from certreg.certificate.radius import Radius
 from certreg.errors import InvalidProblemError
+from certreg.exact import Dyadic
 from certreg.registration.robustness import Robustness
 from certreg.registration.scale_range import proved_scales
 
@@ -30,6 +32,15 @@ def test_the_angle_is_the_one_asked_for_and_no_smaller_than_the_proved_one(angle
     assert proved <= found.angle <= angle * (1 + 1e-5)
     assert 0 < found.both < found.target <= radius.target.value
     assert found.both <= radius.both.value
+
+
+@pytest.mark.parametrize("mantissa", [(1 << 60) + k for k in (0, 1, 127, 129, 200, 255)])
+def test_lengths_are_rounded_down_to_the_next_double(mantissa: int):
+    number = Dyadic(mantissa=mantissa, exponent=-61 - mantissa % 7)
+    found = Robustness.of(Radius(sin_half_angle=number, target=number, both=number))
+
+    for length in (found.target, found.both):
+        assert Fraction(length) <= number.value < Fraction(math.nextafter(length, 9.0))
 
 
 def test_a_larger_angle_lets_points_be_off_by_more():

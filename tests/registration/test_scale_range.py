@@ -2,15 +2,24 @@
 
 from __future__ import annotations
 
+import math
 from fractions import Fraction
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 
+from certreg.exact import Dyadic
 from certreg.objective.isotropic import Isotropic
 from certreg.problem.moments import exact_moments
 from certreg.problem.problem import RegistrationProblem
-from certreg.registration.scale_range import moved_scale, moved_symmetric_scale, spreads_of
+from certreg.registration.scale_range import (
+    moved_scale,
+    moved_symmetric_scale,
+    proved_scales,
+    spreads_of,
+)
 
 
 def scales(x, y, w):
@@ -52,6 +61,41 @@ def outwards(rng, points, length, grows):
     return length * d * (-1.0 if grows is False else 1.0)
 
 
+@pytest.mark.parametrize("own", [Fraction(2), Fraction(1, 3), Fraction(4)])
+@pytest.mark.parametrize("other", [Fraction(3), Fraction(5, 7), Fraction(9)])
+def test_of_points_that_stay_the_range_holds_the_scale_itself(own: Fraction, other: Fraction):
+    """Also where its roots are no fractions."""
+    still, spreads = (Fraction(0), Fraction(0)), (Fraction(3), own, other)
+    found, symmetric = (
+        moved_scale(own, own, spreads, *still),
+        moved_symmetric_scale(spreads, *still),
+    )
+
+    assert found is not None
+    assert symmetric is not None
+    assert found[0] <= 1 <= found[1]
+    assert symmetric[0] ** 2 * own <= other <= symmetric[1] ** 2 * own
+    assert found[1] - found[0] < Fraction(1, 1 << 60)
+    assert symmetric[1] - symmetric[0] < Fraction(1, 1 << 58)
+
+
+def test_of_spreads_whose_roots_are_integers_the_range_is_that_of_the_claim():
+    """m = 2 * 9 dx + 2 * 3 dy + 4 dx dy, of M = 4, Sxx = 9, Syy = 81."""
+    spreads, dx, dy = (Fraction(4), Fraction(9), Fraction(81)), Fraction(1, 2), Fraction(1, 3)
+    m = 18 * dx + 6 * dy + 4 * dx * dy
+
+    assert moved_scale(Fraction(20), Fraction(21), spreads, dx, dy) == (
+        (20 - m) / (3 + 2 * dx) ** 2,
+        (21 + m) / (3 - 2 * dx) ** 2,
+    )
+    assert moved_scale(m / 2, m, spreads, dx, dy) == (0, 2 * m / (3 - 2 * dx) ** 2)
+    assert moved_symmetric_scale(spreads, dx, dy) == (
+        (9 - 2 * dy) / (3 + 2 * dx),
+        (9 + 2 * dy) / (3 - 2 * dx),
+    )
+    assert moved_symmetric_scale(spreads, dx, Fraction(5)) == (0, 19 / (3 - 2 * dx))
+
+
 def test_where_the_source_may_shrink_to_a_point_there_is_no_bound():
     spreads = (Fraction(1), Fraction(4), Fraction(4))
 
@@ -61,3 +105,30 @@ def test_where_the_source_may_shrink_to_a_point_there_is_no_bound():
     assert (
         moved_symmetric_scale((Fraction(1), Fraction(4), Fraction(0)), *[Fraction(0)] * 2) is None
     )
+
+
+@pytest.mark.parametrize("kind", ["asymmetric", "symmetric"])
+@pytest.mark.parametrize("moves", [(Fraction(0), Fraction(1, 10)), (Fraction(1, 7), Fraction(0))])
+def test_a_range_of_scales_is_rounded_outwards_to_the_next_doubles(
+    kind: str, moves: tuple[Fraction, Fraction]
+):
+    points = np.diag([3.0, 2.0, 1.0])
+    moments = exact_moments(RegistrationProblem(points, points))
+    spreads, tiny = spreads_of(moments), Fraction(1, 1 << 70)
+    level = spreads[1]
+    scales = [Dyadic(mantissa=(1 << 70) + sign, exponent=-70) for sign in (-1, 1)]
+    body: Any = SimpleNamespace(
+        scale=kind, claims=SimpleNamespace(scale_lower=scales[0], scale_upper=scales[1])
+    )
+    exact = (
+        moved_symmetric_scale(spreads, *moves)
+        if kind == "symmetric"
+        else moved_scale(level * (1 - tiny), level * (1 + tiny), spreads, *moves)
+    )
+    found = proved_scales(body, moments, source=moves[0], target=moves[1])
+
+    assert exact is not None
+    assert found is not None
+    assert Fraction(found[0]) <= exact[0] < Fraction(math.nextafter(found[0], 9.0))
+    assert Fraction(math.nextafter(found[1], 0.0)) < exact[1] <= Fraction(found[1])
+    assert proved_scales(body, moments, source=Fraction(9), target=Fraction(0)) is None

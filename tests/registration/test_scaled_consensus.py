@@ -15,6 +15,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import certreg
+from certreg.certificate.scaled_consensus import NONE, OPEN
 from certreg.errors import InvalidProblemError
 from certreg.exact import Dyadic
 from certreg.registration import ConsensusRegistration, ScaledConsensusRegistration
@@ -207,6 +208,41 @@ def test_some_ranges_of_scale_are_named_and_many_counted():
     assert ranges_words([(0.5, 0.75), (2.0, math.inf)]) == "from 0.5 to 0.75 and from 2 on"
     many = ranges_words([(float(k), k + 0.5) for k in range(4)])
     assert many == "from 0 to 0.5, from 1 to 1.5 and in 2 other ranges"
+
+
+@pytest.mark.parametrize(("low", "high"), [(2.5, 3.25), (0.1, 0.7)])
+@pytest.mark.parametrize("inwards", [-1, 0, 1])
+def test_proved_ranges_of_scale_are_rounded_outwards_to_the_next_doubles(
+    drawn, low: float, high: float, inwards: int
+):
+    off = Fraction(inwards, 1 << 80)
+    least, most = (
+        Dyadic(mantissa=int(value * 2**80), exponent=-80)
+        for value in (Fraction(low) + off, Fraction(high) - off)
+    )
+    body = replace(drawn.certificate.body, scale_lower=least, scale_upper=most)
+    piece, *_ = drawn.found.pieces
+    ends = ((least, NONE), (most, OPEN), (None, NONE))
+    told = replace(
+        drawn,
+        certificate=replace(drawn.certificate, body=body),
+        found=replace(
+            drawn.found,
+            pieces=tuple(replace(piece, end=end, state=state) for end, state in ends),
+        ),
+    )
+    beyond = np.nextafter(low, 0.0).item(), np.nextafter(high, 9.0).item()
+    outside = (low, high) if inwards >= 0 else beyond
+
+    assert told.scale_interval == outside
+    assert told.undecided_scales == (outside,)
+
+
+def test_undecided_scales_may_have_no_end(drawn):
+    piece, *_ = drawn.found.pieces
+    all_open = replace(drawn.found, pieces=(replace(piece, end=None, state=OPEN),))
+
+    assert replace(drawn, found=all_open).undecided_scales == ((0.0, math.inf),)
 
 
 def test_a_certificate_alone_makes_the_report_and_says_no_more(tmp_path):

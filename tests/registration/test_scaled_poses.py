@@ -9,11 +9,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
+from commands import checked
 from strategies import random_rotation
 
 import certreg
 from certreg import Pose, RegistrationProblem, Similarity, assess
+from certreg.certificate import ExactPose
 from certreg.errors import InvalidProblemError
+from certreg.objective import Isotropic
+from certreg.registration.scaled_poses import gap_parts
 from certreg.results import Optimality, PoseVerdict
 
 if TYPE_CHECKING:
@@ -199,3 +203,31 @@ def test_another_equilibrium_needs_its_own_scale(scale: str):
 
 def assess_rotation(q: Any) -> Any:
     return certreg.geometry.given_pose(q).rotation
+
+
+@pytest.mark.parametrize("gap", [Fraction(0), Fraction(1, 3)])
+@pytest.mark.parametrize(("scale", "rotation"), [("symmetric", 16), ("asymmetric", 4)])
+def test_what_each_part_of_a_pose_costs_is_a_bound_where_the_root_is_no_fraction_of_two(
+    scale: str, rotation: int, gap: Fraction
+):
+    """Sxx = Syy = 4/3 = l1: half a turn about z has a = -4/3, and costs 16/3; asymmetric, 4/3.
+
+    Then scale 2 costs (4/3 + 16/3 + 16/3) / 2 - 16/3 = 2/3, or 12 - 4/3 = 32/3; 1 along z costs 3.
+    """
+    points = [[1, 0, 0], [0, 1, 0], [0, 0, 0]]
+    objective = Isotropic.of(RegistrationProblem(points, points, scale=scale))
+    one, none = Fraction(1), Fraction(0)
+    pose = ExactPose(quaternion=(0, 0, 0, 1), translation=(one, one, one))
+    parts = gap_parts(objective, gap, replace(pose, scale=Fraction(2)))
+    slack = checked(objective.scaling).slack
+
+    assert parts is not None
+    assert parts.rotation == Fraction(rotation, 3) + gap
+    cost = Fraction(2, 3) if scale == "symmetric" else Fraction(32, 3)
+    assert cost <= parts.scale <= cost + slack
+    assert parts.translation == Fraction(3, 2 if scale == "symmetric" else 1)
+    best = gap_parts(objective, gap, ExactPose(quaternion=(1, 0, 0, 0), translation=(none,) * 3))
+    assert best is not None
+    assert best.rotation == gap
+    assert best.scale <= slack
+    assert best.translation == 0

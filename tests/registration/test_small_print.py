@@ -381,18 +381,21 @@ def test_a_run_may_end_below_its_certificate_by_what_that_leaves_open(registrati
     least, gap = float(objective.energy(q)), Fraction(1, 1000)
     body: Any = SimpleNamespace(claims=SimpleNamespace(basin=True), quaternion=q, gap=gap)
 
-    def run(energy: float) -> Any:
+    def run(*energies: float) -> Any:
         return SimpleNamespace(
             status=SimulationStatus.CONVERGED,
             length_exponent=0,
-            states=np.zeros((1, 18)),
+            states=np.zeros((len(energies), 18)),
             steps=1,
-            potential=np.array([energy / weight]),
+            potential=np.array(energies) / weight,
         )
 
     require_sound_trajectory(objective, body, run(least - 0.0009))
-    with pytest.raises(ContradictionError, match="below the certified minimum"):
-        require_sound_trajectory(objective, body, run(least - 0.0011))
+    for energies in ((least - 0.0011,), (least + 1.0, least - 0.0011, least)):
+        with pytest.raises(ContradictionError, match="below the certified minimum"):
+            require_sound_trajectory(objective, body, run(*energies))
+    outside: Any = SimpleNamespace(claims=SimpleNamespace(basin=None), quaternion=q, gap=gap)
+    require_sound_trajectory(objective, outside, run(least))  # of another kind: it has no basin
 
 
 def test_where_both_happen_bad_input_comes_before_a_refusal():

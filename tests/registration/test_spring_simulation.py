@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import json
 from fractions import Fraction
+from itertools import product
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -12,7 +15,8 @@ from jsonschema import Draft202012Validator
 from spring_families import plane, statement
 
 import certreg
-from certreg.certificate.springs_basin import Barrier, basin_of_springs, state_energy
+from certreg.certificate.springs_basin import Barrier, barrier_of, basin_of_springs, state_energy
+from certreg.exact import Dyadic
 from certreg.problem.problem import RegistrationProblem
 from certreg.registration.spring_simulation import SimulatedSprings, simulated_springs
 from certreg.results import Ruling
@@ -56,7 +60,33 @@ def test_a_state_is_in_the_basin_below_the_barrier_and_not_on_it(good):
     assert ruling(energy) is Ruling.INCONCLUSIVE
     assert ruling(energy - least, energy) is Ruling.REFUTED
     assert ruling(energy - least, energy + least) is Ruling.INCONCLUSIVE
+    assert ruling(energy - least) is Ruling.INCONCLUSIVE
+    assert ruling(energy, energy) is Ruling.REFUTED
     assert ruling(None) is Ruling.INCONCLUSIVE
+
+
+def test_the_barrier_has_all_energies_of_the_second_box_at_most_above_it(good):
+    """Of 8 bits: the corners of its box, and what is between, may be the second equilibrium."""
+    objective, bits, second = good.objective, 8, Dyadic(mantissa=1, exponent=-3)
+    q = (256, 93, -171, 40)
+    body: Any = SimpleNamespace(
+        claims=SimpleNamespace(unique=True, second=second), quaternions=[(1, 0, 0, 0), q], bits=bits
+    )
+    barrier = barrier_of(objective, body)
+    corners = [
+        objective.energy([w + d for w, d in zip(q, (0, *off), strict=True)])
+        for off in product((-1, 0, 1), repeat=3)
+    ]
+
+    assert barrier.lower == second.value
+    assert barrier.upper is not None
+    assert max(corners) <= barrier.upper
+    assert max(corners) > objective.energy(q)
+    for other in (
+        SimpleNamespace(claims=SimpleNamespace(unique=unique), quaternions=known)
+        for unique, known in ((None, [q, q]), (False, [q, q]), (True, [q]))
+    ):
+        assert barrier_of(objective, cast("Any", other)) == Barrier(lower=None)
 
 
 @pytest.mark.slow

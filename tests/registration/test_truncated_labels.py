@@ -131,6 +131,17 @@ def test_a_proved_label_refutes_without_the_matrix(right: TruncatedLabels):
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("row", range(12))
+def test_labels_of_which_one_is_not_proved_are_not_decided(right: TruncatedLabels, row: int):
+    """However unique the rotation is."""
+    labels = tuple("undecided" if k == row else w for k, w in enumerate(right.optimum.labels))
+    kept = replace(right, optimum=replace(right.optimum, labels=labels))
+
+    assert right.optimum.unique
+    assert (kept.exit_code, kept.verdict.value, kept.differing) == (4, "undecided", ())
+
+
+@pytest.mark.slow
 def test_one_of_two_optima_is_not_decided():
     source, target = np.vstack([np.eye(3)] * 2), np.vstack([TURN.T, TURN])
     kept = judged(source, target, [1, 1, 1, 0, 0, 1], 0.25)

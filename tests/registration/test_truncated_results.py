@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 from dataclasses import replace
+from fractions import Fraction
 from importlib.resources import files
 from typing import TYPE_CHECKING, Any
 
@@ -18,11 +19,13 @@ from rotated_pairs import BOUND, rotated_pairs
 import certreg
 from certreg.errors import InvalidProblemError, UndecidedError
 from certreg.registration import TruncatedRegistration
+from certreg.results import Limits
 
 if TYPE_CHECKING:
     from pathlib import Path
 
 TURN = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+LIMIT, TINY = 0.1, Fraction(1, 1 << 200)
 MODEL: dict[str, Any] = {"rotation_only": True, "objective": "truncated"}
 
 
@@ -162,6 +165,40 @@ def test_a_limit_that_is_not_proved_is_not_called_certified(given):
     assert result.headline.endswith("at every optimum, 6 at none; 0 undecided.")
     every = certified(given.source, given.source @ TURN.T, max_angle=1e-12)
     assert " above the least. All 12 pairs are within their bounds at every " in every.headline
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("share", "angle", "unique", "certified"),
+    [
+        (Fraction(LIMIT), Fraction(LIMIT), True, True),
+        (Fraction(1, 10), Fraction(1, 10), True, True),  # the double 0.1 is more
+        (Fraction(LIMIT) + TINY, Fraction(0), True, False),
+        (Fraction(0), Fraction(LIMIT) + TINY, True, False),
+        (Fraction(0), None, True, False),
+        (Fraction(LIMIT), None, False, True),
+        (Fraction(LIMIT) + TINY, None, False, False),
+    ],
+)
+def test_a_gap_and_an_angle_up_to_the_limits_are_certified_and_none_beyond(
+    result: TruncatedRegistration, share, angle, unique, certified
+):
+    """Of optima that are not unique no angle is asked for."""
+    worth, certificate = result.verdict.worth, result.certificate
+    assert worth is not None
+    assert certificate is not None
+    claims = replace(certificate.body.claims, unique=unique)
+    told = replace(
+        result,
+        certificate=replace(certificate, body=replace(certificate.body, claims=claims)),
+        verdict=replace(result.verdict, weigh=lambda: replace(worth, share=share, angle=angle)),
+        fit=replace(result.fit, limits=Limits(max_gap=LIMIT, max_angle=LIMIT)),
+    )
+
+    assert told.certified is certified
+    assert told.exit_code == ((0 if unique else 3) if certified else 4)
+    assert told.headline.startswith("CERTIFIED") is certified
+    assert not replace(told, labels=("undecided", *told.labels[1:])).certified
 
 
 def test_no_pair_within_is_undecided():

@@ -14,9 +14,11 @@ from flint import arb, ctx
 from certreg.geometry import Pose
 from certreg.registration import Robustness
 from certreg.report.consensus_reach import degrees_from
+from certreg.report.judged_pose import _proved_angle
 from certreg.report.overview import robustness_facts
 from certreg.report.robustness import robustness_words
 from certreg.report.summary import step_words
+from certreg.report.truncated_summary import optimum_degrees
 
 DIGITS = 7
 
@@ -43,22 +45,48 @@ def test_the_degrees_of_reach_are_no_fewer_than_the_proved_angle():
             assert printed < exact * (1 + 2e-12) + step
 
 
+@pytest.mark.parametrize("angle", [1e-9, 0.1, math.radians(1.0), 1.0, math.nextafter(math.pi, 0.0)])
+def test_a_proved_angle_in_degrees_is_no_fewer_than_it_is(angle: float):
+    judged: Any = SimpleNamespace(angle_upper=angle)
+    number = Fraction(_proved_angle(judged).removeprefix(", within ").removesuffix(" (proved)"))
+
+    with ctx.workprec(200):
+        assert arb(angle) * 180 / arb.pi() <= arb(number.numerator) / number.denominator
+    assert float(number) < math.degrees(angle) * 1.0101
+
+
+def test_where_no_angle_is_proved_none_is_printed():
+    for angle in (None, math.pi):
+        judged: Any = SimpleNamespace(angle_upper=angle)
+        assert _proved_angle(judged) == ""
+    bare = SimpleNamespace(body=SimpleNamespace(claims=SimpleNamespace(sin2_half_angle=None)))
+    for certificate in (None, bare):
+        truncated: Any = SimpleNamespace(certificate=certificate)
+        assert optimum_degrees(truncated) is None
+
+
 def robust(angle: float, target: float, both: float, **scales: Any) -> Any:
     found = Robustness(angle=angle, target=target, both=both, **scales)
     return SimpleNamespace(robustness=found, problem=SimpleNamespace(scaled=bool(scales)))
 
 
 @pytest.mark.parametrize(
-    ("target", "told"),
-    [(math.nextafter(0.5, 0.0), "0.499"), (0.5, "0.5"), (math.nextafter(0.5, 1.0), "0.500")],
+    ("target", "told", "half"),
+    [
+        (math.nextafter(0.5, 0.0), "0.499", "0.249"),
+        (0.5, "0.5", "0.25"),
+        (math.nextafter(0.5, 1.0), "0.500", "0.250"),
+    ],
 )
-def test_a_harmless_error_is_rounded_down_and_its_angle_is_as_claimed(target: float, told: str):
+def test_a_harmless_error_is_rounded_down_and_its_angle_is_as_claimed(
+    target: float, told: str, half: str
+):
     registration = robust(5.00001, target, target / 2)
     words = robustness_words(registration)
     (fact,) = robustness_facts(registration)
 
     assert words.startswith("every optimum stays within 5.00001 degrees of the certified rotation ")
-    assert f"is off by less than {told}; " in words
+    assert f"is off by less than {told}; points of both clouds, {half} (sufficient" in words
     assert fact.value == told
     assert "every optimum stays within 5.00001° of the certified rotation; " in str(fact.words)
 
