@@ -44,7 +44,7 @@ SHARED = "CERTREG_OBJECTS"  # a folder of several builds instead, as .ci/run mak
 COMPILERS = () if sys.platform == "win32" else ("cc", "gcc", "clang")
 REQUIRED = "CERTREG_REQUIRE_KERNELS"
 PATIENCE = 600.0  # seconds for one command; the longest takes three
-X86_64 = ("x86_64", "amd64")
+X86 = platform.machine().lower() in ("x86_64", "amd64")
 SUFFIX = {"darwin": ".dylib", "win32": ".dll"}.get(sys.platform, ".so")
 LINKING = ("-shared", "-lm") if sys.platform == "darwin" else ("-shared", "-s", "-lm")
 # Calls each generated function on zeros, and asks for the others.
@@ -75,9 +75,15 @@ class Compiler:
     words: str
     zig: bool = False
 
-    def level(self, name: str) -> str:
-        """How it is told the level of the processor."""
-        return f"-mcpu={name.replace('-', '_')}" if self.zig else f"-march={name}"
+    def level(self, name: str) -> tuple[str, ...]:
+        """How it is told the level of the processor.
+
+        Always: Zig's default is the processor of the machine that builds, some gcc's is wider than
+        the baseline. Elsewhere than on x86-64 the baseline is the default of gcc and clang.
+        """
+        if self.zig:
+            return (f"-mcpu={name.replace('-', '_')}",)
+        return (f"-march={'x86-64' if name == BASELINE else name}",) if X86 else ()
 
 
 def main() -> int:
@@ -186,16 +192,17 @@ def _built(compiler: Compiler, scratch: Path, none: Built) -> Built:
     """All variants that the compiler makes and, where this processor should, that run here."""
     mark = none.digest[:12]
     processor = f"processor-{mark}{SUFFIX}"
-    command = [*compiler.command, *kernels.FLAGS, str(kernels.PROCESSOR), *LINKING]
-    _run([*command, "-o", str(scratch / processor)])
+    flags = (*kernels.FLAGS, *compiler.level(BASELINE), str(kernels.PROCESSOR), *LINKING)
+    _run([*compiler.command, *flags, "-o", str(scratch / processor)])
     made = replace(none, compiler=compiler.words, processor=processor)
-    levels = kernels.LEVELS if platform.machine().lower() in X86_64 else (BASELINE,)
+    levels = kernels.LEVELS if X86 else (BASELINE,)
     objects = _objects(compiler, levels, OBJECTS if none.checkout else scratch / "objects")
     for name in levels:
         library = f"kernels-{mark}-{name}{SUFFIX}"
         try:
             parts = [str(part.result()) for part in objects[name]]
-            _run([*compiler.command, *parts, *LINKING, "-o", str(scratch / library)])
+            flags = (*compiler.level(name), *LINKING)  # Zig compiles its runtime for the level
+            _run([*compiler.command, *parts, *flags, "-o", str(scratch / library)])
             tried = replace(made, variants={**made.variants, name: library})
             if name in kernels.runnable(tried, scratch):
                 _try(scratch / library)
@@ -231,8 +238,7 @@ def _objects(
 
 def _object(compiler: Compiler, level: str, unit: Path, folder: Path) -> Path:
     """The object file of one unit, named by the digest of all that it is made of."""
-    wider = () if level == BASELINE else (compiler.level(level),)
-    flags = (*kernels.FLAGS, *wider)
+    flags = (*kernels.FLAGS, *compiler.level(level))
     content = hashlib.sha256(repr((compiler.command, compiler.words, flags)).encode())
     for path in (unit, *kernels.INCLUDED, *kernels.HEADERS):
         content.update(hashlib.sha256(path.read_bytes()).digest())

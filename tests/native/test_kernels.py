@@ -6,7 +6,6 @@ import ctypes
 import itertools
 import json
 import os
-import platform
 import re
 import shutil
 import subprocess
@@ -19,6 +18,7 @@ import numpy as np
 import pytest
 from commands import certreg
 from engines import engine
+from instructions import above_the_baseline, listing_of
 
 import build_kernels
 from build_kernels import BuildError, Compiler, NoCompilerError, find_compiler
@@ -32,7 +32,7 @@ from certreg.native.paths import STUCK, PathRules, quartic_paths
 
 ROOT = Path(__file__).parents[2]
 DATA = ROOT / "certreg" / "data"
-X86 = platform.machine().lower() in build_kernels.X86_64
+X86 = build_kernels.X86
 
 
 @pytest.fixture(scope="session")
@@ -539,11 +539,73 @@ def test_a_named_compiler_is_found_with_its_arguments(pretend, tmp_path, monkeyp
         find_compiler()
 
 
-def test_zig_is_told_the_level_in_its_own_words():
-    assert (
-        Compiler(command=("zig", "cc"), words="", zig=True).level("x86-64-v3") == "-mcpu=x86_64_v3"
-    )
-    assert Compiler(command=("cc",), words="").level("x86-64-v3") == "-march=x86-64-v3"
+def test_every_compiler_is_told_the_level_in_its_own_words(monkeypatch):
+    zig = Compiler(command=("zig", "cc"), words="", zig=True)
+    assert zig.level("x86-64-v3") == ("-mcpu=x86_64_v3",)
+    assert zig.level(BASELINE) == ("-mcpu=baseline",)
+
+    monkeypatch.setattr(build_kernels, "X86", True)
+    assert Compiler(command=("cc",), words="").level("x86-64-v3") == ("-march=x86-64-v3",)
+    assert Compiler(command=("cc",), words="").level(BASELINE) == ("-march=x86-64",)
+    monkeypatch.setattr(build_kernels, "X86", False)
+    assert Compiler(command=("cc",), words="").level(BASELINE) == ()
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not X86, reason="of x86-64")
+def test_every_command_of_a_build_names_its_level(pretend, folder):
+    """Links, too: Zig compiles what it links for the processor that it is told."""
+    log = pretend()
+    build_kernels.renewed()
+    made = log.read_text("utf-8").splitlines()[1:]  # the first asks for the version
+
+    assert folder.exists()
+    assert len(made) == 1 + len(LEVELS) * (len(kernels.UNITS) + 1)
+    for line in made:
+        level = re.search(rf"/[\w-]+?-({'|'.join(LEVELS)})[-.]\S+$", line)
+        named = level[1] if level else BASELINE
+        assert re.findall(r"-march=(\S+)", line) == [named.replace(BASELINE, "x86-64")]
+
+
+# Instructions ------------------------------------------------------------------------------------
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not (X86 and shutil.which("objdump")), reason="of x86-64, read by objdump")
+def test_the_baseline_holds_no_instruction_that_a_processor_may_lack(built):
+    libraries = {name: kernels.BUILT / file for name, file in built.variants.items()}
+
+    for path in (libraries.pop(BASELINE), kernels.BUILT / built.processor):
+        assert above_the_baseline(listing_of(path)) == []
+    for path in libraries.values():
+        assert {"vaddpd", "mulx"} <= set(above_the_baseline(listing_of(path)))
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        *("vzeroupper", "vaddpd %xmm1,%xmm0,%xmm0", "{evex} vpdpbusd %ymm2,%ymm1,%ymm0"),
+        *("kmovb  %eax,%k1", "korb   %k0,%k2,%k0", "lock cmpxchg16b (%rdi)", "popcnt %rax,%rax"),
+        *("lzcnt  %rdx,%rdx", "mulx   %rax,%rcx,%rdx", "shlx   %rax,%rdx,%rdx"),
+        *("haddpd %xmm0,%xmm0", "movddup (%rax),%xmm0", "pshufb %xmm1,%xmm0"),
+        *("roundsd $0x9,%xmm0,%xmm0", "blendvpd %xmm0,%xmm2,%xmm1", "pcmpgtq %xmm1,%xmm0"),
+        *("pmulld %xmm1,%xmm0", "pinsrq $0x1,%rax,%xmm0", "ptest  %xmm0,%xmm0"),
+    ],
+)
+def test_an_instruction_above_the_baseline_is_found(line):
+    assert above_the_baseline(f"    1000:\t{line}\n") != []
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        *("rep ret", "tzcnt  %rax,%rax", "pinsrw $0x1,%eax,%xmm0", "cvtsi2sdq (%rax),%xmm0"),
+        *("call   2032 <vaddpd@plt>", "data16 cs nopw 0x0(%rax,%rax,1)", "mulpd  %xmm1,%xmm0"),
+        *("mov    0xa0fc5(%rip),%rax        # a2fd0 <vaddpd>", "pshufd $0xee,%xmm0,%xmm1"),
+    ],
+)
+def test_an_instruction_of_the_baseline_is_none_above_it(line):
+    assert above_the_baseline(f"    1000:\t{line}\n") == []
 
 
 @pytest.mark.slow
