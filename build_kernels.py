@@ -238,7 +238,7 @@ def _objects(
 
 def _object(compiler: Compiler, level: str, unit: Path, folder: Path) -> Path:
     """The object file of one unit, named by the digest of all that it is made of."""
-    flags = (*kernels.FLAGS, *compiler.level(level))
+    flags = (*kernels.flags_of(unit), *compiler.level(level))
     content = hashlib.sha256(repr((compiler.command, compiler.words, flags)).encode())
     for path in (unit, *kernels.INCLUDED, *kernels.HEADERS):
         content.update(hashlib.sha256(path.read_bytes()).digest())
