@@ -167,8 +167,10 @@ def find_compiler() -> Compiler:
     for name in named[:1] or COMPILERS:
         path = shutil.which(name)
         if path:
-            words = _run([path, "--version"]).partition("\n")[0].strip()
-            return Compiler(command=(path, *named[1:]), words=words)
+            command = (path, *named[1:])
+            words = _run([*command, "--version"]).partition("\n")[0].strip()
+            zig = any(Path(part).stem in ("zig", "ziglang") for part in command)
+            return Compiler(command=command, words=words, zig=zig)
     raise NoCompilerError(f"no C compiler found: {' '.join(named) or ', '.join(COMPILERS)}")
 
 

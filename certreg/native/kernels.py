@@ -15,9 +15,13 @@ from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from certreg.errors import CertregError
+from certreg.verify import shown
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
 
 HERE = Path(__file__).resolve().parent
 GENERATED = HERE / "generated"
@@ -146,6 +150,10 @@ class MissingLibraryError(CertregError):
     """There is no compiled library; the message says why."""
 
 
+class VariantError(CertregError):
+    """The variant that the environment names is none, or not there."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Built:
     """What the build left.
@@ -187,20 +195,42 @@ def record_of(folder: Path) -> Built:
 
 
 def chosen_library() -> tuple[Path, str]:
-    """The library for this processor, and what it is. Raises MissingLibraryError."""
+    """The library for this processor, and what it is.
+
+    Raises MissingLibraryError where there is none, or none is wanted, and VariantError where there
+    is not the one that is named.
+    """
     named = os.environ.get(VARIANT, "")
     if named == PYTHON:
         raise MissingLibraryError(f"{VARIANT} is {PYTHON}")
+    if named and named not in LEVELS:
+        raise VariantError(f"{VARIANT} is {shown(named)}: {_choice(LEVELS)}")
+    try:
+        folder, built = _usable()
+    except MissingLibraryError as error:
+        if named:
+            raise VariantError(f"{VARIANT} is {named}, but {error}") from error
+        raise
+    here = runnable(built, folder)
+    if named and named not in here:
+        message = f"{VARIANT} is {named}, which this processor or build lacks: {_choice(here)}"
+        raise VariantError(message)
+    variant = named or here[-1]
+    return folder / built.variants[variant], f"{variant}, {built.compiler}"
+
+
+def _choice(names: Iterable[str]) -> str:
+    return f"give {', '.join(names)} or {PYTHON}"
+
+
+def _usable() -> tuple[Path, Built]:
+    """The folder to load from, and what was built there, of the sources that stand there now."""
     folder, built = _found()
     if built.checkout and built.digest != source_digest():
         raise MissingLibraryError(f"certreg's C code differs from what was built: {REMEDY}")
     if built.why:
         raise MissingLibraryError(built.why)
-    here = runnable(built, folder)
-    if named and named not in here:
-        raise MissingLibraryError(f"{VARIANT} is {named}, of {', '.join((*here, PYTHON))}")
-    variant = named or here[-1]
-    return folder / built.variants[variant], f"{variant}, {built.compiler}"
+    return folder, built
 
 
 def _found() -> tuple[Path, Built]:

@@ -26,12 +26,21 @@ from certreg.errors import SlowSimulationWarning
 from certreg.native import engine as engines
 from certreg.native import kernels, library
 from certreg.native.evaluator import evaluator
-from certreg.native.kernels import BASELINE, LEVELS, Built, MissingLibraryError, chosen_library
+from certreg.native.kernels import (
+    BASELINE,
+    LEVELS,
+    Built,
+    MissingLibraryError,
+    VariantError,
+    chosen_library,
+)
 from certreg.native.library import Library, loaded_library
 from certreg.native.paths import STUCK, PathRules, quartic_paths
+from certreg.verify import shown
 
 ROOT = Path(__file__).parents[2]
 DATA = ROOT / "certreg" / "data"
+CLOUDS = [str(DATA / f"survey_{name}.csv") for name in ("source", "target")]
 X86 = build_kernels.X86
 
 
@@ -102,12 +111,52 @@ def test_another_variant_can_be_named(copied, built, monkeypatch):
     assert refusal() == "CERTREG_VARIANT is python"
 
 
-def test_a_variant_that_the_processor_does_not_run_cannot_be_named(copied, monkeypatch):
+def test_a_variant_that_the_processor_does_not_run_is_refused(copied, monkeypatch):
     assert copied.exists()
     monkeypatch.setattr(kernels, "_level", lambda _: 1)
     monkeypatch.setenv(kernels.VARIANT, "x86-64-v4")
 
-    assert refusal() == "CERTREG_VARIANT is x86-64-v4, of baseline, python"
+    words = "which this processor or build lacks: give baseline or python"
+    with pytest.raises(VariantError, match=f"^CERTREG_VARIANT is x86-64-v4, {words}$"):
+        chosen_library()
+
+
+@pytest.mark.parametrize("named", list(LEVELS))
+def test_a_variant_is_refused_where_nothing_is_built(named, folder, monkeypatch):
+    monkeypatch.setenv(kernels.VARIANT, named)
+    assert not folder.exists()
+
+    words = "but certreg's C code is not built: run `make kernels`"
+    with pytest.raises(VariantError, match=f"^CERTREG_VARIANT is {named}, {words}"):
+        chosen_library()
+
+
+@pytest.mark.usefixtures("anew")
+@pytest.mark.parametrize("named", ["x86_64_v3", "BASELINE", "no\nname"])
+def test_a_variant_that_is_none_is_refused_with_the_names_there_are(named, monkeypatch):
+    monkeypatch.setenv(kernels.VARIANT, named)
+    run = certreg("info")
+
+    choice = "give baseline, x86-64-v3, x86-64-v4 or python"
+    assert (run.code, run.out) == (2, "")
+    assert run.err == f"certreg: CERTREG_VARIANT is {shown(named)}: {choice}\n"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("command", ["certify", "simulate"])
+def test_no_command_that_computes_takes_a_variant_that_is_none(command, tmp_path):
+    run = subprocess.run(
+        [sys.executable, "-m", "certreg", command, *CLOUDS],
+        env={**os.environ, kernels.VARIANT: "v3", "PYTHONPATH": str(ROOT)},
+        cwd=tmp_path,
+        capture_output=True,
+        check=False,
+        encoding="utf-8",
+    )
+
+    choice = "give baseline, x86-64-v3, x86-64-v4 or python"
+    assert (run.returncode, run.stdout) == (2, "")
+    assert run.stderr == f"certreg: CERTREG_VARIANT is v3: {choice}\n"
 
 
 @pytest.mark.skipif(not X86 or sys.platform != "linux", reason="x86-64 and /proc/cpuinfo only")
@@ -343,7 +392,7 @@ def pretend(built: Built, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
             'for target; do :; done; echo "$*" >> "$0.log"',
             first,
             'case "$*" in',
-            "  --version) echo pretend 1.0;;",
+            "  *--version) echo pretend 1.0;;",
             f'  *processor*) cp {made / built.processor} "$target";;',
             '  *" -c "*) echo object > "$target";;',
             f'  *) cp {made / built.variants[BASELINE]} "$target";;',
@@ -466,7 +515,7 @@ def test_the_trial_is_a_process_of_its_own(built, copied):
 )
 def test_a_compiler_that_fails_says_why(does, words, pretend, folder, monkeypatch):
     monkeypatch.setattr(build_kernels, "_fetched_zig", no_index)
-    pretend(f'case "$*" in --version) ;; *) {does};; esac')
+    pretend(f'case "$*" in *--version) ;; *) {does};; esac')
     found = build_kernels.renewed()
 
     assert found.variants == {}
