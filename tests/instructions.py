@@ -37,6 +37,19 @@ def above_the_baseline(listing: str) -> list[str]:
     return sorted(set(ABOVE.findall(listing)))
 
 
+def fused(listing: str) -> list[str]:
+    """The instructions that round once where a product and a sum round twice."""
+    return sorted(set(re.findall(r"\tv?(fn?m(?:add|sub)\w*)", listing)))
+
+
+def taken_from_the_system(library: Path) -> set[str]:
+    """The functions that a library does not hold itself."""
+    command = ["objdump", "--dynamic-syms", str(library)]
+    done = subprocess.run(command, capture_output=True, encoding="utf-8", check=True)
+    undefined = (line.split() for line in done.stdout.splitlines() if "*UND*" in line)
+    return {words[-1] for words in undefined if "w" not in words[1:3]}
+
+
 def listing_of(library: Path) -> str:
     """What objdump prints of a library; raises where it holds no code."""
     command = ["objdump", "--disassemble", "--no-show-raw-insn", str(library)]

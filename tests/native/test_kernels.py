@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes
 import itertools
 import json
+import math
 import os
 import re
 import shutil
@@ -18,9 +19,10 @@ import numpy as np
 import pytest
 from commands import certreg
 from engines import engine
-from instructions import above_the_baseline, listing_of
+from instructions import above_the_baseline, fused, listing_of, taken_from_the_system
 
 import build_kernels
+from benchmarks.rates import variants
 from build_kernels import BuildError, Compiler, NoCompilerError, find_compiler
 from certreg.errors import SlowSimulationWarning
 from certreg.native import engine as engines
@@ -628,6 +630,43 @@ def test_the_baseline_holds_no_instruction_that_a_processor_may_lack(built):
         assert above_the_baseline(listing_of(path)) == []
     for path in libraries.values():
         assert {"vaddpd", "mulx"} <= set(above_the_baseline(listing_of(path)))
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not (X86 and shutil.which("objdump")), reason="of x86-64, read by objdump")
+def test_no_variant_fuses_operations_or_asks_the_system_for_what_rounds(built):
+    """So bits do not depend on the processor: libm's sines are chosen by it."""
+    memory = {"calloc", "free", "malloc", "memcpy", "memmove", "memset", "qsort"}
+    exact = {"ceil", "fmax", "fmin", "frexp", "ldexp", "rint", "__stack_chk_fail"}
+    for name in built.variants.values():
+        assert fused(listing_of(kernels.BUILT / name)) == []
+        assert taken_from_the_system(kernels.BUILT / name) <= memory | exact
+    assert (
+        fused("  1:\tvfmaddsub132pd %ymm1,%ymm0,%ymm0\n  2:\tvfnmadd231sd (%rax),%xmm1,%xmm0") != []
+    )
+
+
+@pytest.mark.parametrize("half", [0.0, 1e-300, 5e-4, 0.5, np.nextafter(0.5, 1.0), 1.5, 3.0])
+def test_sine_and_cosine_are_those_of_the_system_to_the_last_bits(half):
+    cosine = ctypes.c_double()
+    function = loaded_library().handle.certreg_sine
+    function.restype = ctypes.c_double
+    sine = function(ctypes.c_double(half), ctypes.byref(cosine))
+
+    doubled = 0.0 if half <= 0.5 else 5e-16
+    assert sine == pytest.approx(math.sin(half), rel=4e-16, abs=doubled)
+    assert cosine.value == pytest.approx(math.cos(half), rel=4e-16, abs=doubled)
+    assert function(ctypes.c_double(-half), ctypes.byref(cosine)) == -sine
+
+
+@pytest.mark.slow
+def test_every_variant_gives_the_same_bytes(built):
+    """A pair of each kind in processes of their own; 400 by `make rates NAME=variants`."""
+    here = kernels.runnable(built, kernels.BUILT)
+    found = {name: variants.digests_of(kernels.BUILT, name, 1) for name in (here[0], here[-1])}
+
+    assert found[here[0]] == found[here[-1]]
+    assert set(found[here[0]]) == set(variants.KINDS)
 
 
 @pytest.mark.parametrize(
