@@ -31,6 +31,7 @@ from typing import TYPE_CHECKING
 
 from certreg.native import kernels
 from certreg.native.kernels import BASELINE, Built, MissingLibraryError
+from certreg.native.signatures import WRITTEN
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -94,7 +95,7 @@ def main() -> int:
 
 
 def renewed(*, set_up: bool = True) -> Built:
-    """What stands in the checkout, built anew where it is not of its sources.
+    """What stands in the checkout, built anew where it is not of its sources or of $CC's compiler.
 
     set_up: also where none could be built, and by another compiler where this machine's fails.
     """
@@ -103,7 +104,8 @@ def renewed(*, set_up: bool = True) -> Built:
     except MissingLibraryError:
         return build(kernels.BUILT, checkout=True, set_up=set_up)
     there = all((kernels.BUILT / name).is_file() for name in _names(built))
-    if there and built.digest == kernels.source_digest() and not (set_up and built.why):
+    same = built.asked == os.environ.get("CC", built.asked)
+    if there and same and built.digest == kernels.source_digest() and not (set_up and built.why):
         return built
     return build(kernels.BUILT, checkout=True, set_up=set_up)
 
@@ -146,6 +148,7 @@ def _by_any_compiler(scratch: Path, *, checkout: bool, set_up: bool) -> Built:
         digest=kernels.source_digest(),
         checkout=checkout,
         compiler="",
+        asked=os.environ.get("CC", ""),
         processor="",
         variants={},
         why="",
@@ -256,7 +259,7 @@ def _object(compiler: Compiler, level: str, unit: Path, folder: Path) -> Path:
 def _try(library: Path) -> None:
     """Whether it loads and runs, in a process of its own."""
     for signatures in kernels.SIGNATURES:
-        names = (str(signatures), *kernels.WRITTEN)
+        names = (str(signatures), *WRITTEN)
         _run([sys.executable, "-I", "-S", "-c", TRIAL, str(library), *names])
 
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 import hashlib
 import math
 from functools import cache
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -19,9 +19,9 @@ from certreg.native import library_if_any
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-    from numpy.typing import NDArray
+    from numpy.typing import ArrayLike, NDArray
 
-    Reals = NDArray[Any]
+    Reals = NDArray[np.float64]
 
 COUNT = 1000  # of arguments: functions that round otherwise differ in one of some hundred
 SIZES = (3, 4, 9, 40)  # of matrices: small ones have code of their own
@@ -43,7 +43,7 @@ def arithmetic() -> dict[str, str]:
     }
 
 
-def _of_numpy(numbers: Reals) -> Iterator[Reals]:
+def _of_numpy(numbers: Reals) -> Iterator[ArrayLike]:
     for name in ("sin", "cos", "arccos", "arctan", "exp", "log", "log1p", "cbrt", "tanh"):
         yield getattr(np, name)(numbers / 3.0)
     for name in ("hypot", "arctan2", "power", "divide"):
@@ -53,7 +53,7 @@ def _of_numpy(numbers: Reals) -> Iterator[Reals]:
     yield np.einsum("ij,ik->jk", rows, rows)
 
 
-def _of_linear_algebra(numbers: Reals) -> Iterator[Reals]:
+def _of_linear_algebra(numbers: Reals) -> Iterator[ArrayLike]:
     rows = numbers[:900].reshape(-1, 3)
     yield from (rows.T @ rows, rows @ rows[:3], numbers @ numbers, np.linalg.norm(rows))
     for size in SIZES:
@@ -67,14 +67,14 @@ def _of_linear_algebra(numbers: Reals) -> Iterator[Reals]:
         )
 
 
-def _of_the_system(numbers: Reals) -> Iterator[Reals]:
+def _of_the_system(numbers: Reals) -> Iterator[ArrayLike]:
     given: list[float] = numbers.tolist()
     for function in (math.sin, math.cos, math.exp, math.log, math.atan, math.gamma):
         yield np.array([function(x) for x in given])
     yield np.array([x**y for x, y in zip(given, given[::-1], strict=True)])
 
 
-def _digest(results: Iterable[Reals]) -> str:
+def _digest(results: Iterable[ArrayLike]) -> str:
     whole = hashlib.sha256()
     for result in results:
         whole.update(np.asarray(result, dtype="<f8").tobytes())

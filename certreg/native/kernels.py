@@ -99,48 +99,6 @@ PLAIN_FLAG = "-fno-tree-vectorize"
 PLAIN = (HERE / "escape.c", HERE / "paths.c")
 BASELINE = "baseline"
 LEVELS = {BASELINE: 1, "x86-64-v3": 3, "x86-64-v4": 4}  # of certreg_level in processor.c
-WRITTEN = (  # by hand, not generated
-    "certreg_euler_single",
-    "certreg_euler_lanes",
-    "certreg_splitting_single",
-    "certreg_splitting_lanes",
-    "certreg_midpoint_single",
-    "certreg_agreeing",
-    "certreg_begin",
-    "certreg_cliques",
-    "certreg_colours",
-    "certreg_cones",
-    "certreg_cut",
-    "certreg_eigenbasis",
-    "certreg_exact_springs",
-    "certreg_exact_sums",
-    "certreg_few_sums",
-    "certreg_fixed_sums",
-    "certreg_fixed_fits",
-    "certreg_fixed_vectors",
-    "certreg_limb_springs",
-    "certreg_greedy_clique",
-    "certreg_lawson_fits",
-    "certreg_many_quartic_paths",
-    "certreg_many_springs",
-    "certreg_next",
-    "certreg_pencil",
-    "certreg_pose",
-    "certreg_prove_optima",
-    "certreg_quartic_newton",
-    "certreg_quartic_paths",
-    "certreg_refutation",
-    "certreg_spring_midpoint_single",
-    "certreg_spring_splitting_lanes",
-    "certreg_spring_splitting_single",
-    "certreg_springs",
-    "certreg_stationary_poses",
-    "certreg_strike",
-    "certreg_strike_by_colours",
-    "certreg_sums",
-    "certreg_thin",
-    "certreg_triangles",
-)
 VARIANT = "CERTREG_VARIANT"  # names a narrower one, or PYTHON
 PYTHON = "python"  # none: Python runs the generated C
 REMEDY = "run `make kernels`, or install certreg again"
@@ -159,13 +117,14 @@ class Built:
     """What the build left.
 
     digest: of the sources. checkout: whether it stands beside them, where they may be changed.
-    compiler: its own words. variants: file names, by the names in `LEVELS`. processor: the file
+    compiler: its own words. asked: what $CC said, empty where it said nothing. variants: file names, by the names in `LEVELS`. processor: the file
     name of the library that tells the level. why: there is no library; empty where there is one.
     """
 
     digest: str
     checkout: bool
     compiler: str
+    asked: str
     processor: str
     variants: dict[str, str]
     why: str

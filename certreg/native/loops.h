@@ -45,7 +45,7 @@ struct certreg_batch {
     double *states;       /* matrix_state (euler), quaternion_state; start in, end out */
     int64_t *taken;          /* count: steps */
     int *status;          /* count */
-    int *escapes;         /* count */
+    int64_t *escapes;        /* count */
     double *times;        /* count: of the springs */
     struct certreg_log *log;
 };
