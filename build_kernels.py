@@ -104,8 +104,9 @@ def renewed(*, set_up: bool = True) -> Built:
     except MissingLibraryError:
         return build(kernels.BUILT, checkout=True, set_up=set_up)
     there = all((kernels.BUILT / name).is_file() for name in _names(built))
-    same = built.asked == os.environ.get("CC", built.asked)
-    if there and same and built.digest == kernels.source_digest() and not (set_up and built.why):
+    current = there and built.digest == kernels.source_digest()
+    asked = built.asked == os.environ.get("CC", built.asked)
+    if current and (not set_up if built.why else asked):
         return built
     return build(kernels.BUILT, checkout=True, set_up=set_up)
 

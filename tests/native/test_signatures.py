@@ -23,6 +23,7 @@ DECLARED = re.compile(
     r"^(?:CERTREG_LINKAGE )?([\w ]+?\**) ?\b(certreg_\w+|LOOP|RULE)\(([^()]*)\)(?:;|\s*\{)",
     re.MULTILINE,
 )
+COUNTS = r"n|count|counts|rows|size|words|steps|points|taken|escapes"
 
 
 def type_of(words: str) -> object:
