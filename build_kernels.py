@@ -31,6 +31,7 @@ from typing import TYPE_CHECKING
 
 from certreg.native import kernels
 from certreg.native.kernels import BASELINE, Built, MissingLibraryError
+from certreg.native.signatures import WRITTEN
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -44,7 +45,7 @@ SHARED = "CERTREG_OBJECTS"  # a folder of several builds instead, as .ci/run mak
 COMPILERS = () if sys.platform == "win32" else ("cc", "gcc", "clang")
 REQUIRED = "CERTREG_REQUIRE_KERNELS"
 PATIENCE = 600.0  # seconds for one command; the longest takes three
-X86_64 = ("x86_64", "amd64")
+X86 = platform.machine().lower() in ("x86_64", "amd64")
 SUFFIX = {"darwin": ".dylib", "win32": ".dll"}.get(sys.platform, ".so")
 LINKING = ("-shared", "-lm") if sys.platform == "darwin" else ("-shared", "-s", "-lm")
 # Calls each generated function on zeros, and asks for the others.
@@ -75,9 +76,15 @@ class Compiler:
     words: str
     zig: bool = False
 
-    def level(self, name: str) -> str:
-        """How it is told the level of the processor."""
-        return f"-mcpu={name.replace('-', '_')}" if self.zig else f"-march={name}"
+    def level(self, name: str) -> tuple[str, ...]:
+        """How it is told the level of the processor.
+
+        Always: Zig's default is the processor of the machine that builds, some gcc's is wider than
+        the baseline. Elsewhere than on x86-64 the baseline is the default of gcc and clang.
+        """
+        if self.zig:
+            return (f"-mcpu={name.replace('-', '_')}",)
+        return (f"-march={'x86-64' if name == BASELINE else name}",) if X86 else ()
 
 
 def main() -> int:
@@ -88,7 +95,7 @@ def main() -> int:
 
 
 def renewed(*, set_up: bool = True) -> Built:
-    """What stands in the checkout, built anew where it is not of its sources.
+    """What stands in the checkout, built anew where it is not of its sources or of $CC's compiler.
 
     set_up: also where none could be built, and by another compiler where this machine's fails.
     """
@@ -97,7 +104,9 @@ def renewed(*, set_up: bool = True) -> Built:
     except MissingLibraryError:
         return build(kernels.BUILT, checkout=True, set_up=set_up)
     there = all((kernels.BUILT / name).is_file() for name in _names(built))
-    if there and built.digest == kernels.source_digest() and not (set_up and built.why):
+    current = there and built.digest == kernels.source_digest()
+    asked = built.asked == os.environ.get("CC", built.asked)
+    if current and (not set_up if built.why else asked):
         return built
     return build(kernels.BUILT, checkout=True, set_up=set_up)
 
@@ -140,6 +149,7 @@ def _by_any_compiler(scratch: Path, *, checkout: bool, set_up: bool) -> Built:
         digest=kernels.source_digest(),
         checkout=checkout,
         compiler="",
+        asked=os.environ.get("CC", ""),
         processor="",
         variants={},
         why="",
@@ -161,8 +171,10 @@ def find_compiler() -> Compiler:
     for name in named[:1] or COMPILERS:
         path = shutil.which(name)
         if path:
-            words = _run([path, "--version"]).partition("\n")[0].strip()
-            return Compiler(command=(path, *named[1:]), words=words)
+            command = (path, *named[1:])
+            words = _run([*command, "--version"]).partition("\n")[0].strip()
+            zig = any(Path(part).stem in ("zig", "ziglang") for part in command)
+            return Compiler(command=command, words=words, zig=zig)
     raise NoCompilerError(f"no C compiler found: {' '.join(named) or ', '.join(COMPILERS)}")
 
 
@@ -186,16 +198,17 @@ def _built(compiler: Compiler, scratch: Path, none: Built) -> Built:
     """All variants that the compiler makes and, where this processor should, that run here."""
     mark = none.digest[:12]
     processor = f"processor-{mark}{SUFFIX}"
-    command = [*compiler.command, *kernels.FLAGS, str(kernels.PROCESSOR), *LINKING]
-    _run([*command, "-o", str(scratch / processor)])
+    flags = (*kernels.FLAGS, *compiler.level(BASELINE), str(kernels.PROCESSOR), *LINKING)
+    _run([*compiler.command, *flags, "-o", str(scratch / processor)])
     made = replace(none, compiler=compiler.words, processor=processor)
-    levels = kernels.LEVELS if platform.machine().lower() in X86_64 else (BASELINE,)
+    levels = kernels.LEVELS if X86 else (BASELINE,)
     objects = _objects(compiler, levels, OBJECTS if none.checkout else scratch / "objects")
     for name in levels:
         library = f"kernels-{mark}-{name}{SUFFIX}"
         try:
             parts = [str(part.result()) for part in objects[name]]
-            _run([*compiler.command, *parts, *LINKING, "-o", str(scratch / library)])
+            flags = (*compiler.level(name), *LINKING)  # Zig compiles its runtime for the level
+            _run([*compiler.command, *parts, *flags, "-o", str(scratch / library)])
             tried = replace(made, variants={**made.variants, name: library})
             if name in kernels.runnable(tried, scratch):
                 _try(scratch / library)
@@ -231,8 +244,7 @@ def _objects(
 
 def _object(compiler: Compiler, level: str, unit: Path, folder: Path) -> Path:
     """The object file of one unit, named by the digest of all that it is made of."""
-    wider = () if level == BASELINE else (compiler.level(level),)
-    flags = (*kernels.FLAGS, *wider)
+    flags = (*kernels.flags_of(unit), *compiler.level(level))
     content = hashlib.sha256(repr((compiler.command, compiler.words, flags)).encode())
     for path in (unit, *kernels.INCLUDED, *kernels.HEADERS):
         content.update(hashlib.sha256(path.read_bytes()).digest())
@@ -248,7 +260,7 @@ def _object(compiler: Compiler, level: str, unit: Path, folder: Path) -> Path:
 def _try(library: Path) -> None:
     """Whether it loads and runs, in a process of its own."""
     for signatures in kernels.SIGNATURES:
-        names = (str(signatures), *kernels.WRITTEN)
+        names = (str(signatures), *WRITTEN)
         _run([sys.executable, "-I", "-S", "-c", TRIAL, str(library), *names])
 
 

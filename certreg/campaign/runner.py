@@ -123,9 +123,10 @@ def perform(task: Task, versions: dict[str, str]) -> TaskResult:
     """Carry out a task in this process, a worker's, if it is of the campaign's versions."""
     here = current_versions()
     if here != versions:
+        names = [name for name in here | versions if here.get(name) != versions.get(name)]
         message = (
-            f"a worker has {_listed(here)}, the campaign {_listed(versions)}: "
-            "install the same everywhere"
+            f"a worker has {_listed(here, names)}, the campaign {_listed(versions, names)}: "
+            "install the same everywhere, on processors of one kind"
         )
         raise CampaignError(message, value=here, limit=versions)
     try:
@@ -233,8 +234,8 @@ def _require_hope(breakdowns: int, lost: deque[Task]) -> None:
         )
 
 
-def _listed(versions: dict[str, str]) -> str:
-    return ", ".join(f"{name} {version}" for name, version in versions.items())
+def _listed(versions: dict[str, str], names: list[str]) -> str:
+    return ", ".join(f"{name} {versions.get(name, 'unknown')}" for name in names)
 
 
 def run(kind: Kind, folder: Path, workers: Workers, observer: Observer) -> dict[str, float]:

@@ -26,6 +26,7 @@ import numpy as np
 
 from certreg import __version__
 from certreg._loading import library
+from certreg.campaign.arithmetic import arithmetic
 from certreg.errors import CampaignError, InvalidFileError
 from certreg.io import TEMPORARY, write_atomically
 from certreg.verify import shown
@@ -77,9 +78,13 @@ class Manifest:
 
 
 def current_versions() -> dict[str, str]:
-    """Versions of certreg, NumPy and Python in this process."""
+    """Versions of certreg, NumPy and Python in this process, and what else its bits depend on.
+
+    Raises VariantError where the environment names a variant of the kernels that is not there.
+    """
     python = ".".join(map(str, sys.version_info[:2]))
-    return {"certreg": __version__, "numpy": np.__version__, "python": python}
+    named = {"certreg": __version__, "numpy": np.__version__, "python": python}
+    return named | arithmetic()
 
 
 def require_same(path: Path, manifest: Manifest) -> None:

@@ -30,12 +30,13 @@ def codegen(out: Path) -> int:
 @click.command()
 def info() -> int:
     """Versions of what certreg runs on."""
+    engine = _engine()
     click.echo(f"certreg      {__version__}")
     click.echo(f"Python       {platform.python_version()} ({platform.python_implementation()})")
     click.echo(f"system       {platform.system()} {platform.machine()}")
     for name, origin in ORIGINS.items():
         click.echo(f"{origin.name:12} {_stated_version(name)}")
-    click.echo(f"simulation   {_engine()}")
+    click.echo(f"simulation   {engine}")
     click.echo("checker      exact integers of Python itself")
     return DONE
 
@@ -55,6 +56,8 @@ def _engine() -> str:
         return native.loaded_library().words  # asked for here: it loads NumPy
     except native.MissingLibraryError as error:
         return f"in Python: {error}"
+    except native.VariantError:
+        raise
     except Exception as error:  # noqa: BLE001 - whatever stops NumPy: the list is for such machines
         library = unloaded(error) or "numpy"
         return f"none: {printable(refusal(library, error, 'it'))}"

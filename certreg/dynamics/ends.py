@@ -31,7 +31,7 @@ class ManyEnds(Brief):
     integrator: Integrator
     status: NDArray[np.int32]
     steps: NDArray[np.int64]
-    escapes: NDArray[np.int32]
+    escapes: NDArray[np.int64]
     times: NDArray[np.float64]
     states: Records
 

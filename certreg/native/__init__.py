@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from certreg.native.kernels import GENERATED as GENERATED
     from certreg.native.kernels import HERE as HERE
     from certreg.native.kernels import MissingLibraryError as MissingLibraryError
+    from certreg.native.kernels import VariantError as VariantError
     from certreg.native.lawson import LawsonColumns as LawsonColumns
     from certreg.native.lawson import lawson_columns as lawson_columns
     from certreg.native.layout import BASIN as BASIN
@@ -122,6 +123,7 @@ __getattr__ = lazy_face(
             "GENERATED",
             "HERE",
             "MissingLibraryError",
+            "VariantError",
         ),
         "lawson": (
             "LawsonColumns",

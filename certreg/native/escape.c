@@ -73,6 +73,24 @@ void certreg_turn(double q[4], double c, const double a[3])
     q[3] = c * z - y * a[0] + x * a[1] + w * a[2];
 }
 
+/* Taylor's series, to the last bits for at most 1/2; beyond, those of half the angle, doubled. */
+double certreg_sine(double angle, double *cosine)
+{
+    const double square = angle * angle;
+    double sine = 1;
+    if (fabs(angle) > 0.5) {
+        const double s = certreg_sine(angle / 2, cosine), c = *cosine, norm = c * c + s * s;
+        *cosine = (c * c - s * s) / norm;
+        return 2 * c * s / norm;
+    }
+    *cosine = 1;
+    for (int k = 16; k > 0; k -= 2) {
+        *cosine = 1 - square / (k * (k - 1)) * *cosine;
+        sine = 1 - square / (k * (k + 1)) * sine;
+    }
+    return angle * sine;
+}
+
 /* Whether a slow body may stop at a quaternion; CERTREG_PERTURBED if it may be at a saddle.
  *
  * sin^2 of half the angle to the optima is at most the height over the barrier. The height never
@@ -114,9 +132,9 @@ static int perturbation_of(const double hessian[9], const double torque[3], doub
     if (fabs(along) <= NO_TORQUE * size)
         along = axis[largest];
     const double sign = along < 0 ? -1 : 1;
+    const double half = sign * certreg_sine(*angle / 2, cosine);
     for (int i = 0; i < 3; i++)
-        sine[i] = sign * sin(*angle / 2) * axis[i];
-    *cosine = cos(*angle / 2);
+        sine[i] = half * axis[i];
     *angle = fmin(*angle * settings->perturbation_growth, settings->largest_perturbation);
     return 1;
 }

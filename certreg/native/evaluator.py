@@ -19,8 +19,9 @@ from certreg.native.layout import (
     QUATERNION_STATE,
     plain,
 )
-from certreg.native.library import Signature, signatures
+from certreg.native.library import checked
 from certreg.native.runs import BodyRun
+from certreg.native.signatures import generated
 from certreg.native.spring_runs import SpringRun
 from certreg.native.stationary import stationary_poses
 from certreg.native.tape import Tape, tapes_of
@@ -31,6 +32,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.native.loops import Batch, Log, Rules
+    from certreg.native.signatures import Signature
     from certreg.native.stationary import ManyClouds, StationaryPoses
 
 Array = Any  # NDArray[np.float64]
@@ -82,11 +84,11 @@ class _Call:
 
     def __call__(self, *arguments: NDArray[Any]) -> tuple[NDArray[np.float64], ...]:
         """The results for one set of numbers."""
-        checked = self.shape.checked(self.name, arguments)
+        given = checked(self.name, self.shape, arguments)
         try:  # Python's own numbers are four times as fast as NumPy's, one by one
-            results = self.tape.run([array.tolist() for array in checked])
+            results = self.tape.run([array.tolist() for array in given])
         except (ZeroDivisionError, ValueError):  # infinity, or none: a result like any other in C
-            return self.of_arrays(checked)
+            return self.of_arrays(given)
         return tuple(np.array(result) for result in results)
 
     def of_arrays(self, arguments: Sequence[Array]) -> tuple[Array, ...]:
@@ -101,6 +103,4 @@ class _Call:
 def evaluator() -> Evaluator:
     """The evaluator of this process, of all generated functions."""
     tapes = {name: tape for source in SOURCES for name, tape in tapes_of(source.read_text("utf-8"))}
-    return Evaluator(
-        {name: _Call(name, tapes[name], shape) for name, shape in signatures().items()}
-    )
+    return Evaluator({name: _Call(name, tapes[name], shape) for name, shape in generated().items()})

@@ -15,9 +15,13 @@ from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from certreg.errors import CertregError
+from certreg.verify import shown
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
 
 HERE = Path(__file__).resolve().parent
 GENERATED = HERE / "generated"
@@ -86,52 +90,15 @@ HEADERS = (
         )
     ),
 )
-# No -ffast-math: a NaN must stay one. -fno-math-errno: sqrt as one instruction.
-FLAGS = ("-std=gnu11", "-O3", "-fno-math-errno", "-fPIC", "-Wno-psabi")
+# No -ffast-math: a NaN must stay one. -fno-math-errno: sqrt as one instruction. -ffp-contract=off:
+# processors with and without fused operations round alike.
+FLAGS = ("-std=gnu11", "-O3", "-fno-math-errno", "-ffp-contract=off", "-fPIC", "-Wno-psabi")
+# GCC's vectorizer may fuse a product with what is in turn added and subtracted all the same (up to
+# 14 at least): where complex numbers and quaternions are multiplied it is not asked.
+PLAIN_FLAG = "-fno-tree-vectorize"
+PLAIN = (HERE / "escape.c", HERE / "paths.c")
 BASELINE = "baseline"
 LEVELS = {BASELINE: 1, "x86-64-v3": 3, "x86-64-v4": 4}  # of certreg_level in processor.c
-WRITTEN = (  # by hand, not generated
-    "certreg_euler_single",
-    "certreg_euler_lanes",
-    "certreg_splitting_single",
-    "certreg_splitting_lanes",
-    "certreg_midpoint_single",
-    "certreg_agreeing",
-    "certreg_begin",
-    "certreg_cliques",
-    "certreg_colours",
-    "certreg_cones",
-    "certreg_cut",
-    "certreg_eigenbasis",
-    "certreg_exact_springs",
-    "certreg_exact_sums",
-    "certreg_few_sums",
-    "certreg_fixed_sums",
-    "certreg_fixed_fits",
-    "certreg_fixed_vectors",
-    "certreg_limb_springs",
-    "certreg_greedy_clique",
-    "certreg_lawson_fits",
-    "certreg_many_quartic_paths",
-    "certreg_many_springs",
-    "certreg_next",
-    "certreg_pencil",
-    "certreg_pose",
-    "certreg_prove_optima",
-    "certreg_quartic_newton",
-    "certreg_quartic_paths",
-    "certreg_refutation",
-    "certreg_spring_midpoint_single",
-    "certreg_spring_splitting_lanes",
-    "certreg_spring_splitting_single",
-    "certreg_springs",
-    "certreg_stationary_poses",
-    "certreg_strike",
-    "certreg_strike_by_colours",
-    "certreg_sums",
-    "certreg_thin",
-    "certreg_triangles",
-)
 VARIANT = "CERTREG_VARIANT"  # names a narrower one, or PYTHON
 PYTHON = "python"  # none: Python runs the generated C
 REMEDY = "run `make kernels`, or install certreg again"
@@ -141,26 +108,38 @@ class MissingLibraryError(CertregError):
     """There is no compiled library; the message says why."""
 
 
+class VariantError(CertregError):
+    """The variant that the environment names is none, or not there."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Built:
     """What the build left.
 
     digest: of the sources. checkout: whether it stands beside them, where they may be changed.
-    compiler: its own words. variants: file names, by the names in `LEVELS`. processor: the file
-    name of the library that tells the level. why: there is no library; empty where there is one.
+    compiler: its own words. asked: what $CC said, empty where it said nothing. variants: file
+    names, by the names in `LEVELS`. processor: the file name of the library that tells the level.
+    why: there is no library; empty where there is one.
     """
 
     digest: str
     checkout: bool
     compiler: str
+    asked: str
     processor: str
     variants: dict[str, str]
     why: str
 
 
+def flags_of(unit: Path) -> tuple[str, ...]:
+    """What a compiler is told for a file, at every level."""
+    return (*FLAGS, PLAIN_FLAG) if unit in PLAIN else FLAGS
+
+
 def source_digest() -> str:
     """The digest of all that the libraries are made of."""
-    content = hashlib.sha256(repr((FLAGS, LEVELS)).encode())
+    flags = [flags_of(unit) for unit in UNITS]
+    content = hashlib.sha256(repr((flags, LEVELS)).encode())
     for path in (PROCESSOR, *UNITS, *HEADERS):
         content.update(hashlib.sha256(path.read_bytes()).digest())
     return content.hexdigest()
@@ -176,20 +155,42 @@ def record_of(folder: Path) -> Built:
 
 
 def chosen_library() -> tuple[Path, str]:
-    """The library for this processor, and what it is. Raises MissingLibraryError."""
+    """The library for this processor, and what it is.
+
+    Raises MissingLibraryError where there is none, or none is wanted, and VariantError where there
+    is not the one that is named.
+    """
     named = os.environ.get(VARIANT, "")
     if named == PYTHON:
         raise MissingLibraryError(f"{VARIANT} is {PYTHON}")
+    if named and named not in LEVELS:
+        raise VariantError(f"{VARIANT} is {shown(named)}: {_choice(LEVELS)}")
+    try:
+        folder, built = _usable()
+    except MissingLibraryError as error:
+        if named:
+            raise VariantError(f"{VARIANT} is {named}, but {error}") from error
+        raise
+    here = runnable(built, folder)
+    if named and named not in here:
+        message = f"{VARIANT} is {named}, which this processor or build lacks: {_choice(here)}"
+        raise VariantError(message)
+    variant = named or here[-1]
+    return folder / built.variants[variant], f"{variant}, {built.compiler}"
+
+
+def _choice(names: Iterable[str]) -> str:
+    return f"give {', '.join(names)} or {PYTHON}"
+
+
+def _usable() -> tuple[Path, Built]:
+    """The folder to load from, and what was built there, of the sources that stand there now."""
     folder, built = _found()
     if built.checkout and built.digest != source_digest():
         raise MissingLibraryError(f"certreg's C code differs from what was built: {REMEDY}")
     if built.why:
         raise MissingLibraryError(built.why)
-    here = runnable(built, folder)
-    if named and named not in here:
-        raise MissingLibraryError(f"{VARIANT} is {named}, of {', '.join((*here, PYTHON))}")
-    variant = named or here[-1]
-    return folder / built.variants[variant], f"{variant}, {built.compiler}"
+    return folder, built
 
 
 def _found() -> tuple[Path, Built]:

@@ -9,11 +9,7 @@
 
 #include "jacobi.h"
 
-#ifdef __AVX512F__
-#define LANES 8
-#else
-#define LANES 4
-#endif
+#define LANES 4 /* on every processor: how many there are tells what is added first */
 _Static_assert(LANES <= CERTREG_LAWSON_SPARE, "rows are filled up to whole vectors");
 
 typedef double lanes __attribute__((vector_size(8 * LANES)));

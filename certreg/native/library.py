@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ctypes
-import json
 import struct
 import sys
 from concurrent.futures import ThreadPoolExecutor
@@ -13,13 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.native.kernels import (
-    REMEDY,
-    SIGNATURES,
-    WRITTEN,
-    MissingLibraryError,
-    chosen_library,
-)
+from certreg.native.kernels import MissingLibraryError, chosen_library
 from certreg.native.layout import EXACT_SUMS, plain, width
 from certreg.native.loops import (
     BASIN_SHARE,
@@ -33,6 +26,7 @@ from certreg.native.loops import (
     Integrator,
 )
 from certreg.native.optima import ProvedOptima
+from certreg.native.signatures import generated, opened
 from certreg.native.stationary import StationaryPoses
 
 if TYPE_CHECKING:
@@ -41,6 +35,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.native.loops import Batch, Log, Rules
+    from certreg.native.signatures import Signature
     from certreg.native.stationary import ManyClouds
 
 EXACT_WORDS, FEW_WORDS = 101, 6  # as in exact.h
@@ -140,7 +135,7 @@ class Library:
     def evaluate(self, name: str, *arguments: NDArray[Any]) -> tuple[NDArray[np.float64], ...]:
         """The results of one generated function, flat. Raises ValueError for other sizes."""
         shape = self.shapes[name]
-        given = shape.checked(name, arguments)
+        given = checked(name, shape, arguments)
         results = tuple(np.empty(size) for size in shape.results)
         pointers = [_POINTER(array.ctypes.data) for array in (*given, *results)]
         getattr(self.handle, name)(*pointers)
@@ -236,7 +231,7 @@ class Library:
         sizes, starts = (np.ascontiguousarray(array, dtype=np.int64) for array in (sizes, starts))
         rows = [array.size // per_row for array, per_row in zip(arrays, (3, 3, 1), strict=True)]
         inside = starts.shape == (len(sizes), 3) and (starts >= 0).all() and (sizes >= 1).all()
-        if not (inside and (starts + sizes[:, None] <= rows).all()):
+        if not (inside and (starts <= np.array(rows) - sizes[:, np.newaxis]).all()):
             raise ValueError("a problem has rows that are not there")
         proved = ProvedOptima.none(len(sizes))
         passed = _Pairs(
@@ -337,21 +332,16 @@ class FixedSums:
     lowest: tuple[int | None, ...]
 
 
-@dataclass(frozen=True, slots=True)
-class Signature:
-    """Sizes of the arguments and results of a generated function."""
-
-    arguments: tuple[int, ...]
-    results: tuple[int, ...]
-
-    def checked(self, name: str, arguments: tuple[NDArray[Any], ...]) -> list[NDArray[np.float64]]:
-        """The arguments as contiguous doubles; raises ValueError where one has another size."""
-        numbers = [array if array.dtype.names is None else plain(array) for array in arguments]
-        given = [np.ascontiguousarray(array, dtype=float).ravel() for array in numbers]
-        sizes = tuple(array.size for array in given)
-        if sizes != self.arguments:
-            raise ValueError(f"{name} takes {self.arguments} numbers, not {sizes}")
-        return given
+def checked(
+    name: str, shape: Signature, arguments: tuple[NDArray[Any], ...]
+) -> list[NDArray[np.float64]]:
+    """The arguments as contiguous doubles; raises ValueError where one has another size."""
+    numbers = [array if array.dtype.names is None else plain(array) for array in arguments]
+    given = [np.ascontiguousarray(array, dtype=float).ravel() for array in numbers]
+    sizes = tuple(array.size for array in given)
+    if sizes != shape.arguments:
+        raise ValueError(f"{name} takes {shape.arguments} numbers, not {sizes}")
+    return given
 
 
 def _points(
@@ -410,32 +400,11 @@ def _settings(rules: Rules) -> _Settings:
     )
 
 
-def signatures() -> dict[str, Signature]:
-    """The generated functions and the sizes of their arguments, as the generator wrote them."""
-    return {
-        name: Signature(arguments=tuple(sizes["arguments"]), results=tuple(sizes["results"]))
-        for path in SIGNATURES
-        for name, sizes in json.loads(path.read_text("utf-8")).items()
-    }
-
-
 @cache
 def loaded_library() -> Library:
     """The compiled library of this process. Raises MissingLibraryError where there is none."""
     path, variant = chosen_library()
-    try:
-        handle = ctypes.CDLL(str(path))
-    except OSError as error:
-        raise MissingLibraryError(f"{path} cannot be loaded ({error}): {REMEDY}") from error
-    shapes = signatures()
-    missing = [name for name in (*shapes, *WRITTEN) if not hasattr(handle, name)]
-    if missing:
-        raise MissingLibraryError(f"{path} lacks {missing[0]}: {REMEDY}")
-    for name, shape in shapes.items():
-        function = getattr(handle, name)
-        function.argtypes = [_POINTER] * (len(shape.arguments) + len(shape.results))
-        function.restype = None
-    return Library(handle, f"compiled with the package ({variant})", shapes)
+    return Library(opened(path), f"compiled with the package ({variant})", generated())
 
 
 @cache

@@ -45,7 +45,7 @@ struct certreg_batch {
     double *states;       /* matrix_state (euler), quaternion_state; start in, end out */
     int64_t *taken;          /* count: steps */
     int *status;          /* count */
-    int *escapes;         /* count */
+    int64_t *escapes;        /* count */
     double *times;        /* count: of the springs */
     struct certreg_log *log;
 };
@@ -67,6 +67,8 @@ int certreg_escape_spring(double state[CERTREG_QUATERNION_STATE], const double b
 void certreg_record_spring(struct certreg_log *log, int64_t step, double time, const double *state,
                            const double *body);
 
+/* sin and cos of an angle, the same on every processor, which the system's need not be. */
+double certreg_sine(double angle, double *cosine);
 /* q (0, a) + c q: the quaternion q turned by a half angle whose cosine is c, sine times axis a. */
 void certreg_turn(double q[4], double c, const double a[3]);
 /* A row for the next sample, or null if this step is not one. */

@@ -113,7 +113,7 @@ class Batch:
     states: Records
     taken: NDArray[np.int64]
     status: NDArray[np.int32]
-    escapes: NDArray[np.int32]
+    escapes: NDArray[np.int64]
     times: NDArray[np.float64]
 
     @property
@@ -143,7 +143,7 @@ class Batch:
             integrator=integrator,
             taken=np.zeros(count, dtype=np.int64),
             status=np.zeros(count, dtype=np.int32),
-            escapes=np.zeros(count, dtype=np.int32),
+            escapes=np.zeros(count, dtype=np.int64),
             times=np.zeros(count),
             **_copied(count, given),
         )
@@ -167,7 +167,7 @@ class Batch:
             basins=np.empty(count, dtype=BASIN),
             taken=np.zeros(count, dtype=np.int64),
             status=np.zeros(count, dtype=np.int32),
-            escapes=np.zeros(count, dtype=np.int32),
+            escapes=np.zeros(count, dtype=np.int64),
             times=np.zeros(count),
             **_copied(count, given),
         )
@@ -191,7 +191,7 @@ class Batch:
             states=start,
             taken=np.zeros(1, dtype=np.int64),
             status=np.zeros(1, dtype=np.int32),
-            escapes=np.zeros(1, dtype=np.int32),
+            escapes=np.zeros(1, dtype=np.int64),
             times=np.zeros(1),
         )
 

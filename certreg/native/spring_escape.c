@@ -23,15 +23,16 @@ static void perturb(double *state, const double along[6], double pull, double *s
         if (fabs(along[i]) > fabs(along[largest]))
             largest = i;
     const double amount = (pull == 0 ? along[largest] : pull) < 0 ? -*size : *size;
-    double sine[3], angle = 0;
+    double sine[3], cosine, angle = 0;
     for (int i = 0; i < 3; i++) {
         state[CERTREG_QUATERNION_STATE_C + i] += amount * along[i];
         angle += along[3 + i] * along[3 + i];
     }
     angle = sqrt(angle);
+    const double half = certreg_sine(amount * angle / 2, &cosine);
     for (int i = 0; i < 3; i++)
-        sine[i] = angle > 0 ? sin(amount * angle / 2) * along[3 + i] / angle : 0;
-    certreg_turn(state + CERTREG_QUATERNION_STATE_Q, cos(amount * angle / 2), sine);
+        sine[i] = angle > 0 ? half * along[3 + i] / angle : 0;
+    certreg_turn(state + CERTREG_QUATERNION_STATE_Q, cosine, sine);
     *size = fmin(*size * settings->perturbation_growth, settings->largest_perturbation);
 }
 

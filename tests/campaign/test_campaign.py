@@ -5,8 +5,10 @@ from __future__ import annotations
 import csv
 import dataclasses
 import json
+import math
 import os
 import select
+import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import nullcontext
@@ -38,9 +40,18 @@ from hypothesis import strategies as st
 
 import certreg
 from certreg.campaign import runner, store
+from certreg.campaign.arithmetic import arithmetic
 from certreg.campaign.pairs import PAIR_COLUMNS
 from certreg.campaign.runner import completed, in_order, perform
-from certreg.campaign.store import CERTIFICATES, MANIFEST, SHARDS, Manifest, Shards, occupied
+from certreg.campaign.store import (
+    CERTIFICATES,
+    MANIFEST,
+    SHARDS,
+    Manifest,
+    Shards,
+    current_versions,
+    occupied,
+)
 from certreg.campaign.table import Column, write_table
 from certreg.campaign.task import Task, TaskResult
 from certreg.campaign.workers import LocalWorkers, workers_at
@@ -56,6 +67,7 @@ from certreg.errors import (
     MissingToolError,
     RefusedCertificateError,
 )
+from certreg.native import kernels
 from certreg.paper.monte_carlo import (
     EXTREMES,
     INSTANCE_COLUMNS,
@@ -207,6 +219,83 @@ def test_a_worker_with_other_versions_is_refused():
     assert perform(task, VERSIONS).content == b"0"
     with pytest.raises(CampaignError, match=r"a worker has certreg .*, the campaign certreg 9\.9"):
         perform(task, VERSIONS | {"certreg": "9.9"})
+
+
+@pytest.mark.parametrize("name", ["kernels", "numpy_bits", "linear_algebra_bits", "libm_bits"])
+def test_a_worker_that_computes_otherwise_is_refused_by_name(name):
+    task, here = next(numbered(1)), current_versions()[name]
+
+    words = f"^a worker has {name} {here}, the campaign {name} other: install the same everywhere, "
+    with pytest.raises(CampaignError, match=words):
+        perform(task, VERSIONS | {name: "other"})
+
+
+def test_a_folder_begun_by_compiled_code_is_not_resumed_in_python(tmp_path, monkeypatch):
+    with occupied(tmp_path / "begun", FEW.manifest()):
+        pass
+    before = current_versions()
+    assert before["kernels"] == "compiled"
+    monkeypatch.setattr(store, "arithmetic", lambda: {**before, "kernels": "python"})
+
+    words = "its versions.kernels is compiled, here it is python: choose another folder"
+    with pytest.raises(InvalidFileError, match=words), occupied(tmp_path / "begun", FEW.manifest()):
+        pass
+
+
+@pytest.mark.parametrize(
+    ("module", "function", "name"),
+    [
+        (np, "exp", "numpy_bits"),
+        (np.linalg, "inv", "linear_algebra_bits"),
+        (math, "sin", "libm_bits"),
+    ],
+)
+def test_the_last_bit_of_one_result_is_seen(module, function, name, monkeypatch):
+    """As of a processor for which other code is chosen."""
+    usual, before = getattr(module, function), arithmetic()
+
+    def rounded_otherwise(given):
+        found = np.array(usual(given))
+        found.flat[-1] = np.nextafter(found.flat[-1], np.inf)
+        return found
+
+    monkeypatch.setattr(module, function, rounded_otherwise)
+    found = arithmetic.__wrapped__()
+    assert {key for key in before if found[key] != before[key]} == {name}
+
+
+RESUMING = """
+import sys, pathlib
+from campaign_work import Cut, finish
+finish(Cut(count=45, points=5), pathlib.Path(sys.argv[1]))
+finish(Cut(count=15, points=2), pathlib.Path(sys.argv[2]))
+"""
+
+
+@pytest.mark.slow
+def test_a_folder_begun_by_one_variant_is_resumed_by_another_to_the_byte(tmp_path):
+    variants = kernels.runnable(kernels.record_of(kernels.BUILT), kernels.BUILT)
+    folders = [tmp_path / "instances", tmp_path / "flat"]
+    root = Path(__file__).parents[2]
+
+    def finish_by(variant: str) -> dict[str, bytes]:
+        subprocess.run(
+            [sys.executable, "-c", RESUMING, *map(str, folders)],
+            env={
+                **os.environ,
+                "CERTREG_VARIANT": variant,
+                "PYTHONPATH": os.pathsep.join((str(root / "tests"), str(root))),
+            },
+            check=True,
+        )
+        return tree(tmp_path)
+
+    whole = finish_by(variants[-1])
+    for folder in folders:
+        for path in sorted((folder / SHARDS).iterdir())[::2]:
+            path.unlink()
+    assert tree(tmp_path) != whole
+    assert finish_by(variants[0]) == whole
 
 
 def test_a_failure_of_a_worker_is_one_clear_error():

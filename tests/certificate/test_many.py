@@ -354,7 +354,9 @@ def test_rows_that_are_not_there_are_not_read():
     pairs = ManyPairs.of(SOURCES[0], TARGETS[0])
     clouds = (pairs.source, pairs.target, pairs.weights)
 
-    for size, start in ((10, [0, 0, 0]), (9, [0, 1, 0]), (9, [-1, 0, 0]), (0, [0, 0, 0])):
+    last = 2**63 - 1  # and beyond it a sum would be negative
+    wrong = ((10, [0, 0, 0]), (9, [0, 1, 0]), (9, [-1, 0, 0]), (0, [0, 0, 0]), (9, [0, last, 0]))
+    for size, start in (*wrong, (last, [1, 1, 1])):
         with pytest.raises(ValueError, match="rows that are not there"):
             library.prove_optima(clouds, np.array([size]), np.array([start]))
 

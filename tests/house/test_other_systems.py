@@ -322,7 +322,7 @@ def test_a_build_survives_libraries_that_are_loaded(
         places.append(scratch)
         (scratch / "processor.so").write_bytes(b"loaded here")
         return build_kernels.Built(
-            digest="", checkout=False, compiler="", processor="", variants={}, why="none"
+            digest="", checkout=False, compiler="", asked="", processor="", variants={}, why="none"
         )
 
     unlink = os.unlink

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ctypes
 from itertools import product
 from typing import Any
 
@@ -16,7 +15,8 @@ from certreg.native.cones import (
     search_compiled,
     search_in_python,
 )
-from certreg.native.library import Library, signatures
+from certreg.native.library import Library
+from certreg.native.signatures import generated, opened
 
 ONE = 10**12
 BUDGET = 20_000
@@ -69,8 +69,8 @@ def libraries() -> list[Library]:
     """Each variant that was built and that this processor runs."""
     built = kernels.record_of(kernels.BUILT)
     names = kernels.runnable(built, kernels.BUILT) if not built.why else []
-    handles = [ctypes.CDLL(str(kernels.BUILT / built.variants[name])) for name in names]
-    return [Library(handle, "one variant", signatures()) for handle in handles]
+    handles = [opened(kernels.BUILT / built.variants[name]) for name in names]
+    return [Library(handle, "one variant", generated()) for handle in handles]
 
 
 def test_a_form_that_is_no_sum_of_squares_is_seen_to_be_positive():

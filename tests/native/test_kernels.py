@@ -5,8 +5,8 @@ from __future__ import annotations
 import ctypes
 import itertools
 import json
+import math
 import os
-import platform
 import re
 import shutil
 import subprocess
@@ -19,20 +19,31 @@ import numpy as np
 import pytest
 from commands import certreg
 from engines import engine
+from instructions import above_the_baseline, fused, listing_of, taken_from_the_system
 
 import build_kernels
+from benchmarks.rates import variants
 from build_kernels import BuildError, Compiler, NoCompilerError, find_compiler
 from certreg.errors import SlowSimulationWarning
 from certreg.native import engine as engines
-from certreg.native import kernels, library
+from certreg.native import kernels, signatures
 from certreg.native.evaluator import evaluator
-from certreg.native.kernels import BASELINE, LEVELS, Built, MissingLibraryError, chosen_library
+from certreg.native.kernels import (
+    BASELINE,
+    LEVELS,
+    Built,
+    MissingLibraryError,
+    VariantError,
+    chosen_library,
+)
 from certreg.native.library import Library, loaded_library
 from certreg.native.paths import STUCK, PathRules, quartic_paths
+from certreg.verify import shown
 
 ROOT = Path(__file__).parents[2]
 DATA = ROOT / "certreg" / "data"
-X86 = platform.machine().lower() in build_kernels.X86_64
+CLOUDS = [str(DATA / f"survey_{name}.csv") for name in ("source", "target")]
+X86 = build_kernels.X86
 
 
 @pytest.fixture(scope="session")
@@ -102,12 +113,52 @@ def test_another_variant_can_be_named(copied, built, monkeypatch):
     assert refusal() == "CERTREG_VARIANT is python"
 
 
-def test_a_variant_that_the_processor_does_not_run_cannot_be_named(copied, monkeypatch):
+def test_a_variant_that_the_processor_does_not_run_is_refused(copied, monkeypatch):
     assert copied.exists()
     monkeypatch.setattr(kernels, "_level", lambda _: 1)
     monkeypatch.setenv(kernels.VARIANT, "x86-64-v4")
 
-    assert refusal() == "CERTREG_VARIANT is x86-64-v4, of baseline, python"
+    words = "which this processor or build lacks: give baseline or python"
+    with pytest.raises(VariantError, match=f"^CERTREG_VARIANT is x86-64-v4, {words}$"):
+        chosen_library()
+
+
+@pytest.mark.parametrize("named", list(LEVELS))
+def test_a_variant_is_refused_where_nothing_is_built(named, folder, monkeypatch):
+    monkeypatch.setenv(kernels.VARIANT, named)
+    assert not folder.exists()
+
+    words = "but certreg's C code is not built: run `make kernels`"
+    with pytest.raises(VariantError, match=f"^CERTREG_VARIANT is {named}, {words}"):
+        chosen_library()
+
+
+@pytest.mark.usefixtures("anew")
+@pytest.mark.parametrize("named", ["x86_64_v3", "BASELINE", "no\nname"])
+def test_a_variant_that_is_none_is_refused_with_the_names_there_are(named, monkeypatch):
+    monkeypatch.setenv(kernels.VARIANT, named)
+    run = certreg("info")
+
+    choice = "give baseline, x86-64-v3, x86-64-v4 or python"
+    assert (run.code, run.out) == (2, "")
+    assert run.err == f"certreg: CERTREG_VARIANT is {shown(named)}: {choice}\n"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("command", ["certify", "simulate"])
+def test_no_command_that_computes_takes_a_variant_that_is_none(command, tmp_path):
+    run = subprocess.run(
+        [sys.executable, "-m", "certreg", command, *CLOUDS],
+        env={**os.environ, kernels.VARIANT: "v3", "PYTHONPATH": str(ROOT)},
+        cwd=tmp_path,
+        capture_output=True,
+        check=False,
+        encoding="utf-8",
+    )
+
+    choice = "give baseline, x86-64-v3, x86-64-v4 or python"
+    assert (run.returncode, run.stdout) == (2, "")
+    assert run.stderr == f"certreg: CERTREG_VARIANT is v3: {choice}\n"
 
 
 @pytest.mark.skipif(not X86 or sys.platform != "linux", reason="x86-64 and /proc/cpuinfo only")
@@ -125,8 +176,8 @@ def test_the_level_is_what_the_system_says_of_the_processor(built):
 def every_variant(built: Built) -> list[Library]:
     found: list[Library] = []
     for name in kernels.runnable(built, kernels.BUILT):
-        handle = ctypes.CDLL(str(kernels.BUILT / built.variants[name]))
-        found.append(Library(handle, name, library.signatures()))
+        handle = signatures.opened(kernels.BUILT / built.variants[name])
+        found.append(Library(handle, name, signatures.generated()))
     return found
 
 
@@ -343,7 +394,7 @@ def pretend(built: Built, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
             'for target; do :; done; echo "$*" >> "$0.log"',
             first,
             'case "$*" in',
-            "  --version) echo pretend 1.0;;",
+            "  *--version) echo pretend 1.0;;",
             f'  *processor*) cp {made / built.processor} "$target";;',
             '  *" -c "*) echo object > "$target";;',
             f'  *) cp {made / built.variants[BASELINE]} "$target";;',
@@ -385,6 +436,23 @@ def test_what_is_built_of_its_sources_is_left_alone(pretend, folder):
     assert build_kernels.renewed() == found
     assert log.exists()
     assert len(list(folder.glob("kernels-*"))) == len(found.variants)
+
+
+@pytest.mark.slow
+def test_another_compiler_that_is_asked_for_builds_anew(pretend, folder, monkeypatch):
+    log = pretend()
+    assert build_kernels.renewed().asked == os.environ["CC"]
+    monkeypatch.setenv("CC", f"{os.environ['CC']} -m64")
+    log.unlink()
+    found = build_kernels.renewed(set_up=False)
+
+    assert folder.exists()
+    assert log.read_text("utf-8").startswith("-m64 ")
+    log.unlink()
+    assert build_kernels.renewed() == found
+    monkeypatch.delenv("CC")  # any will do
+    assert build_kernels.renewed() == found
+    assert not log.exists()
 
 
 @pytest.mark.slow
@@ -452,7 +520,7 @@ def test_the_trial_is_a_process_of_its_own(built, copied):
     assert built.variants
     build_kernels._try(chosen_library()[0])
 
-    with pytest.raises(BuildError, match="certreg_euler_single"):
+    with pytest.raises(BuildError, match="undefined symbol: certreg_"):
         build_kernels._try(copied / built.processor)
 
 
@@ -466,7 +534,7 @@ def test_the_trial_is_a_process_of_its_own(built, copied):
 )
 def test_a_compiler_that_fails_says_why(does, words, pretend, folder, monkeypatch):
     monkeypatch.setattr(build_kernels, "_fetched_zig", no_index)
-    pretend(f'case "$*" in --version) ;; *) {does};; esac')
+    pretend(f'case "$*" in *--version) ;; *) {does};; esac')
     found = build_kernels.renewed()
 
     assert found.variants == {}
@@ -539,11 +607,109 @@ def test_a_named_compiler_is_found_with_its_arguments(pretend, tmp_path, monkeyp
         find_compiler()
 
 
-def test_zig_is_told_the_level_in_its_own_words():
+def test_every_compiler_is_told_the_level_in_its_own_words(monkeypatch):
+    zig = Compiler(command=("zig", "cc"), words="", zig=True)
+    assert zig.level("x86-64-v3") == ("-mcpu=x86_64_v3",)
+    assert zig.level(BASELINE) == ("-mcpu=baseline",)
+
+    monkeypatch.setattr(build_kernels, "X86", True)
+    assert Compiler(command=("cc",), words="").level("x86-64-v3") == ("-march=x86-64-v3",)
+    assert Compiler(command=("cc",), words="").level(BASELINE) == ("-march=x86-64",)
+    monkeypatch.setattr(build_kernels, "X86", False)
+    assert Compiler(command=("cc",), words="").level(BASELINE) == ()
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not X86, reason="of x86-64")
+def test_every_command_of_a_build_names_its_level(pretend, folder):
+    """Links, too: Zig compiles what it links for the processor that it is told."""
+    log = pretend()
+    build_kernels.renewed()
+    made = log.read_text("utf-8").splitlines()[1:]  # the first asks for the version
+
+    assert folder.exists()
+    assert len(made) == 1 + len(LEVELS) * (len(kernels.UNITS) + 1)
+    for line in made:
+        level = re.search(rf"/[\w-]+?-({'|'.join(LEVELS)})[-.]\S+$", line)
+        named = level[1] if level else BASELINE
+        assert re.findall(r"-march=(\S+)", line) == [named.replace(BASELINE, "x86-64")]
+
+
+# Instructions ------------------------------------------------------------------------------------
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not (X86 and shutil.which("objdump")), reason="of x86-64, read by objdump")
+def test_the_baseline_holds_no_instruction_that_a_processor_may_lack(built):
+    libraries = {name: kernels.BUILT / file for name, file in built.variants.items()}
+
+    for path in (libraries.pop(BASELINE), kernels.BUILT / built.processor):
+        assert above_the_baseline(listing_of(path)) == []
+    for path in libraries.values():
+        assert {"vaddpd", "mulx"} <= set(above_the_baseline(listing_of(path)))
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not (X86 and shutil.which("objdump")), reason="of x86-64, read by objdump")
+def test_no_variant_fuses_operations_or_asks_the_system_for_what_rounds(built):
+    """So bits do not depend on the processor: libm's sines are chosen by it."""
+    memory = {"calloc", "free", "malloc", "memcpy", "memmove", "memset", "qsort"}
+    exact = {"ceil", "fmax", "fmin", "frexp", "ldexp", "rint", "__stack_chk_fail"}
+    for name in built.variants.values():
+        assert fused(listing_of(kernels.BUILT / name)) == []
+        assert taken_from_the_system(kernels.BUILT / name) <= memory | exact
     assert (
-        Compiler(command=("zig", "cc"), words="", zig=True).level("x86-64-v3") == "-mcpu=x86_64_v3"
+        fused("  1:\tvfmaddsub132pd %ymm1,%ymm0,%ymm0\n  2:\tvfnmadd231sd (%rax),%xmm1,%xmm0") != []
     )
-    assert Compiler(command=("cc",), words="").level("x86-64-v3") == "-march=x86-64-v3"
+
+
+@pytest.mark.parametrize("half", [0.0, 1e-300, 5e-4, 0.5, np.nextafter(0.5, 1.0), 1.5, 3.0])
+def test_sine_and_cosine_are_those_of_the_system_to_the_last_bits(half):
+    cosine = ctypes.c_double()
+    function = loaded_library().handle.certreg_sine
+    sine = function(half, ctypes.byref(cosine))
+
+    doubled = 0.0 if half <= 0.5 else 5e-16
+    assert sine == pytest.approx(math.sin(half), rel=4e-16, abs=doubled)
+    assert cosine.value == pytest.approx(math.cos(half), rel=4e-16, abs=doubled)
+    assert function(-half, ctypes.byref(cosine)) == -sine
+
+
+@pytest.mark.slow
+def test_every_variant_gives_the_same_bytes(built):
+    """A pair of each kind in processes of their own; 400 by `make rates NAME=variants`."""
+    here = kernels.runnable(built, kernels.BUILT)
+    found = {name: variants.digests_of(kernels.BUILT, name, 1) for name in (here[0], here[-1])}
+
+    assert found[here[0]] == found[here[-1]]
+    assert set(found[here[0]]) == set(variants.KINDS)
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        *("vzeroupper", "vaddpd %xmm1,%xmm0,%xmm0", "{evex} vpdpbusd %ymm2,%ymm1,%ymm0"),
+        *("kmovb  %eax,%k1", "korb   %k0,%k2,%k0", "lock cmpxchg16b (%rdi)", "popcnt %rax,%rax"),
+        *("lzcnt  %rdx,%rdx", "mulx   %rax,%rcx,%rdx", "shlx   %rax,%rdx,%rdx"),
+        *("haddpd %xmm0,%xmm0", "movddup (%rax),%xmm0", "pshufb %xmm1,%xmm0"),
+        *("roundsd $0x9,%xmm0,%xmm0", "blendvpd %xmm0,%xmm2,%xmm1", "pcmpgtq %xmm1,%xmm0"),
+        *("pmulld %xmm1,%xmm0", "pinsrq $0x1,%rax,%xmm0", "ptest  %xmm0,%xmm0"),
+    ],
+)
+def test_an_instruction_above_the_baseline_is_found(line):
+    assert above_the_baseline(f"    1000:\t{line}\n") != []
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        *("rep ret", "tzcnt  %rax,%rax", "pinsrw $0x1,%eax,%xmm0", "cvtsi2sdq (%rax),%xmm0"),
+        *("call   2032 <vaddpd@plt>", "data16 cs nopw 0x0(%rax,%rax,1)", "mulpd  %xmm1,%xmm0"),
+        *("mov    0xa0fc5(%rip),%rax        # a2fd0 <vaddpd>", "pshufd $0xee,%xmm0,%xmm1"),
+    ],
+)
+def test_an_instruction_of_the_baseline_is_none_above_it(line):
+    assert above_the_baseline(f"    1000:\t{line}\n") == []
 
 
 @pytest.mark.slow
