@@ -8,6 +8,7 @@ looks for an instance at which the statement is false without it.
 from __future__ import annotations
 
 import enum
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
@@ -40,6 +41,10 @@ class Standing(enum.Enum):
     CASE = "Where a step says so"  # in force in those steps only that name it
 
 
+_INEQUALITY = re.compile(r"positive|negative|[<>]|\\(ge|le|ne|succ|succeq)\b|invertible|not zero")
+_EQUALITY = re.compile(r"=|equal|same|vanish|is zero")
+
+
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Hypothesis:
     """A hypothesis of one claim.
@@ -65,6 +70,17 @@ class Hypothesis:
     further: Callable[[Point], bool] | None = None
     concerns: tuple[sympy.Symbol, ...] = ()
     example: Mapping[sympy.Symbol, Any] = field(default_factory=dict[sympy.Symbol, Any])
+
+    def __post_init__(self) -> None:
+        if type(self) is not Hypothesis:
+            raise TypeError(f"no subclass is a hypothesis: {self.says}")
+        if type(self.values) is not tuple or type(self.generators) is not tuple:
+            raise TypeError(f"what a hypothesis is about is a tuple: {self.says}")
+        vanish = self.form is Condition.VANISHES
+        if self.form is not Condition.INVERTIBLE and self.generators != self.values * vanish:
+            raise ValueError(f"other expressions vanish by it than it is about: {self.says}")
+        if vanish and _INEQUALITY.search(self.says) and not _EQUALITY.search(self.says):
+            raise ValueError(f"an equation, and its sentence speaks of an inequality: {self.says}")
 
     def __getitem__(self, at: int | tuple[int, int]) -> Part:
         """One of the generators, or of the values where nothing vanishes; by row and column."""
@@ -173,20 +189,51 @@ def invertible(says: str, value: Any, inverse: Any = None, **further: Any) -> Hy
     numbers are not zero.
     """
     entries = tuple(flat(value))
-    if inverse is None:
-        return Hypothesis(says=says, form=Condition.INVERTIBLE, values=entries, **further)
     square = isinstance(value, sympy.MatrixBase)
+    if inverse is None:
+        if square:
+            raise TypeError(f"a vector or a matrix without its inverse; see `cases`: {says}")
+        return Hypothesis(says=says, form=Condition.INVERTIBLE, values=entries, **further)
+    solved = _letters_of_inverse(says, value, inverse)
     gone = value * inverse - (sympy.eye(value.rows) if square else 1)
-    solved = sorted(set[Any]().union(*(e.free_symbols for e in flat(inverse))), key=str)
     return Hypothesis(
         says=says,
         form=Condition.INVERTIBLE,
         values=entries,
         generators=tuple(flat(gone)),
         columns=value.cols if square else 1,
-        solves=tuple(solved),
+        solves=solved,
         **further,
     )
+
+
+def _letters_of_inverse(says: str, value: Any, inverse: Any) -> tuple[sympy.Symbol, ...]:
+    """The symbols that stand for an inverse, which any invertible value of this shape has.
+
+    Each entry is its own letter. That of a symmetric matrix is symmetric, and that of a triangular
+    matrix is triangular.
+    """
+    A = value if isinstance(value, sympy.MatrixBase) else sympy.Matrix([[value]])
+    B = inverse if isinstance(inverse, sympy.MatrixBase) else sympy.Matrix([[inverse]])
+    if A.rows != A.cols or A.shape != B.shape:
+        raise ValueError(f"only a square matrix has an inverse, of its shape: {says}")
+    n, places = A.rows, {}
+    for i in range(n):
+        for j in range(n):
+            places.setdefault(B[i, j], []).append((i, j))
+    gone = places.pop(sympy.Integer(0), [])
+    same = any(len(where) > 1 for where in places.values())
+    letters = all(isinstance(entry, sympy.Symbol) for entry in places)
+    if not letters or places.keys() & A.free_symbols:
+        raise ValueError(f"each entry of an inverse is its own letter: {says}")
+    if same and not (A.is_symmetric() and B.is_symmetric() and len(places) == n * (n + 1) // 2):
+        raise ValueError(f"each entry of an inverse is its own letter: {says}")
+    sides = {i < j for i, j in gone}
+    if gone and not (sides in ({True}, {False}) and all(i != j and A[i, j] == 0 for i, j in gone)):
+        raise ValueError(f"entries of an inverse that need not be zero: {says}")
+    if gone and len(gone) < n * (n - 1) // 2:
+        raise ValueError(f"entries of an inverse that need not be zero: {says}")
+    return tuple(sorted(places, key=str))
 
 
 def printed(hypotheses: Sequence[Hypothesis], standing: Standing) -> tuple[str, ...]:

@@ -15,7 +15,6 @@ from typing import Any
 import sympy
 
 from .hypothesis import Condition, Hypothesis, Point, Standing
-from .notation import scalar
 from .rings import rational
 from .steps import Asserted
 
@@ -68,6 +67,26 @@ def counterexample(
             continue
         if violated is None or violated.fails_at(point):
             return _instance(asserted, violated, point, wrong)
+    return None
+
+
+def witness(
+    hypotheses: Sequence[Hypothesis], first: Mapping[sympy.Symbol, Any]
+) -> Point | None:
+    """A rational point at which all the hypotheses hold, evaluated exactly; None if none was found.
+
+    first: a point to try before all others; then the hypotheses' examples, then small numbers.
+    """
+    symbols = frozenset[sympy.Symbol]().union(*(h.symbols for h in hypotheses))
+    proposed = [first, *(h.example for h in hypotheses if h.example)]
+    points = [
+        dict.fromkeys(symbols, Fraction(0)) | {s: Fraction(v) for s, v in told.items()}
+        for told in proposed
+    ]
+    drawn = _points(sorted(symbols, key=str), hypotheses, None)
+    for point in chain(points, drawn):
+        if all(h.holds_at(point) for h in hypotheses):
+            return point
     return None
 
 
@@ -157,7 +176,7 @@ def _of_a_body(draws: Iterator[int], *, flat: bool) -> Point:
         found[f"C_{place}"] = total[3 + i][j]
         found |= {f"S_{place}": total[i][j], f"T_{place}": total[3 + i][3 + j]}
         found[f"J_{place}"] = (trace if i == j else 0) - total[i][j]
-    return {scalar(name): Fraction(value) for name, value in found.items()}
+    return {sympy.Symbol(name, real=True): Fraction(value) for name, value in found.items()}
 
 
 def _break(violated: Hypothesis, point: Point, trial: int) -> None:

@@ -12,6 +12,9 @@ from sympy.polys.domains import QQ
 from sympy.polys.orderings import lex
 from sympy.polys.rings import PolyElement, PolyRing
 
+RATIONALS = frozenset(map(type, map(sympy.Rational, (0, 1, -1, 2, "1/2", "2/3"))))
+SUMS_AND_PRODUCTS = frozenset({sympy.Add, sympy.Mul})
+
 Entries = Any  # a SymPy expression, a number, or nested sequences or matrices of them
 
 
@@ -34,18 +37,41 @@ def ring_of(expressions: Iterable[Any], first: Sequence[sympy.Symbol] = ()) -> P
 
 
 def polynomial(ring: PolyRing, expression: Any) -> PolyElement:
-    """The expression multiplied out; TypeError for anything but a rational polynomial."""
+    """The expression multiplied out; TypeError for anything but a rational polynomial.
+
+    Its symbols are real, and nothing else is known of them: SymPy takes the root of p^2 for p where
+    a symbol is declared positive.
+    """
     return _multiplied_out(ring, sympy.sympify(expression))
 
 
 @lru_cache(maxsize=10_000)  # a control repeats most steps of the proof that it mutates
 def _multiplied_out(ring: PolyRing, expression: sympy.Expr) -> PolyElement:
-    if expression.has(sympy.Float):
-        raise TypeError(f"a floating-point number proves nothing: {expression}")
+    _check_nodes(expression)
     try:
         return ring.from_expr(expression)
     except ValueError as error:
         raise TypeError(f"not a polynomial with rational coefficients: {expression}") from error
+
+
+def _check_nodes(expression: sympy.Expr) -> None:
+    """Nothing but sums, products, powers with natural exponents, rationals and real symbols."""
+    left: list[Any] = [expression]
+    while left:
+        node = left.pop()
+        if isinstance(node, sympy.Float):
+            raise TypeError(f"a floating-point number proves nothing: {expression}")
+        if isinstance(node, sympy.Symbol):
+            if type(node) is not sympy.Symbol or node != sympy.Symbol(node.name, real=True):
+                raise TypeError(f"{node} is not a real symbol of which nothing else is known")
+        elif type(node) in SUMS_AND_PRODUCTS or _is_power(node):
+            left.extend(node.args)
+        elif type(node) not in RATIONALS:
+            raise TypeError(f"not a polynomial with rational coefficients: {expression}")
+
+
+def _is_power(node: Any) -> bool:
+    return type(node) is sympy.Pow and isinstance(node.exp, sympy.Integer) and node.exp >= 0
 
 
 def polynomials(expressions: Sequence[Any]) -> list[PolyElement]:

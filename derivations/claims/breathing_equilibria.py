@@ -25,6 +25,7 @@ from ..motion import DAMPING, Body
 from ..notation import (
     Matrix,
     body,
+    entry,
     inner,
     quaternion,
     scalar,
@@ -62,7 +63,7 @@ UPRIGHT = positive_by(r"$s > 0$.", S, standing=Standing.CASE)
 LOWER = positive_by(r"$\lambda_k < \lambda_j$.", LEVEL - OTHER, standing=Standing.CASE)
 TURNED = invertible(
     r"The torque at scale $1$ is not $0$: $\tau_1 \ne 0$, say.",
-    scalar("tau_1"),
+    entry("tau", 1),
     standing=Standing.CASE,
 )
 CLOUDS = ((4, 3, 2), (4, 2, 1), (4, 3, -2), (3, 2, -1), (2, 1, 1), (1, 1, -1))

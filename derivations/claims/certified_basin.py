@@ -20,6 +20,7 @@ from ..notation import (
     Array,
     Matrix,
     diagonal,
+    entry,
     hat,
     inner,
     matrix,
@@ -38,7 +39,7 @@ QUARTER = sympy.Rational(1, 4)  # E = omega^T J omega / 2 - 2 q^T K q is minus t
 
 P, OMEGA, J = quaternion("p"), vector("omega"), symmetric("J")
 K = Matrix(davenport_matrix(matrix("C").tolist()))
-FIRST, SECOND = scalar("l_1"), scalar("l_2")
+FIRST, SECOND = entry("l", 1), entry("l", 2)
 VALUE, SPIN = (P.T * K * P)[0], (OMEGA.T * J * OMEGA)[0]
 ONE = Matrix.eye(4)
 
@@ -72,7 +73,7 @@ PROPER = invertible(
     example={OMEGA[0]: 1} | {J[k, k]: 1 for k in range(3)},
 )
 BELOW = below_by(QUARTER)
-LEVELS = [scalar(f"l_{k}") for k in (1, 2, 3, 4)]
+LEVELS = [entry("l", k) for k in (1, 2, 3, 4)]
 ORDERED = nonnegative_by(
     r"$\lambda_1 \ge \lambda_2 \ge \lambda_3 \ge \lambda_4$ are the eigenvalues of $K$.",
     [a - b for a, b in pairwise(LEVELS)],
@@ -196,6 +197,7 @@ def _levels(spin: Any) -> Proof:
         r"sublevel set. Below $-2\lambda_2$ the only one is the optimum, $\lambda_1 > \lambda_2$ "
         r"being simple, so the motion converges to it. The translation obeys "
         r"$\ddot c + \mu \dot c + 2 c = 0$ and converges by itself.",
+        theorem="LaSalle's principle",
         source="[LaSalle1960]",
     )
     yield _barrier()

@@ -59,6 +59,7 @@ def proof(rates: Rates = rate) -> Proof:
         r"What it gives: every motion from any rotation, with any speeds, tends to the set of "
         r"equilibria. The set of its limits is connected, so where the equilibria are isolated it "
         r"tends to one of them.",
+        theorem="LaSalle's principle",
         source="[LaSalle1960]",
     )
 

@@ -16,7 +16,7 @@ from certreg.verify import positive_definite
 from ..algebra import Square, identity, positive
 from ..hypothesis import Standing, invertible, positive_by
 from ..kernel import Claim, Mutation, Proof, Step
-from ..notation import Matrix, scalar
+from ..notation import Matrix, entry
 from ..shipped import pivots_of, upper
 
 SIZE = 4
@@ -42,8 +42,8 @@ def eliminated_row(A: Any, k: int, x: Any) -> Any:
     return sum(minor * x[k - 1 + j] for j, minor in enumerate(minors))
 
 
-A = Matrix(SIZE, SIZE, lambda i, j: scalar(f"a_{min(i, j) + 1}{max(i, j) + 1}"))
-X = Matrix([scalar(f"x_{k}") for k in range(1, SIZE + 1)])
+A = Matrix(SIZE, SIZE, lambda i, j: entry("a", min(i, j) + 1, max(i, j) + 1))
+X = Matrix([entry("x", k) for k in range(1, SIZE + 1)])
 MINORS = positive_by(
     r"The minors $D_1, \ldots, D_4$ are positive.",
     [leading_minor(A, k) for k in range(1, SIZE + 1)],

@@ -13,9 +13,9 @@ from ..algebra import Square, combination, contraction, facts, identity, nonnega
 from ..hypotheses import SPECTRAL
 from ..hypothesis import Standing, nonnegative_by, vanishing
 from ..kernel import Claim, Mutation, Proof, Step
-from ..notation import Matrix, inner, matrix, scalar, square
+from ..notation import Matrix, entry, inner, matrix, square
 
-GAPS = [scalar(f"g_{k}") for k in (1, 2, 3)]
+GAPS = [entry("g", k) for k in (1, 2, 3)]
 DESCENDING = nonnegative_by(
     r"$\lambda_1 \ge \lambda_2 \ge \lambda_3 \ge \lambda_4$ are the eigenvalues of $K$, the gaps "
     r"$g_1, g_2, g_3 \ge 0$ between neighbours.",
@@ -31,8 +31,8 @@ ORTHONORMAL = vanishing(
 )
 TRACE_FREE = vanishing(
     r"$\operatorname{tr} K = 0$, as it is for Davenport's matrix.",
-    sum(scalar(f"l_{k}") for k in (1, 2, 3, 4)),
-    solves=(scalar("l_4"),),
+    sum(entry("l", k) for k in (1, 2, 3, 4)),
+    solves=(entry("l", 4),),
 )
 
 
@@ -51,7 +51,7 @@ def proof(lower: Any = 1, upper: Any = 2, factor: int = 4) -> Proof:
 
 
 def _norm(factor: int) -> Proof:
-    spectrum = [scalar(f"l_{k}") for k in (1, 2, 3, 4)]
+    spectrum = [entry("l", k) for k in (1, 2, 3, 4)]
     D, Q = sympy.diag(*spectrum), BASIS
     total = sum(level**2 for level in spectrum)
     gram = Q.T * Q

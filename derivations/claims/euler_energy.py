@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from fractions import Fraction
 from typing import Any
 
 import sympy
@@ -26,6 +27,7 @@ from ..motion import (
     velocity,
 )
 from ..notation import Array, Matrix, diagonal, inner, matrix, square, vector
+from ..rings import rational
 from .properness import solid_determinant, spin_terms
 
 Stepped = Callable[[State, Body], Array]
@@ -148,8 +150,8 @@ def _example(step: Stepped) -> Step:
         r"with $c = e_1$; $h = \tfrac1{100}$ as in the paper. Summed over springs and particles, "
         r"the energy is $24$ before the step and $24 + \tfrac7{2500}$ after it, the same with "
         r"every damping. Along the flow it never rises (claim `dissipation`).",
-        [before, then, _rise(body, start)],
-        [24, 24 + Rational(7, 2500), Rational(7, 2500)],
+        [rational(value) for value in (before, then, _rise(body, start))],
+        [24, 24 + Fraction(7, 2500), Fraction(7, 2500)],
     )
 
 

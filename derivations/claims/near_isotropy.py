@@ -73,6 +73,7 @@ def proof(second: Second = hessian, *, sign: int = -1, room: int = 2) -> Proof:
         r"positive constant, as the sphere is compact, and inside each the Hessian is invertible. "
         r"If $F$ and its first two derivatives change by little enough, the gradient stays "
         r"different from zero outside, and inside there stays exactly one zero, of the same index.",
+        theorem="the implicit function theorem",
         source="the implicit function theorem",
     )
     yield _continuous()

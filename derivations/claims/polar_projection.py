@@ -18,6 +18,7 @@ from ..notation import (
     Array,
     Matrix,
     determinant,
+    entry,
     hat,
     inner,
     matrix,
@@ -57,10 +58,10 @@ POSITIVE_ROOT = nonnegative_by(
     r"$n = \sqrt{1 + |a|^2}$, so $n \ge 0$.",
     N,
     standing=NOTATION,
-    example={N: Fraction(-5, 3), A[0]: Fraction(4, 3), scalar("x_1"): 1},
+    example={N: Fraction(-5, 3), A[0]: Fraction(4, 3), entry("x", 1): 1},
 )
 STRETCHED = invertible(
-    r"$x \ne 0$, in the first coordinate, say.", scalar("x_1"), standing=Standing.CASE
+    r"$x \ne 0$, in the first coordinate, say.", entry("x", 1), standing=Standing.CASE
 )
 FIRST_INVERSE = invertible("$u = 1/n$.", N, U, standing=NOTATION)
 SECOND_INVERSE = invertible("$w = 1/(n + 1)$.", N + 1, W, standing=NOTATION)

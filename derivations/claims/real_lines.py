@@ -10,12 +10,12 @@ from certreg.objective.springs import Springs
 from ..algebra import combination, facts, nonnegative, quoted
 from ..hypothesis import Standing, nonnegative_by, vanishing
 from ..kernel import Claim, Mutation, Proof
-from ..notation import scalar
+from ..notation import entry
 from ..rationals import rank_modulo
 from .forty_real import index_of, lines, six_planes
 
 Indices = Callable[..., int | None]
-C = [scalar(f"c_{k}") for k in range(4)]
+C = [entry("c", k) for k in range(4)]
 BETTI = (1, 1, 1, 1)
 HELD = (1, 1, 1)
 MINIMUM = nonnegative_by(r"$c_0 \ge 1$.", C[0] - 1, standing=Standing.CASE)
@@ -89,6 +89,7 @@ def proof(index: Indices = index_of, *, least: int = 4, betti: Sequence[int] = B
         r"critical points, $c_k$ of them of index $k$, $c_k - c_{k-1} + \ldots \pm c_0 \ge b_k - "
         r"b_{k-1} + \ldots \pm b_0$ for every $k$, with equality for the last. Here the right "
         r"sides are $1, 0, 1, 0$.",
+        theorem="Morse's inequalities",
         source="[Milnor1963]",
     )
     c = C
@@ -119,6 +120,7 @@ def proof(index: Indices = index_of, *, least: int = 4, betti: Sequence[int] = B
         r"Degenerate or not, there are at least four: the classes of degree one of the rotations "
         r"modulo 2 have a cube that is not zero, and a function has more critical points than "
         r"that product has factors.",
+        theorem="the theorem of Lusternik and Schnirelmann",
         source="[Cornea2003]",
     )
     yield from _seen(index, least)

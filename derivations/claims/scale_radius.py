@@ -60,6 +60,7 @@ def proof(moved: Range = moved_scale, *, least: int = 1, most: int = 1) -> Proof
         r"The largest eigenvalue $\lambda$ of $K$ and $\lambda'$ of the moved points differ by at "
         r"most $m = \sqrt{M S_{yy}}\,dx + \sqrt{M S_{xx}}\,dy + M\,dx\,dy$, by Weyl's inequality "
         r"and the bound of claim `eigenvector_radius` on the change of $K$.",
+        theorem="Weyl's inequality",
         source="[HornJohnson2012], Weyl's inequality",
     )
     yield from _size()

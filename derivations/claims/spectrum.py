@@ -130,6 +130,7 @@ def _frame() -> Proof:
         r"in the order of descending eigenvalues $d_1 \geq d_2 \geq d_3$, into the columns of $V$; "
         r"change the sign of one if $\det V = -1$. Then $S = V \operatorname{diag}(d) "
         r"V^{\mathsf T}$ with $V \in \mathrm{SO}(3)$.",
+        theorem="the spectral theorem",
         source="the spectral theorem",
     )
     d, a = vector("d"), quaternion("a")

@@ -14,11 +14,11 @@ from ..algebra import Square, combination, contraction, facts, identity, positiv
 from ..hypotheses import SPECTRAL
 from ..hypothesis import Standing, invertible, positive_by, vanishing
 from ..kernel import Claim, Mutation, Proof
-from ..notation import Array, Matrix, inner, matrix, quaternion, scalar, symmetric, vector
+from ..notation import Array, Matrix, entry, inner, matrix, quaternion, scalar, symmetric, vector
 
 Second = Callable[..., Any]
 SIZE = 3  # of the matrices that are written out below; the words hold for any
-QUARTIC = [scalar(f"F_{k}") for k in range(len(MONOMIALS))]
+QUARTIC = [entry("F", k) for k in range(len(MONOMIALS))]
 Q, P = quaternion(), quaternion("p")
 S, B, A = symmetric("S"), matrix("B"), symmetric("A")
 INVERSE = symmetric("P")

@@ -14,6 +14,7 @@ from ..notation import (
     Array,
     Matrix,
     diagonal,
+    entry,
     gradient,
     hat,
     inner,
@@ -25,7 +26,7 @@ from ..notation import (
 )
 
 Pull = Callable[[Any, Any], Array]
-L = Matrix(3, 3, lambda i, j: scalar(f"l_{i + 1}{j + 1}") if j <= i else 0)
+L = Matrix(3, 3, lambda i, j: entry("l", i + 1, j + 1) if j <= i else 0)
 R, X, Y = matrix("R"), vector("x"), vector("y")
 CENTRE, V, OMEGA, N = vector("c"), vector("v"), vector("omega"), vector("n")
 FORCE, TORQUE, J, M, MU = vector("f"), vector("tau"), symmetric("J"), scalar("M"), scalar("mu")
@@ -34,7 +35,7 @@ STIFF = nonnegative_by(
     r"$s_1, s_2, s_3 \ge 0$: the eigenvalues of $S$.",
     list(vector("s")),
     standing=Standing.NOTATION,
-    example={scalar("s_1"): -1, scalar("u_1"): 1},
+    example={entry("s", 1): -1, entry("u", 1): 1},
 )
 RESISTING = positive_by(
     r"$S \succ 0$: $s_1, s_2, s_3 > 0$.", list(vector("s")), standing=Standing.CASE
@@ -79,6 +80,7 @@ def proof(pull: Pull = pull_of, *, drag: int = 1, least: int = 1) -> Proof:
         r"with $v = \omega = 0$, on which force and torque vanish: the equilibria. Where $S n = "
         r"0$, $n \cdot v$ decays like $e^{-\mu t}$ and $n \cdot c$ tends to $n \cdot (c + v/\mu)$ "
         r"of the start.",
+        theorem="LaSalle's principle",
         source="[LaSalle1960]",
     )
 
@@ -208,7 +210,7 @@ CLAIM = Claim(
         "ten times the determinant": Mutation(
             at=1,
             proof=lambda: proof(least=10),
-            point={scalar(f"s_{k}"): 1 for k in (1, 2, 3)} | {scalar("u_1"): 1},
+            point={entry("s", k): 1 for k in (1, 2, 3)} | {entry("u", 1): 1},
         ),
     },
     not_claimed="That the limit is the optimum, or unstable elsewhere: claim `stable_spurious`. "

@@ -98,7 +98,7 @@ def test_a_proof_stops_at_the_first_step_that_fails():
 
 def test_quoting_alone_proves_nothing():
     def steps():
-        yield algebra.quoted("All is well.", source="[Leibniz1710]")
+        yield algebra.quoted("All is well.", theorem="optimism", source="[Leibniz1710]")
 
     found = prove(claim(steps))
 
