@@ -282,9 +282,7 @@ def cases(says: str, branches: Sequence[Hypothesis], *, unless: Entries = ()) ->
     verdict = _proved(f"{_count(len(branches), 'case')}: {words}")
     if not covered:
         verdict = _refuted("they leave a case out")
-    return Step(
-        says=says, kind=Kind.CASES, verdict=verdict, covers=frozenset(branches), seal=_SEAL
-    )
+    return Step(says=says, kind=Kind.CASES, verdict=verdict, covers=frozenset(branches), seal=_SEAL)
 
 
 def quoted(says: str, *, theorem: str, source: str) -> Step:

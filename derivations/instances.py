@@ -15,7 +15,7 @@ from typing import Any
 import sympy
 
 from .hypothesis import Condition, Hypothesis, Point, Standing
-from .rings import rational
+from .rings import Surd, rational
 from .steps import Asserted
 
 TRIES = 300  # points; the claims of the book need fewer than 160
@@ -70,17 +70,16 @@ def counterexample(
     return None
 
 
-def witness(
-    hypotheses: Sequence[Hypothesis], first: Mapping[sympy.Symbol, Any]
-) -> Point | None:
-    """A rational point at which all the hypotheses hold, evaluated exactly; None if none was found.
+def witness(hypotheses: Sequence[Hypothesis], first: Mapping[sympy.Symbol, Any]) -> Point | None:
+    """A point at which all the hypotheses hold, decided exactly; None if none was found.
 
     first: a point to try before all others; then the hypotheses' examples, then small numbers.
     """
     symbols = frozenset[sympy.Symbol]().union(*(h.symbols for h in hypotheses))
     proposed = [first, *(h.example for h in hypotheses if h.example)]
     points = [
-        dict.fromkeys(symbols, Fraction(0)) | {s: Fraction(v) for s, v in told.items()}
+        dict.fromkeys(symbols, Fraction(0))
+        | {s: v if isinstance(v, Surd) else Fraction(v) for s, v in told.items()}
         for told in proposed
     ]
     drawn = _points(sorted(symbols, key=str), hypotheses, None)

@@ -344,6 +344,8 @@ def _unmet(claim: Claim, steps: Sequence[Step]) -> str:
     order = {h: k for k, h in enumerate(claim.hypotheses)}
     for together in dict.fromkeys([everywhere, *(everywhere | some for some in named)]):
         if together and witness(sorted(together, key=order.__getitem__), claim.witness) is None:
-            words = "; ".join(h.says.removesuffix(".") for h in sorted(together, key=order.__getitem__))
+            words = "; ".join(
+                h.says.removesuffix(".") for h in sorted(together, key=order.__getitem__)
+            )
             return f"no point at which these hold together was found: {words}"
     return ""

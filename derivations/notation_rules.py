@@ -1,9 +1,9 @@
 """Whether a notation is one: what it says of a letter can be had for any data.
 
 A hypothesis whose standing is NOTATION is printed as setting, not as an assumption. So each of its
-equations must be solvable for a letter of its own, which occurs in no other hypothesis: linear,
-with a coefficient that is not zero; of odd degree, monic; or k^2 = e with e >= 0. Signs are read
-off the terms.
+equations must be solvable for a letter of its own: linear, with a coefficient that is not zero; of
+odd degree, monic; or k^2 = e with e >= 0. Signs are read off the terms. Its letter occurs in no
+other hypothesis, but in notations that come after it.
 """
 
 from __future__ import annotations
@@ -21,12 +21,15 @@ Symbols = frozenset[sympy.Symbol]
 
 def no_notation(hypotheses: Sequence[Hypothesis]) -> str:
     """Why a notation among the hypotheses of a claim may be an assumption; empty if none may."""
-    for h in hypotheses:
+    for number, h in enumerate(hypotheses):
         if h.standing is not Standing.NOTATION:
             continue
-        elsewhere = Symbols().union(
-            *(o.symbols for o in hypotheses if o is not h and not _roots_sign(o, h))
-        )
+        before = [
+            o
+            for k, o in enumerate(hypotheses)
+            if (k < number or o.standing is not Standing.NOTATION) and not _roots_sign(o, h)
+        ]
+        elsewhere = Symbols().union(*(o.symbols for o in before if o is not h))
         if h.form in {Condition.NONNEGATIVE, Condition.POSITIVE}:
             if not any(_roots_sign(h, other) for other in hypotheses):
                 return f"the notation {h.says!r} is not solved for a letter"
@@ -35,7 +38,9 @@ def no_notation(hypotheses: Sequence[Hypothesis]) -> str:
         if letters is None:
             return f"the notation {h.says!r} is not solved for a letter"
         if shared := sorted(letters & elsewhere, key=str):
-            return f"{shared[0]}, for which the notation {h.says!r} is solved, occurs in another"
+            return (
+                f"{shared[0]}, for which the notation {h.says!r} is solved, occurs in another one"
+            )
     return ""
 
 

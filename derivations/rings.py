@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache
 from typing import Any
@@ -86,23 +87,59 @@ def symbols_of(element: PolyElement) -> set[sympy.Symbol]:
     return {symbol for symbol, degree in zip(element.ring.symbols, occur, strict=False) if degree}
 
 
-def value_at(element: PolyElement, point: Mapping[sympy.Symbol, Fraction]) -> Fraction:
+@dataclass(frozen=True, slots=True)
+class Surd:
+    """The number a + b sqrt(n) with n > 0 no square, whose sign is decided exactly."""
+
+    a: Fraction | int
+    b: Fraction | int
+    n: int
+
+    def __add__(self, other: Any) -> Surd:
+        a, b = (other.a, other.b) if isinstance(other, Surd) else (other, 0)
+        return Surd(self.a + a, self.b + b, self.n)
+
+    def __mul__(self, other: Any) -> Surd:
+        a, b = (other.a, other.b) if isinstance(other, Surd) else (other, 0)
+        return Surd(self.a * a + self.b * b * self.n, self.a * b + self.b * a, self.n)
+
+    __radd__, __rmul__ = __add__, __mul__
+
+    def __pow__(self, power: int) -> Surd:
+        return self if power == 1 else self * self ** (power - 1)
+
+    def __bool__(self) -> bool:
+        return bool(self.a or self.b)
+
+    def __gt__(self, other: int) -> bool:
+        a = self.a - other
+        if a * self.b >= 0:
+            return a > 0 or self.b > 0
+        return (a * a > self.b * self.b * self.n) == (a > 0)
+
+    def __ge__(self, other: int) -> bool:
+        return self > other or not self + -other
+
+
+def value_at(element: PolyElement, point: Mapping[sympy.Symbol, Any]) -> Any:
     """The value of a polynomial where its symbols have these values; KeyError if one has none."""
-    total: int | Fraction = 0
+    total: Any = 0
     symbols = element.ring.symbols
     for powers, coefficient in element.terms():
-        term = _plain(rational(coefficient))
+        term: Any = _plain(rational(coefficient))
         for symbol, power in zip(symbols, powers, strict=True):
             if power:
                 term *= _plain(point[symbol]) ** power
                 if not term:
                     break
         total += term
-    return Fraction(total)
+    return total if isinstance(total, Surd) else Fraction(total)
 
 
-def _plain(value: Fraction) -> int | Fraction:
+def _plain(value: Any) -> Any:
     """The same number; most are integers, which are reckoned with ten times faster."""
+    if isinstance(value, Surd):
+        return value
     return value.numerator if value.denominator == 1 else value
 
 

@@ -19,22 +19,16 @@ POTENTIAL = M * square(C) + TARGET + S**2 * SIZE - 2 * S * ALIGNED
 ENERGY = POTENTIAL + (M * square(V) + S**2 * SPIN + SIZE * P**2) / 2
 HALF = sympy.Rational(1, 2)
 
-HEAVY = nonnegative_by(
-    r"$M \ge 0$: masses.", M, standing=Standing.NOTATION, example={V[0]: 1, M: -1}
-)
-SOURCE = nonnegative_by(
-    r"$S_{xx} \ge 0$: a sum of squares.", SIZE, standing=Standing.NOTATION, example={P: 1}
-)
+HEAVY = nonnegative_by(r"$M \ge 0$: masses.", M, example={V[0]: 1, M: -1})
+SOURCE = nonnegative_by(r"$S_{xx} \ge 0$: a sum of squares.", SIZE, example={P: 1})
 TURNING = nonnegative_by(
     r"$e = \omega^{\mathsf T} J \omega \ge 0$.",
     SPIN,
-    standing=Standing.NOTATION,
     example={S: 1, SPIN: -1},
 )
 TOP = nonnegative_by(
     r"$\lambda_1$ is the largest eigenvalue of $K$: $a = q^{\mathsf T} K q \le \lambda_1$.",
     FIRST - ALIGNED,
-    standing=Standing.NOTATION,
     prepare=lambda point: {FIRST: abs(point[ALIGNED]) + 1},
 )
 UPRIGHT = nonnegative_by(r"Up to that moment $s \ge 0$.", S, standing=Standing.CASE)

@@ -56,7 +56,6 @@ def below_by(spin: Any) -> Hypothesis:
 TOP = nonnegative_by(
     r"$\lambda_1$ is the largest eigenvalue of $K$.",
     FIRST * square(P) - VALUE,
-    standing=Standing.NOTATION,
     prepare=lambda point: {FIRST: abs(point[FIRST]) + 100},
     further=lambda point: semidefinite(FIRST * ONE - K, point),
 )

@@ -47,7 +47,6 @@ def _most_by(below: int) -> Hypothesis:
     return nonnegative_by(
         r"$u = \max(k - 1, c')$.",
         [MOST - NEXT + below, MOST - LATER],
-        standing=Standing.NOTATION,
         example={LATER: 1, MET: 1},
     )
 

@@ -11,7 +11,7 @@ from certreg.geometry.so3 import davenport_matrix
 
 from ..algebra import Square, combination, contraction, facts, identity, nonnegative
 from ..hypotheses import SPECTRAL
-from ..hypothesis import Standing, nonnegative_by, vanishing
+from ..hypothesis import nonnegative_by, vanishing
 from ..kernel import Claim, Mutation, Proof, Step
 from ..notation import Matrix, entry, inner, matrix, square
 
@@ -20,14 +20,12 @@ DESCENDING = nonnegative_by(
     r"$\lambda_1 \ge \lambda_2 \ge \lambda_3 \ge \lambda_4$ are the eigenvalues of $K$, the gaps "
     r"$g_1, g_2, g_3 \ge 0$ between neighbours.",
     GAPS,
-    standing=Standing.NOTATION,
     example={GAPS[0]: 1, GAPS[1]: -1},
 )
 BASIS = matrix("Q", 4)
 ORTHONORMAL = vanishing(
     r"$Q^{\mathsf T}Q = I$: the columns are an orthonormal basis of eigenvectors.",
     BASIS.T * BASIS - sympy.eye(4),
-    standing=Standing.NOTATION,
 )
 TRACE_FREE = vanishing(
     r"$\operatorname{tr} K = 0$, as it is for Davenport's matrix.",

@@ -256,6 +256,7 @@ CLAIM = Claim(
     ),
     source="Shor's dual of [Horn1987]'s eigenvalue problem; the bounds are elementary",
     proof=proof,
+    witness={Q_OF[0]: 1, P_OF[0]: 1, DELTA: 1} | dict.fromkeys(matrix("R").diagonal(), 1),
     controls={
         "a gap below delta": Mutation(
             at=3,

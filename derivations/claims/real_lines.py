@@ -8,7 +8,7 @@ from itertools import product
 from certreg.objective.springs import Springs
 
 from ..algebra import combination, facts, nonnegative, quoted
-from ..hypothesis import Standing, nonnegative_by, vanishing
+from ..hypothesis import nonnegative_by, vanishing
 from ..kernel import Claim, Mutation, Proof
 from ..notation import entry
 from ..rationals import rank_modulo
@@ -18,23 +18,20 @@ Indices = Callable[..., int | None]
 C = [entry("c", k) for k in range(4)]
 BETTI = (1, 1, 1, 1)
 HELD = (1, 1, 1)
-MINIMUM = nonnegative_by(r"$c_0 \ge 1$.", C[0] - 1, standing=Standing.CASE)
+MINIMUM = nonnegative_by(r"By Morse, quoted: $c_0 \ge 1$.", C[0] - 1)
 SADDLES = nonnegative_by(
-    r"$c_1 - c_0 \ge 0$.",
+    r"By Morse, quoted: $c_1 - c_0 \ge 0$.",
     C[1] - C[0],
-    standing=Standing.CASE,
     example={C[0]: 1, C[1]: 0, C[2]: 1, C[3]: 2},
 )
 MIDDLE = nonnegative_by(
-    r"$c_2 - c_1 + c_0 \ge 1$.",
+    r"By Morse, quoted: $c_2 - c_1 + c_0 \ge 1$.",
     C[2] - C[1] + C[0] - 1,
-    standing=Standing.CASE,
     example={C[0]: 1, C[1]: 1},
 )
 EULER = vanishing(
-    r"$c_3 - c_2 + c_1 - c_0 = 0$.",
+    r"By Morse, quoted: $c_3 - c_2 + c_1 - c_0 = 0$.",
     C[3] - C[2] + C[1] - C[0],
-    standing=Standing.CASE,
     solves=(C[3],),
     example={C[0]: 1, C[1]: 1, C[2]: 1},
 )

@@ -22,7 +22,7 @@ from certreg.relaxation.qcqp import (
 
 from ..algebra import Square, facts, identity, nonnegative
 from ..hypotheses import SPECTRAL
-from ..hypothesis import Standing, nonnegative_by
+from ..hypothesis import nonnegative_by
 from ..kernel import Claim, Mutation, Proof
 from ..notation import Matrix, diagonal, entry, inner, matrix, quaternion, rotation, square
 from ..rationals import rank
@@ -32,13 +32,11 @@ LEVELS = [entry("l", k) for k in (1, 2, 3, 4)]
 LARGEST = nonnegative_by(
     r"$\lambda_1$ is the largest eigenvalue of $K$.",
     [LEVELS[0] - level for level in LEVELS],
-    standing=Standing.NOTATION,
 )
 DIAGONAL_LEVELS = [davenport_matrix(diagonal("d").tolist())[k][k] for k in range(4)]
 LARGEST_OF_C = nonnegative_by(
     r"$\lambda_1$ is the largest eigenvalue of $K$.",
     [DIAGONAL_LEVELS[0] - level for level in DIAGONAL_LEVELS],
-    standing=Standing.NOTATION,
 )
 SIZE, PAIRS = 10, tuple(combinations_with_replacement(range(10), 2))
 

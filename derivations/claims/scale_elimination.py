@@ -32,7 +32,6 @@ TURNED = nonnegative_by(
 LARGEST = nonnegative_by(
     r"$\lambda_1 \ge \lambda_k$; the sum of all four is $0$.",
     [TOP - LEVELS[1], TOP - LEVELS[2], TOP - LAST],
-    standing=Standing.NOTATION,
     prepare=lambda point: {TOP: 2 * max(abs(point[level]) for level in LEVELS)},
 )
 KEEPS = nonnegative_by(

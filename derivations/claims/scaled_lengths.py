@@ -42,7 +42,6 @@ SMALL = nonnegative_by(
 SIDES = nonnegative_by(
     r"$\mu, \epsilon \ge 0$.",
     [SHORT, EPSILON],
-    standing=Standing.NOTATION,
     example={SHORT: -2, EPSILON: 1, LONG: 1},
 )
 APART = positive_by(

@@ -47,12 +47,10 @@ AT_REST = QuaternionState(v=sympy.zeros(3, 1), omega=sympy.zeros(3, 1))
 PUSHED = positive_by(
     r"$i = (1 - e^{-\mu h})/\mu > 0$, as $\mu > 0$ and $h > 0$.",
     IMPULSE,
-    standing=Standing.NOTATION,
 )
 DECAYING = vanishing(
     r"$e = e^{-\mu h}$ and $i = (1 - e)/\mu$: $\mu i + e = 1$.",
     DAMPING * IMPULSE + DECAY - 1,
-    standing=Standing.NOTATION,
     solves=(DECAY,),
 )
 

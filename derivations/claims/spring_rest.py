@@ -34,7 +34,6 @@ STRETCHED = Y - R * X - CENTRE
 STIFF = nonnegative_by(
     r"$s_1, s_2, s_3 \ge 0$: the eigenvalues of $S$.",
     list(vector("s")),
-    standing=Standing.NOTATION,
     example={entry("s", 1): -1, entry("u", 1): 1},
 )
 RESISTING = positive_by(

@@ -189,6 +189,7 @@ CLAIM = Claim(
     ),
     source="elementary; Lagrange's multipliers",
     proof=proof,
+    witness={LEVEL: -1, Q[0]: 1, P[0]: 1} | dict.fromkeys(matrix("R").diagonal(), 1),
     controls={
         "points that move by half as much": Mutation(
             at=2,

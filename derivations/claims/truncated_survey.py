@@ -259,6 +259,7 @@ CLAIM = Claim(
     ),
     source="elementary; branch and bound",
     proof=proof,
+    witness={DELTA: 1, Q[0]: 1, P[0]: 1},
     controls={
         "a box of a smaller diagonal": Mutation(
             at=1,

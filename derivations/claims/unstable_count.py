@@ -35,7 +35,6 @@ Y = matrix("Y")
 ORTHONORMAL = vanishing(
     r"$Y$ is orthogonal, $YY^{\mathsf T} = I$: eigenvectors of $T^{-1}GT^{-\mathsf T}$.",
     Y * Y.T - sympy.eye(3),
-    standing=Standing.NOTATION,
     prepare=rotation_of("Y").prepare,
 )
 NEGATIVE = positive_by("$g_i < 0$.", [-g for g in vector("g")], standing=Standing.CASE)

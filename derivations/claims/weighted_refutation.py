@@ -291,6 +291,7 @@ CLAIM = Claim(
     setting=("$k_0$ of the other neighbours and $k_1$ of the groups are within.",),
     source="elementary; weak duality",
     proof=proof,
+    witness={SPREAD: 1, P[0]: 1} | dict.fromkeys(R.diagonal(), 1),
     controls={
         "S - B less K only": Mutation(
             at=3,
