@@ -253,36 +253,48 @@ _SIGNS = {
 }
 
 
-def cases(says: str, branches: Sequence[Hypothesis], *, unless: Entries = ()) -> Step:
+def cases(
+    says: str, branches: Sequence[Hypothesis], *, unless: Entries = (), whole: bool = False
+) -> Step:
     """The step that one of several conditions always holds, unless all entries of a vector vanish.
 
-    By their form. Without `unless` they are conditions on one expression, or its negative, that
-    leave no sign out. With it they say of each entry that it is not zero.
+    By their form: conditions on one expression, or its negative, that leave no sign out; with
+    `unless`, that each of its entries is not zero; with `whole`, that a whole number is not
+    negative, or is at most -1.
     """
-    vector = [entry for entry in flat(unless) if entry != 0]
-    values = [branch.values[0] for branch in branches if len(branch.values) == 1]
-    if len(values) != len(branches) or not branches or any(b.further for b in branches):
+    if any(len(b.values) != 1 or b.further is not None for b in branches) or not branches:
         raise TypeError(f"cases are conditions on one expression each: {says}")
-    ring = ring_of([*vector, *values])
-    monic = [polynomial(ring, value) for value in values]
+    vector = [entry for entry in flat(unless) if entry != 0]
+    ring = ring_of([*vector, *(branch.values[0] for branch in branches)])
+    forms = [(branch.form, polynomial(ring, branch.values[0])) for branch in branches]
     if vector:
-        entries = [polynomial(ring, entry).monic() for entry in vector]
-        nonzero = all(branch.form is Condition.INVERTIBLE for branch in branches)
-        covered = nonzero and set(entries) <= {value.monic() for value in monic}
-        words = "an entry of each vector that is not zero"
+        words = "an entry of a vector that is not zero"
+        nonzero = {value.monic() for form, value in forms if form is Condition.INVERTIBLE}
+        covered = {polynomial(ring, entry).monic() for entry in vector} <= nonzero
+    elif whole:
+        words = "a whole number, or one less than its negative"
+        covered = [form for form, _ in forms] == [Condition.NONNEGATIVE] * 2 and (
+            forms[0][1] + forms[1][1] == -1
+        )
     else:
-        signs = set[int]()
-        for branch, value in zip(branches, monic, strict=True):
-            scaled = value.monic()
-            side = 1 if scaled == monic[0].monic() and value * scaled.LC == scaled * value.LC else 0
-            sense = side if value.LC > 0 else -side
-            signs |= {sense * sign for sign in _SIGNS[branch.form]} if sense else set()
-        covered = signs == {-1, 0, 1}
         words = "every sign"
+        covered = {sign for form, value in forms for sign in _signs(form, value, forms[0][1])} == {
+            -1,
+            0,
+            1,
+        }
     verdict = _proved(f"{_count(len(branches), 'case')}: {words}")
     if not covered:
         verdict = _refuted("they leave a case out")
     return Step(says=says, kind=Kind.CASES, verdict=verdict, covers=frozenset(branches), seal=_SEAL)
+
+
+def _signs(form: Condition, value: PolyElement, first: PolyElement) -> set[int]:
+    """The signs of the first expression at which a condition on this one holds; none if others."""
+    if not value or value.monic() != first.monic():
+        return set()
+    side = 1 if value.LC * first.LC > 0 else -1
+    return {side * sign for sign in _SIGNS[form]}
 
 
 def quoted(says: str, *, theorem: str, source: str) -> Step:

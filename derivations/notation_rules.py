@@ -95,6 +95,7 @@ def _is_above(
     standing = [o for o in hypotheses if o is not h and o.standing is not Standing.CASE]
     above = {v for o in standing if o.form is Condition.POSITIVE for v in o.values}
     least = above | {v for o in standing if o.form is Condition.NONNEGATIVE for v in o.values}
+    above |= {root for root in least if any(_is_root(root, o) for o in standing)}
     one = not strictly
     for powers, coefficient in element.terms():
         named = [(s, p) for s, p in zip(element.ring.symbols, powers, strict=True) if p]
@@ -102,3 +103,15 @@ def _is_above(
             return False
         one |= all(s in above for s, _ in named)
     return one
+
+
+def _is_root(symbol: Any, h: Hypothesis) -> bool:
+    """Whether the hypothesis says symbol^2 = e with e > 0, by the signs of its terms."""
+    if h.lead != (symbol, 2):
+        return False
+    (rest,) = polynomials([symbol**2 - h.values[0]])
+    constant = any(not any(powers) for powers, _ in rest.terms())
+    return constant and all(
+        rational(coefficient) > 0 and not any(p % 2 for p in powers)
+        for powers, coefficient in rest.terms()
+    )

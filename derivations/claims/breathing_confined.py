@@ -175,6 +175,7 @@ CLAIM = Claim(
     setting=("The motion is the exact one of claim `breathing_motion`; energies as there.",),
     source="ours; [LaSalle1960]",
     proof=proof,
+    witness=dict.fromkeys((S, ALIGNED, FIRST, TARGET, scalar("n")), 1),
     controls={
         "a body that keeps twice the scale": Mutation(
             at=2,

@@ -307,6 +307,9 @@ CLAIM = Claim(
     setting=("The flow is the exact one.",),
     source="[LaSalle1960]; energy and damping as in [Koditschek1989]; torque of [Yang2020]",
     proof=proof,
+    witness=dict.fromkeys((*vector("d"), *J.diagonal(), DAMPING, OMEGA[0], P[0], NORM_INVERSE), 1)
+    | {quaternion()[0]: 1, scalar("level"): 1}
+    | dict.fromkeys(LEVELS[1:], -1),
     controls={
         "drag that drives": Mutation(at=2, proof=lambda: proof(torque=_driven)),
         "a torque that depends on the translation": Mutation(

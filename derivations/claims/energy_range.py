@@ -131,6 +131,7 @@ CLAIM = Claim(
     hypotheses=(TRACE_FREE, ORTHONORMAL, DESCENDING),
     source="ours; the lower bound is Popoviciu's inequality for four numbers",
     proof=proof,
+    witness=dict.fromkeys(BASIS.diagonal(), 1),
     controls={
         "a lower bound of 1.1 F": Mutation(
             at=5,

@@ -275,6 +275,7 @@ CLAIM = Claim(
     ),
     source="elementary",
     proof=proof,
+    witness={K: 1, WIDTH: 2, MU: 1, DELTA: Fraction(1, 8)},
     controls={
         "half of the gap": Mutation(
             at=4,

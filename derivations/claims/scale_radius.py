@@ -19,7 +19,7 @@ LEVEL, THEN, MOVED = (scalar(name) for name in ("lambda", "lambda'", "m"))
 ROOT, SHIFT, SIZE = scalar("a"), scalar("e"), scalar("S'")
 CLOUD, HEAVY = PointCloud.of_size(3), scalar("n")
 
-WEIGHTY = invertible(r"$n = 1/M$.", CLOUD.mass, HEAVY, standing=Standing.NOTATION)
+WEIGHTY = invertible(r"$M \ne 0$, $n = 1/M$.", CLOUD.mass, HEAVY)
 NEAR_ABOVE = nonnegative_by(
     r"$\lambda' \le \lambda + m$.",
     LEVEL + MOVED - THEN,

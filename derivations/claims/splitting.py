@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from fractions import Fraction
 from typing import Any
 
 import sympy
@@ -29,10 +30,12 @@ from ..notation import (
     Array,
     Matrix,
     body,
+    entry,
     hat,
     inner,
     jacobian,
     left_product,
+    quaternion,
     rotation,
     scalar,
     square,
@@ -304,6 +307,9 @@ CLAIM = Claim(
     ),
     source="ours",
     proof=proof,
+    witness={DAMPING: 1, STEP: 1, IMPULSE: Fraction(1, 2), DECAY: Fraction(1, 2)}
+    | dict.fromkeys((quaternion()[0], scalar("n"), STATE.c[0]), 1)
+    | dict.fromkeys((entry(name, k, k) for name in "IJ" for k in (1, 2, 3)), 1),
     controls={
         "springs of stiffness m in the force": Mutation(
             at=1, proof=lambda: proof(kicked=_force_of_m)
