@@ -41,6 +41,13 @@ class Standing(enum.Enum):
     CASE = "Where a step says so"  # in force in those steps only that name it
 
 
+LINE = 100  # characters of LaTeX that fit a line
+_RELATIONS = {
+    Condition.VANISHES: "= 0",
+    Condition.NONNEGATIVE: r"\ge 0",
+    Condition.POSITIVE: "> 0",
+    Condition.INVERTIBLE: r"\ne 0",
+}
 _INEQUALITY = re.compile(r"positive|negative|[<>]|\\(ge|le|ne|succ|succeq)\b|invertible|not zero")
 _EQUALITY = re.compile(r"=|equal|same|vanish|is zero")
 
@@ -95,6 +102,19 @@ class Hypothesis:
     def diagonal(self) -> list[Part]:
         """Those on the diagonal of a square matrix."""
         return [self[k, k] for k in range(self.columns)]
+
+    @property
+    def formula(self) -> str:
+        """What it says, made from its values; where they are too long for a line, their number."""
+        every = self.generators or self.values
+        relation = _RELATIONS[Condition.VANISHES if self.generators else self.form]
+        said = [f"{sympy.latex(e)} {relation}" for e in dict.fromkeys(every) if e != 0]
+        whole = r",\; ".join(said)
+        if len(whole) <= LINE:
+            return f"${whole}$"
+        least = min(said, key=len)
+        number = f"{len(said)} expressions, each ${relation}$"
+        return f"{number}, such as ${least}$" if len(least) <= LINE else number
 
     @cached_property
     def symbols(self) -> frozenset[sympy.Symbol]:
@@ -237,5 +257,10 @@ def _letters_of_inverse(says: str, value: Any, inverse: Any) -> tuple[sympy.Symb
 
 
 def printed(hypotheses: Sequence[Hypothesis], standing: Standing) -> tuple[str, ...]:
-    """The sentences of that standing, each once."""
-    return tuple(dict.fromkeys(h.says for h in hypotheses if h.standing is standing))
+    """The sentences of that standing, each once: the words, and the formula that is checked."""
+    said = (
+        f"{h.says} As the program has it: {h.formula}."
+        for h in hypotheses
+        if h.standing is standing
+    )
+    return tuple(dict.fromkeys(said))

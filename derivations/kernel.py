@@ -171,13 +171,10 @@ class ClaimOutcome:
         return tuple(step for step in self.steps if step.kind is Kind.QUOTED)
 
     @property
-    def ruling(self) -> str:
-        """The verdict in a word, and what it is modulo: the theorems that its proof quotes."""
-        word = self.verdict.ruling.value.upper()
+    def modulo(self) -> str:
+        """To be put after the verdict: the theorems that the proof quotes; empty if it has none."""
         theorems = dict.fromkeys(step.theorem for step in self.quoted)
-        if not (self.verdict.proved and theorems):
-            return word
-        return f"{word}, modulo {' and '.join(theorems)}"
+        return f", modulo {' and '.join(theorems)}" if self.verdict.proved and theorems else ""
 
 
 def prove(claim: Claim) -> ClaimOutcome:

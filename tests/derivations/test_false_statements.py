@@ -362,7 +362,9 @@ def _step_zero() -> Claim:
 @false("every x is 0, as k^2 + 1 = 0 by notation", "is not solved for")
 def _no_root() -> Claim:
     root = vanishing("$k$ is a number.", K**2 + 1, standing=NOTATION, prepare=lambda _: {K: 0})
-    return claim(algebra.combination("$x = 0$.", X * (K**2 + 1), [(X, root[0])]), hypotheses=(root,))
+    return claim(
+        algebra.combination("$x = 0$.", X * (K**2 + 1), [(X, root[0])]), hypotheses=(root,)
+    )
 
 
 @false("every x >= 0, being k^2 by notation", "is not solved for")
