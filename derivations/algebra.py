@@ -146,6 +146,7 @@ def _positivity(says: str, element: Any, products: list[list[Any]], *, strict: b
     rest = value - sum(made, start=ring.zero)
     present = [product for product, known in zip(products, made, strict=True) if known]
     above = [product for product in present if all(map(_is_positive, product))]
+    above = above or _above_at_each_entry(present)
     named = {h for product in products for factor in product for h in _named(factor)}
     leans = {h for product in present for factor in product for h in _because(factor)}
     strictly = {h for h in named if strict and all(h in _all_named(p) for p in above)}
@@ -176,9 +177,27 @@ def _product(ring: PolyRing, factors: list[Any], bases: list[Any]) -> PolyElemen
     return found
 
 
-def _is_positive(factor: Any) -> bool:
-    """Whether a hypothesis, or being a positive number, makes a factor positive, not only >= 0."""
+def _above_at_each_entry(products: list[list[Any]]) -> list[list[Any]]:
+    """Products of which one is positive, whichever entry of a vector is not zero; none if not."""
+    named = {h for product in products for factor in product for h in _named(factor)}
+    for h in named:
+        entries = [k for k, value in enumerate(h.values) if value != 0]
+        if h.form is not Condition.NONZERO:
+            continue
+        above = [[p for p in products if all(_is_positive(f, h[k]) for f in p)] for k in entries]
+        if above and all(above):
+            return [product for some in above for product in some]
+    return []
+
+
+def _is_positive(factor: Any, entry: Part | None = None) -> bool:
+    """Whether a hypothesis, or being a positive number, makes a factor positive, not only >= 0.
+
+    entry: one that is not zero, of a vector.
+    """
     if isinstance(factor, Square):
+        if entry is not None and factor.base == entry:
+            return True
         return isinstance(factor.base, Part) and _is_not_zero(factor.base.hypothesis)
     if isinstance(factor, Part):
         return factor.hypothesis.form is Condition.POSITIVE

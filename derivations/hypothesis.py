@@ -31,6 +31,7 @@ class Condition(enum.Enum):
     NONNEGATIVE = "nonnegative"
     POSITIVE = "positive"
     INVERTIBLE = "invertible"
+    NONZERO = "not zero"  # a vector: one of its entries is not
 
 
 class Standing(enum.Enum):
@@ -41,12 +42,14 @@ class Standing(enum.Enum):
     CASE = "Where a step says so"  # in force in those steps only that name it
 
 
+_SPACES = str.maketrans("", "", " ${}")
 LINE = 100  # characters of LaTeX that fit a line
 _RELATIONS = {
     Condition.VANISHES: "= 0",
     Condition.NONNEGATIVE: r"\ge 0",
     Condition.POSITIVE: "> 0",
     Condition.INVERTIBLE: r"\ne 0",
+    Condition.NONZERO: r"\ne 0",
 }
 _INEQUALITY = re.compile(r"positive|negative|[<>]|\\(ge|le|ne|succ|succeq)\b|invertible|not zero")
 _EQUALITY = re.compile(r"=|equal|same|vanish|is zero")
@@ -110,11 +113,21 @@ class Hypothesis:
         relation = _RELATIONS[Condition.VANISHES if self.generators else self.form]
         said = [f"{sympy.latex(e)} {relation}" for e in dict.fromkeys(every) if e != 0]
         whole = r",\; ".join(said)
+        if self.form is Condition.NONZERO:
+            whole = f"({', '.join(map(sympy.latex, every))}) {relation}"
         if len(whole) <= LINE:
             return f"${whole}$"
         least = min(said, key=len)
-        number = f"{len(said)} expressions, each ${relation}$"
+        number = f"{len(said)} expressions" if len(said) > 1 else "an expression"
+        number += f" ${relation}$"
         return f"{number}, such as ${least}$" if len(least) <= LINE else number
+
+    @property
+    def sentence(self) -> str:
+        """The words, and the formula where the words do not have it."""
+        if _bare(self.formula) in _bare(self.says):
+            return self.says
+        return f"{self.says} As the program has it: {self.formula}."
 
     @cached_property
     def symbols(self) -> frozenset[sympy.Symbol]:
@@ -143,6 +156,8 @@ class Hypothesis:
                 return all(value >= 0 for value in found)
             case Condition.POSITIVE:
                 return all(value > 0 for value in found)
+            case Condition.NONZERO:
+                return any(found)
             case _:
                 return all(found)
 
@@ -171,6 +186,10 @@ class Part:
     def value(self) -> Any:
         """The expression."""
         return (self.hypothesis.generators or self.hypothesis.values)[self.index]
+
+
+def _bare(latex: str) -> str:
+    return latex.translate(_SPACES)
 
 
 def vanishing(says: str, value: Any, **further: Any) -> Hypothesis:
@@ -202,6 +221,11 @@ def positive_by(says: str, values: Any, **further: Any) -> Hypothesis:
     return Hypothesis(says=says, form=Condition.POSITIVE, values=tuple(flat(values)), **further)
 
 
+def nonzero(says: str, vector: Any, **further: Any) -> Hypothesis:
+    """The hypothesis that a vector is not zero: one of its entries is not, nobody says which."""
+    return Hypothesis(says=says, form=Condition.NONZERO, values=tuple(flat(vector)), **further)
+
+
 def invertible(says: str, value: Any, inverse: Any = None, **further: Any) -> Hypothesis:
     """The hypothesis that a number or a square matrix is invertible, with its inverse, if named.
 
@@ -212,7 +236,7 @@ def invertible(says: str, value: Any, inverse: Any = None, **further: Any) -> Hy
     square = isinstance(value, sympy.MatrixBase)
     if inverse is None:
         if square:
-            raise TypeError(f"a vector or a matrix without its inverse; see `cases`: {says}")
+            raise TypeError(f"a vector or a matrix without its inverse; see `nonzero`: {says}")
         return Hypothesis(says=says, form=Condition.INVERTIBLE, values=entries, **further)
     solved = _letters_of_inverse(says, value, inverse)
     gone = value * inverse - (sympy.eye(value.rows) if square else 1)
@@ -258,9 +282,5 @@ def _letters_of_inverse(says: str, value: Any, inverse: Any) -> tuple[sympy.Symb
 
 def printed(hypotheses: Sequence[Hypothesis], standing: Standing) -> tuple[str, ...]:
     """The sentences of that standing, each once: the words, and the formula that is checked."""
-    said = (
-        f"{h.says} As the program has it: {h.formula}."
-        for h in hypotheses
-        if h.standing is standing
-    )
+    said = (h.sentence for h in hypotheses if h.standing is standing)
     return tuple(dict.fromkeys(said))

@@ -185,6 +185,8 @@ def _break(violated: Hypothesis, point: Point, trial: int) -> None:
         for value in violated.values:
             if isinstance(value, sympy.Symbol):
                 point[value] = Fraction(0 if strict and trial % 2 == 0 else -1)
+    elif violated.form is Condition.NONZERO:
+        point |= {value: Fraction(0) for value in violated.values if value in point}
     elif violated.form is Condition.INVERTIBLE and violated.standing is not Standing.NOTATION:
         row = violated.values[: violated.columns]
         point |= {value: Fraction(0) for value in row if value in point}

@@ -12,7 +12,14 @@ from certreg.geometry.so3 import body_frame, davenport_matrix
 
 from ..algebra import Square, combination, identity, nonnegative, positive, quoted
 from ..hypotheses import DAMPED, PRINCIPAL, SOLID, SPECTRAL, definite, semidefinite
-from ..hypothesis import Hypothesis, Standing, invertible, nonnegative_by, positive_by, vanishing
+from ..hypothesis import (
+    Hypothesis,
+    Standing,
+    nonnegative_by,
+    nonzero,
+    positive_by,
+    vanishing,
+)
 from ..kernel import Claim, Mutation, Proof, Step
 from ..moments import MomentCloud, inertia_of
 from ..motion import DAMPING, State, newton_euler, spring_torque
@@ -65,9 +72,9 @@ KINETIC = positive_by(
     further=lambda point: definite(J, point),
     example={P[0]: 1, OMEGA[0]: 1},
 )
-PROPER = invertible(
-    r"$p \ne 0$: in the real part, say.",
-    P[0],
+PROPER = nonzero(
+    r"$p \ne 0$.",
+    P,
     standing=Standing.CASE,
     example={OMEGA[0]: 1} | {J[k, k]: 1 for k in range(3)},
 )
@@ -150,10 +157,7 @@ def _descent(torque: Torque) -> Proof:
         r"In principal axes that loss is $\mu \sum_k j_k \omega_k^2$, positive where the body "
         r"turns.",
         DAMPING * (omega.T * principal * omega)[0],
-        [
-            [DAMPED[0], PRINCIPAL[0], Square(TURNING[0])],
-            *([DAMPED[0], PRINCIPAL[k], Square(omega[k])] for k in (1, 2)),
-        ],
+        [[DAMPED[0], PRINCIPAL[k], Square(TURNING[k])] for k in range(3)],
     )
     yield identity(
         r"Where $\omega$ stays zero, $J \dot\omega = 0$, which is the spring torque: such motions "
@@ -176,8 +180,7 @@ def _levels(spin: Any) -> Proof:
         energy + 2 * FIRST * square(p),
         [
             (2, TOP[0]),
-            (sympy.Rational(1, 2), Square(PROPER[0]), KINETIC[0]),
-            *((sympy.Rational(1, 2), Square(entry), KINETIC[0]) for entry in p[1:]),
+            *((sympy.Rational(1, 2), Square(entry), KINETIC[0]) for entry in PROPER.parts),
         ],
     )
     yield positive(

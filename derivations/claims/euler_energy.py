@@ -11,7 +11,7 @@ from sympy import Rational
 
 from ..algebra import Square, combination, contraction, facts, identity, nonnegative, positive
 from ..hypotheses import IDENTITY, INERTIA_INVERSE, PRINCIPAL, SPECTRAL, STEPPED, moments
-from ..hypothesis import Standing, invertible
+from ..hypothesis import Standing, nonzero
 from ..integrators import STEP, euler_step
 from ..kernel import Claim, Mutation, Proof, Step
 from ..moments import PointCloud, inertia_of
@@ -33,9 +33,9 @@ from .properness import solid_determinant, spin_terms
 Stepped = Callable[[State, Body], Array]
 
 REST = sympy.zeros(3, 1)
-ACCELERATED = invertible(
-    r"The body is no equilibrium: $a \ne 0$ in the first coordinate, say.",
-    vector("a")[0],
+ACCELERATED = nonzero(
+    r"The body is no equilibrium: $a \ne 0$.",
+    vector("a"),
     standing=Standing.CASE,
     example={STEP: 1},
 )
@@ -104,8 +104,7 @@ def _positive() -> Proof:
         [
             [Rational(1, 2), Square(STEPPED[0]), Square(entry)]
             for entry in (
-                ACCELERATED[0],
-                *a[1:, :],
+                *ACCELERATED.parts,
                 *(spin for k in range(3) for spin in alpha.cross(B.row(k).T)),
             )
         ],

@@ -11,7 +11,7 @@ from sympy import Rational
 
 from ..algebra import Square, combination, contraction, identity, modulo, positive
 from ..hypotheses import DAMPED, INERTIA_INVERSE, STEPPED, UNIT, inverted
-from ..hypothesis import Point, Standing, equation, invertible, positive_by, vanishing
+from ..hypothesis import Point, Standing, equation, nonzero, positive_by, vanishing
 from ..integrators import (
     DECAY,
     IMPULSE,
@@ -74,7 +74,7 @@ LENGTH = equation(
     standing=Standing.CASE,
     prepare=_turned_by_one_axis,
 )
-APART = invertible(r"$c \ne 0$, in the first coordinate, say.", STATE.c[0], standing=Standing.CASE)
+APART = nonzero(r"$c \ne 0$.", STATE.c, standing=Standing.CASE)
 STABLE = positive_by(
     r"For stability: $hi < 1 + e$.", 1 + DECAY - STEP * IMPULSE, standing=Standing.CASE
 )
@@ -221,10 +221,7 @@ def _rests(kicked: Kick, drifted: Drift) -> Proof:
         r"With $i > 0$ the first is zero for $c = 0$ only: $|v'|^2 = 4 i^2 |c|^2$. In the same way "
         r"the second is for $J^{-1}\tau = 0$ only.",
         square(v),
-        [
-            [4, Square(PUSHED[0]), Square(APART[0])],
-            *([4, Square(IMPULSE * entry)] for entry in STATE.c[1:, :]),
-        ],
+        [[4, Square(PUSHED[0]), Square(entry)] for entry in APART.parts],
     )
     yield combination(
         r"That is $\tau = 0$: for every $u$, $u\cdot\tau - (Ju)\cdot J^{-1}\tau$ is a combination "

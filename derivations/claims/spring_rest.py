@@ -7,7 +7,7 @@ from typing import Any
 
 from ..algebra import Square, combination, contraction, identity, nonnegative, positive, quoted
 from ..hypotheses import DAMPED, MASSIVE, PRINCIPAL
-from ..hypothesis import Standing, invertible, nonnegative_by, positive_by, vanishing
+from ..hypothesis import Standing, nonnegative_by, nonzero, positive_by, vanishing
 from ..kernel import Claim, Mutation, Proof
 from ..moments import inertia_of
 from ..notation import (
@@ -45,14 +45,8 @@ FREE = vanishing(
     standing=Standing.CASE,
     example={L[0, 0]: 1, N[0]: 1, scalar("a"): 1, Y[0]: 1},
 )
-TURNING = invertible(
-    r"The body turns, $\omega \ne 0$: about the first principal axis, say.",
-    OMEGA[0],
-    standing=Standing.CASE,
-)
-MOVING = invertible(
-    r"The body moves, $v \ne 0$: in the first coordinate, say.", V[0], standing=Standing.CASE
-)
+TURNING = nonzero(r"The body turns, $\omega \ne 0$.", OMEGA, standing=Standing.CASE)
+MOVING = nonzero(r"The body moves, $v \ne 0$.", V, standing=Standing.CASE)
 
 
 def pull_of(stretched: Any, factor: Any) -> Array:
@@ -153,12 +147,12 @@ def _falls(pull: Pull, drag: int) -> Proof:
     yield positive(
         r"In principal axes the loss is positive where the body turns,",
         lost,
-        [*moves, [damping, PRINCIPAL[0], Square(TURNING[0])], *turns[1:]],
+        [*moves, *([damping, PRINCIPAL[k], Square(TURNING[k])] for k in range(3))],
     )
     yield positive(
         r"and where it moves.",
         lost,
-        [[damping, mass, Square(MOVING[0])], *moves[1:], *turns],
+        [*([damping, mass, Square(speed)] for speed in MOVING.parts), *turns],
     )
 
 
