@@ -59,9 +59,9 @@ class Claim:
     used_by: of other code that relies on it; that link is tested, and not proved. controls: name of
     a mutated statement -> its proof. standard: facts of a first course (the spectral theorem, say)
     that its words use without a proof. witness: a point to try first at which its hypotheses hold
-    together; symbols left out are zero. coq: names of the theorems in `derivations/coq` that say the
-    same or a part of it, none if no machine has checked it; not_in_coq: exactly what of the claim
-    they do not say, or why there is none.
+    together; symbols left out are zero. coq: names of the theorems in `derivations/coq` that say
+    the same or a part of it, none if no machine has checked it; not_in_coq: exactly what of the
+    claim they do not say, or why there is none.
     """
 
     name: str
@@ -318,6 +318,17 @@ def _complaint(
             return f"step {number} uses what the claim does not assume: {undeclared[0]}"
     if max(claim.concludes) > len(steps):
         return f"there is no step {max(claim.concludes)}, which was to say the claim"
+    for drop in dropped:
+        if not drop.needed:
+            return f"the hypothesis {drop.hypothesis.says!r}: {drop.complaint}"
+    for control in controls:
+        if not control.refuted:
+            return f"the mutated statement {control.name!r}: {control.complaint}"
+    return _unsaid(claim, steps) or no_notation(claim.hypotheses) or _unmet(claim, steps)
+
+
+def _unsaid(claim: Claim, steps: Sequence[Step]) -> str:
+    """Why the steps that are told to say the claim do not: facts, or what holds in a case only."""
     concluded = [steps[number - 1] for number in claim.concludes]
     formulas = [step.asserted.named for step in concluded if step.asserted and step.is_formula]
     if not formulas:
@@ -325,13 +336,7 @@ def _complaint(
     covered = frozenset[Hypothesis]().union(*(step.covers for step in steps))
     if all(any(h.standing is Standing.CASE for h in named - covered) for named in formulas):
         return "what is claimed is shown in a case only, and no step says that the cases cover"
-    for drop in dropped:
-        if not drop.needed:
-            return f"the hypothesis {drop.hypothesis.says!r}: {drop.complaint}"
-    for control in controls:
-        if not control.refuted:
-            return f"the mutated statement {control.name!r}: {control.complaint}"
-    return no_notation(claim.hypotheses) or _unmet(claim, steps)
+    return ""
 
 
 def _unmet(claim: Claim, steps: Sequence[Step]) -> str:

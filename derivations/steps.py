@@ -85,7 +85,8 @@ class Step:
     """One step of a proof: what it says (Markdown with LaTeX), and the verdict of its check.
 
     asserted: what it says of polynomials, for steps that are made of these. theorem: the name of
-    what is quoted, for steps that quote. covers: conditions of which one always holds. Made by `algebra` alone, which holds the seal.
+    what is quoted, for steps that quote. covers: conditions of which one always holds. Made by
+    `algebra` alone, which holds the seal.
     """
 
     says: str

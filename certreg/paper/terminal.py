@@ -51,8 +51,8 @@ def closing_line(outcomes: Sequence[Any], audited: Sequence[Any]) -> str:
     seconds = sum(outcome.seconds for outcome in outcomes)
     paper = f", {len(audited)} claims of the paper audited" if audited else ""
     return (
-        f"\n{proved} of {len(outcomes)} claims proved{modulo}, {refuted} of {len(controls)} mutated "
-        f"statements refuted, {needed} of {len(dropped)} hypotheses needed{paper}, "
+        f"\n{proved} of {len(outcomes)} claims proved{modulo}, "
+        f"{refuted} of {len(controls)} mutated statements refuted, {needed} of {len(dropped)} hypotheses needed{paper}, "
         f"in {seconds:.1f} s"
     )
 

@@ -13,7 +13,7 @@ import sympy
 from certreg.exact.elimination import is_positive_definite
 from certreg.verify import positive_definite
 
-from ..algebra import Square, identity, positive
+from ..algebra import Square, cases, identity, positive
 from ..hypothesis import Standing, invertible, positive_by
 from ..kernel import Claim, Mutation, Proof, Step
 from ..notation import Matrix, entry
@@ -104,6 +104,11 @@ def _sylvester(D: list[Any]) -> Proof:
         r"then $D_0 = 1 > 0$ and, step by step, $x \ne 0$ and $D_k > 0$.",
         [[(v.T * A * v)[0], v[k]] for k, v in enumerate(vectors)],
         [[D[k] * D[k + 1], D[k]] for k in range(SIZE)],
+    )
+    yield cases(
+        r"The four cases cover: a vector $x \ne 0$ has a last entry that is not zero.",
+        LAST,
+        unless=X,
     )
 
 

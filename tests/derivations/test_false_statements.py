@@ -7,16 +7,15 @@ from __future__ import annotations
 
 import dataclasses
 import enum
-from collections.abc import Callable
 from fractions import Fraction
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
 import sympy
 
 from certreg.results import Ruling, Verdict
-from derivations import algebra
+from derivations import algebra, instances
 from derivations.algebra import Square
 from derivations.hypothesis import (
     Condition,
@@ -26,12 +25,16 @@ from derivations.hypothesis import (
     equation,
     invertible,
     nonnegative_by,
+    nonzero,
     positive_by,
     vanishing,
 )
 from derivations.kernel import Claim, Mutation, prove
 from derivations.notation import matrix, scalar, vector
 from derivations.steps import Kind, Step
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
 
 A, B, K, U, X, Y = map(scalar, "abkuxy")
 PROVED = Verdict(ruling=Ruling.PROVED, words="trust me")
@@ -120,6 +123,12 @@ def _contradiction() -> Claim:
     zero, inverse = vanishing("$x = 0$.", X), vanishing("$x y = 1$.", X * Y - 1, solves=(Y,))
     step = algebra.combination("$1 = 0$.", 1, [(Y, zero[0]), (-1, inverse[0])])
     return claim(step, hypotheses=(zero, inverse))
+
+
+@pytest.fixture(autouse=True)
+def quickly(monkeypatch):
+    """What is not found among a few points is not there, in these examples."""
+    monkeypatch.setattr(instances, "TRIES", 30)
 
 
 class Liar:
@@ -475,6 +484,69 @@ def _undefined() -> Claim:
 def _free_inverse() -> Claim:
     given = vanishing("$u x = 1$.", U * X - 1, standing=NOTATION, solves=(U,))
     return claim(algebra.combination("$u x = 1$.", U * X - 1, [(1, given[0])]), hypotheses=(given,))
+
+
+def in_cases(branches: Any, **further: Any) -> Claim:
+    """x^2 >= 0 and what is said to cover."""
+    made = lambda: algebra.cases("These are all cases.", branches, **further)  # noqa: E731
+    return claim(an_identity(), made, hypotheses=tuple(branches))
+
+
+@false("every number is positive or zero", "they leave a case out")
+def _no_negative() -> Claim:
+    return in_cases([positive_by("$x > 0$.", X, standing=CASE), vanishing("$x = 0$.", X)])
+
+
+@false("every number is above 1 or below 0", "they leave a case out")
+def _gap() -> Claim:
+    return in_cases([positive_by("$x > 1$.", X - 1), positive_by("$x < 0$.", -X)])
+
+
+@false("every whole number is at least 1 or at most -1", "they leave a case out")
+def _no_zero() -> Claim:
+    branches = [nonnegative_by(r"$x \ge 1$.", X - 1), nonnegative_by(r"$x \le -1$.", -X - 1)]
+    return in_cases(branches, whole=True)
+
+
+@false("a vector (x, y) that is not zero has x not zero", "they leave a case out")
+def _one_entry() -> Claim:
+    return in_cases([invertible(r"$x \ne 0$.", X)], unless=[X, Y])
+
+
+@false("a vector of two entries, cases in one hypothesis", "on one expression each")
+def _two_values() -> Claim:
+    return in_cases([positive_by("$x, y > 0$.", [X, Y]), nonnegative_by(r"$x \le 0$.", -X)])
+
+
+@false("x^2 > 0 where (x, y) is not zero", "it may be zero")
+def _other_entry() -> Claim:
+    somewhere = nonzero(r"$(x, y) \ne 0$.", [X, Y])
+    return claim(
+        lambda: algebra.positive("$x^2 > 0$.", X**2, [[Square(somewhere[0])]]),
+        hypotheses=(somewhere,),
+    )
+
+
+def test_a_vector_that_is_not_zero_has_a_positive_norm():
+    somewhere = nonzero(r"$(x, y) \ne 0$.", [X, Y])
+    squares = [[Square(entry)] for entry in somewhere.parts]
+
+    assert not refusal(
+        lambda: claim(algebra.positive("", X**2 + Y**2, squares), hypotheses=(somewhere,))
+    )
+
+
+def test_cases_that_cover_are_proved():
+    above, zero = positive_by("$x > 0$.", X), vanishing("$x = 0$.", X)
+    below, other = nonnegative_by(r"$x \le 0$.", -2 * X), invertible(r"$y \ne 0$.", Y)
+    next_one = nonnegative_by(r"$x \le -1$.", -X - 1)
+
+    assert algebra.cases("", [above, zero, positive_by("$x < 0$.", -3 * X)]).verdict.proved
+    assert algebra.cases("", [above, below]).verdict.proved
+    assert algebra.cases("", [zero, invertible(r"$x \ne 0$.", X)]).verdict.proved
+    assert algebra.cases("", [other, invertible("", -X)], unless=[X, Y]).verdict.proved
+    assert algebra.cases("", [nonnegative_by("", X), next_one], whole=True).verdict.proved
+    assert not algebra.cases("", [nonnegative_by("", X), next_one]).verdict.proved
 
 
 @pytest.mark.parametrize("statement", FALSE)
