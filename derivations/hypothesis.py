@@ -18,7 +18,7 @@ from typing import Any
 import sympy
 
 from .rationals import rank
-from .rings import flat, polynomials, value_at
+from .rings import flat, is_short, polynomials, value_at
 
 Point = dict[sympy.Symbol, Fraction]
 Preparation = Callable[[Point], Mapping[sympy.Symbol, Any]]
@@ -111,16 +111,17 @@ class Hypothesis:
         """What it says, made from its values; where they are too long for a line, their number."""
         every = self.generators or self.values
         relation = _RELATIONS[Condition.VANISHES if self.generators else self.form]
-        said = [f"{sympy.latex(e)} {relation}" for e in dict.fromkeys(every) if e != 0]
-        whole = r",\; ".join(said)
+        distinct = [e for e in dict.fromkeys(every) if e != 0]
+        shown = [sympy.latex(e) for e in distinct if is_short(e)]
+        whole = r",\; ".join(f"{e} {relation}" for e in shown)
         if self.form is Condition.NONZERO:
-            whole = f"({', '.join(map(sympy.latex, every))}) {relation}"
-        if len(whole) <= LINE:
+            whole = f"({', '.join(shown)}) {relation}"
+        if len(shown) == len(distinct) and len(whole) <= LINE:
             return f"${whole}$"
-        least = min(said, key=len)
-        number = f"{len(said)} expressions" if len(said) > 1 else "an expression"
+        number = f"{len(distinct)} expressions" if len(distinct) > 1 else "an expression"
         number += f" ${relation}$"
-        return f"{number}, such as ${least}$" if len(least) <= LINE else number
+        least = min(shown, key=len, default="")
+        return f"{number}, such as ${least} {relation}$" if 0 < len(least) <= LINE else number
 
     @property
     def sentence(self) -> str:

@@ -77,7 +77,7 @@ def witness(hypotheses: Sequence[Hypothesis], first: Mapping[sympy.Symbol, Any])
     """
     symbols = frozenset[sympy.Symbol]().union(*(h.symbols for h in hypotheses))
     proposed = [first, *(h.example for h in hypotheses if h.example)]
-    points = [
+    points: list[Any] = [
         dict.fromkeys(symbols, Fraction(0))
         | {s: v if isinstance(v, Surd) else Fraction(v) for s, v in told.items()}
         for told in proposed

@@ -63,8 +63,8 @@ def _letters(h: Hypothesis, hypotheses: Sequence[Hypothesis]) -> Symbols | None:
         symbol, power = h.lead
         rest = polynomials([symbol**power - h.values[0]])[0]
         even = power == 2 and _is_above(rest, hypotheses, h, strictly=False)
-        found = symbol not in symbols_of(rest) and len(h.values) == 1 and (power % 2 == 1 or even)
-        return frozenset({symbol}) if found else None
+        free = symbol not in symbols_of(rest) and len(h.values) == 1
+        return frozenset({symbol}) if free and (power % 2 == 1 or even) else None
     found: dict[Any, sympy.Symbol] = {}
     for value in dict.fromkeys(h.values):
         symbol = next((s for s in h.solves if _is_linear(value, s, h, hypotheses)), None)

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache
+from itertools import islice
 from typing import Any
 
 import sympy
@@ -26,6 +27,14 @@ def flat(entries: Entries) -> list[Any]:
     if isinstance(entries, (list, tuple)):
         return [scalar for entry in entries for scalar in flat(entry)]
     return [sympy.sympify(entries)]
+
+
+NODES = 45  # of one side of an equation that is shown: about a line
+
+
+def is_short(expression: Any) -> bool:
+    """Whether an expression has few nodes; it is not counted further than that."""
+    return sum(1 for _ in islice(sympy.preorder_traversal(expression), NODES + 1)) <= NODES
 
 
 def ring_of(expressions: Iterable[Any], first: Sequence[sympy.Symbol] = ()) -> PolyRing:

@@ -52,8 +52,8 @@ def closing_line(outcomes: Sequence[Any], audited: Sequence[Any]) -> str:
     paper = f", {len(audited)} claims of the paper audited" if audited else ""
     return (
         f"\n{proved} of {len(outcomes)} claims proved{modulo}, "
-        f"{refuted} of {len(controls)} mutated statements refuted, {needed} of {len(dropped)} hypotheses needed{paper}, "
-        f"in {seconds:.1f} s"
+        f"{refuted} of {len(controls)} mutated statements refuted, "
+        f"{needed} of {len(dropped)} hypotheses needed{paper}, in {seconds:.1f} s"
     )
 
 
