@@ -101,7 +101,6 @@ def about_mean(n: int, side: str) -> Hypothesis:
     return vanishing(
         rf"The points ${side}$ are taken about their mean: $\sum m\,{side} = 0$.",
         cloud.total(points),
-        standing=Standing.NOTATION,
         solves=tuple(points[-1]),
     )
 
@@ -137,7 +136,6 @@ CIRCLE = equation(
     scalar("c"),
     2,
     1 - scalar("s") ** 2,
-    standing=Standing.NOTATION,
     prepare=_on_the_circle,
 )
 ROTATION = rotation_of("R")

@@ -8,6 +8,7 @@ looks for an instance at which the statement is false without it.
 from __future__ import annotations
 
 import enum
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
@@ -17,7 +18,7 @@ from typing import Any
 import sympy
 
 from .rationals import rank
-from .rings import flat, polynomials, value_at
+from .rings import flat, is_short, polynomials, value_at
 
 Point = dict[sympy.Symbol, Fraction]
 Preparation = Callable[[Point], Mapping[sympy.Symbol, Any]]
@@ -30,6 +31,7 @@ class Condition(enum.Enum):
     NONNEGATIVE = "nonnegative"
     POSITIVE = "positive"
     INVERTIBLE = "invertible"
+    NONZERO = "not zero"  # a vector: one of its entries is not
 
 
 class Standing(enum.Enum):
@@ -38,6 +40,19 @@ class Standing(enum.Enum):
     ASSUMED = "Assumptions"
     NOTATION = "Setting"  # what a letter stands for: nothing is assumed of the data
     CASE = "Where a step says so"  # in force in those steps only that name it
+
+
+_SPACES = str.maketrans("", "", " ${}")
+LINE = 100  # characters of LaTeX that fit a line
+_RELATIONS = {
+    Condition.VANISHES: "= 0",
+    Condition.NONNEGATIVE: r"\ge 0",
+    Condition.POSITIVE: "> 0",
+    Condition.INVERTIBLE: r"\ne 0",
+    Condition.NONZERO: r"\ne 0",
+}
+_INEQUALITY = re.compile(r"positive|negative|[<>]|\\(ge|le|ne|succ|succeq)\b|invertible|not zero")
+_EQUALITY = re.compile(r"=|equal|same|vanish|is zero")
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -66,6 +81,17 @@ class Hypothesis:
     concerns: tuple[sympy.Symbol, ...] = ()
     example: Mapping[sympy.Symbol, Any] = field(default_factory=dict[sympy.Symbol, Any])
 
+    def __post_init__(self) -> None:
+        if type(self) is not Hypothesis:
+            raise TypeError(f"no subclass is a hypothesis: {self.says}")
+        if type(self.values) is not tuple or type(self.generators) is not tuple:
+            raise TypeError(f"what a hypothesis is about is a tuple: {self.says}")
+        vanish = self.form is Condition.VANISHES
+        if self.form is not Condition.INVERTIBLE and self.generators != self.values * vanish:
+            raise ValueError(f"other expressions vanish by it than it is about: {self.says}")
+        if vanish and _INEQUALITY.search(self.says) and not _EQUALITY.search(self.says):
+            raise ValueError(f"an equation, and its sentence speaks of an inequality: {self.says}")
+
     def __getitem__(self, at: int | tuple[int, int]) -> Part:
         """One of the generators, or of the values where nothing vanishes; by row and column."""
         return Part(self, at if isinstance(at, int) else at[0] * self.columns + at[1])
@@ -79,6 +105,30 @@ class Hypothesis:
     def diagonal(self) -> list[Part]:
         """Those on the diagonal of a square matrix."""
         return [self[k, k] for k in range(self.columns)]
+
+    @property
+    def formula(self) -> str:
+        """What it says, made from its values; where they are too long for a line, their number."""
+        every = self.generators or self.values
+        relation = _RELATIONS[Condition.VANISHES if self.generators else self.form]
+        distinct = [e for e in dict.fromkeys(every) if e != 0]
+        shown = [sympy.latex(e) for e in distinct if is_short(e)]
+        whole = r",\; ".join(f"{e} {relation}" for e in shown)
+        if self.form is Condition.NONZERO:
+            whole = f"({', '.join(shown)}) {relation}"
+        if len(shown) == len(distinct) and len(whole) <= LINE:
+            return f"${whole}$"
+        number = f"{len(distinct)} expressions" if len(distinct) > 1 else "an expression"
+        number += f" ${relation}$"
+        least = min(shown, key=len, default="")
+        return f"{number}, such as ${least} {relation}$" if 0 < len(least) <= LINE else number
+
+    @property
+    def sentence(self) -> str:
+        """The words, and the formula where the words do not have it."""
+        if _bare(self.formula) in _bare(self.says):
+            return self.says
+        return f"{self.says} As the program has it: {self.formula}."
 
     @cached_property
     def symbols(self) -> frozenset[sympy.Symbol]:
@@ -107,6 +157,8 @@ class Hypothesis:
                 return all(value >= 0 for value in found)
             case Condition.POSITIVE:
                 return all(value > 0 for value in found)
+            case Condition.NONZERO:
+                return any(found)
             case _:
                 return all(found)
 
@@ -135,6 +187,10 @@ class Part:
     def value(self) -> Any:
         """The expression."""
         return (self.hypothesis.generators or self.hypothesis.values)[self.index]
+
+
+def _bare(latex: str) -> str:
+    return latex.translate(_SPACES)
 
 
 def vanishing(says: str, value: Any, **further: Any) -> Hypothesis:
@@ -166,6 +222,11 @@ def positive_by(says: str, values: Any, **further: Any) -> Hypothesis:
     return Hypothesis(says=says, form=Condition.POSITIVE, values=tuple(flat(values)), **further)
 
 
+def nonzero(says: str, vector: Any, **further: Any) -> Hypothesis:
+    """The hypothesis that a vector is not zero: one of its entries is not, nobody says which."""
+    return Hypothesis(says=says, form=Condition.NONZERO, values=tuple(flat(vector)), **further)
+
+
 def invertible(says: str, value: Any, inverse: Any = None, **further: Any) -> Hypothesis:
     """The hypothesis that a number or a square matrix is invertible, with its inverse, if named.
 
@@ -173,22 +234,54 @@ def invertible(says: str, value: Any, inverse: Any = None, **further: Any) -> Hy
     numbers are not zero.
     """
     entries = tuple(flat(value))
-    if inverse is None:
-        return Hypothesis(says=says, form=Condition.INVERTIBLE, values=entries, **further)
     square = isinstance(value, sympy.MatrixBase)
+    if inverse is None:
+        if square:
+            raise TypeError(f"a vector or a matrix without its inverse; see `nonzero`: {says}")
+        return Hypothesis(says=says, form=Condition.INVERTIBLE, values=entries, **further)
+    solved = _letters_of_inverse(says, value, inverse)
     gone = value * inverse - (sympy.eye(value.rows) if square else 1)
-    solved = sorted(set[Any]().union(*(e.free_symbols for e in flat(inverse))), key=str)
     return Hypothesis(
         says=says,
         form=Condition.INVERTIBLE,
         values=entries,
         generators=tuple(flat(gone)),
         columns=value.cols if square else 1,
-        solves=tuple(solved),
+        solves=solved,
         **further,
     )
 
 
+def _letters_of_inverse(says: str, value: Any, inverse: Any) -> tuple[sympy.Symbol, ...]:
+    """The symbols that stand for an inverse, which any invertible value of this shape has.
+
+    Each entry is its own letter. That of a symmetric matrix is symmetric, and that of a triangular
+    matrix is triangular.
+    """
+    A = value if isinstance(value, sympy.MatrixBase) else sympy.Matrix([[value]])
+    B = inverse if isinstance(inverse, sympy.MatrixBase) else sympy.Matrix([[inverse]])
+    if A.rows != A.cols or A.shape != B.shape:
+        raise ValueError(f"only a square matrix has an inverse, of its shape: {says}")
+    n, places = A.rows, {}
+    for i in range(n):
+        for j in range(n):
+            places.setdefault(B[i, j], []).append((i, j))
+    gone = places.pop(sympy.Integer(0), [])
+    same = any(len(where) > 1 for where in places.values())
+    letters = all(isinstance(entry, sympy.Symbol) for entry in places)
+    if not letters or places.keys() & A.free_symbols:
+        raise ValueError(f"each entry of an inverse is its own letter: {says}")
+    if same and not (A.is_symmetric() and B.is_symmetric() and len(places) == n * (n + 1) // 2):
+        raise ValueError(f"each entry of an inverse is its own letter: {says}")
+    sides = {i < j for i, j in gone}
+    if gone and not (sides in ({True}, {False}) and all(i != j and A[i, j] == 0 for i, j in gone)):
+        raise ValueError(f"entries of an inverse that need not be zero: {says}")
+    if gone and len(gone) < n * (n - 1) // 2:
+        raise ValueError(f"entries of an inverse that need not be zero: {says}")
+    return tuple(sorted(places, key=str))
+
+
 def printed(hypotheses: Sequence[Hypothesis], standing: Standing) -> tuple[str, ...]:
-    """The sentences of that standing, each once."""
-    return tuple(dict.fromkeys(h.says for h in hypotheses if h.standing is standing))
+    """The sentences of that standing, each once: the words, and the formula that is checked."""
+    said = (h.sentence for h in hypotheses if h.standing is standing)
+    return tuple(dict.fromkeys(said))

@@ -15,8 +15,7 @@ from typing import Any
 import sympy
 
 from .hypothesis import Condition, Hypothesis, Point, Standing
-from .notation import scalar
-from .rings import rational
+from .rings import Surd, rational
 from .steps import Asserted
 
 TRIES = 300  # points; the claims of the book need fewer than 160
@@ -68,6 +67,25 @@ def counterexample(
             continue
         if violated is None or violated.fails_at(point):
             return _instance(asserted, violated, point, wrong)
+    return None
+
+
+def witness(hypotheses: Sequence[Hypothesis], first: Mapping[sympy.Symbol, Any]) -> Point | None:
+    """A point at which all the hypotheses hold, decided exactly; None if none was found.
+
+    first: a point to try before all others; then the hypotheses' examples, then small numbers.
+    """
+    symbols = frozenset[sympy.Symbol]().union(*(h.symbols for h in hypotheses))
+    proposed = [first, *(h.example for h in hypotheses if h.example)]
+    points: list[Any] = [
+        dict.fromkeys(symbols, Fraction(0))
+        | {s: v if isinstance(v, Surd) else Fraction(v) for s, v in told.items()}
+        for told in proposed
+    ]
+    drawn = _points(sorted(symbols, key=str), hypotheses, None)
+    for point in chain(points, drawn):
+        if all(h.holds_at(point) for h in hypotheses):
+            return point
     return None
 
 
@@ -157,7 +175,7 @@ def _of_a_body(draws: Iterator[int], *, flat: bool) -> Point:
         found[f"C_{place}"] = total[3 + i][j]
         found |= {f"S_{place}": total[i][j], f"T_{place}": total[3 + i][3 + j]}
         found[f"J_{place}"] = (trace if i == j else 0) - total[i][j]
-    return {scalar(name): Fraction(value) for name, value in found.items()}
+    return {sympy.Symbol(name, real=True): Fraction(value) for name, value in found.items()}
 
 
 def _break(violated: Hypothesis, point: Point, trial: int) -> None:
@@ -167,6 +185,8 @@ def _break(violated: Hypothesis, point: Point, trial: int) -> None:
         for value in violated.values:
             if isinstance(value, sympy.Symbol):
                 point[value] = Fraction(0 if strict and trial % 2 == 0 else -1)
+    elif violated.form is Condition.NONZERO:
+        point |= {value: Fraction(0) for value in violated.values if value in point}
     elif violated.form is Condition.INVERTIBLE and violated.standing is not Standing.NOTATION:
         row = violated.values[: violated.columns]
         point |= {value: Fraction(0) for value in row if value in point}

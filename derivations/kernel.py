@@ -26,8 +26,9 @@ import sympy
 from certreg.results import Ruling, Verdict
 
 from .hypothesis import Condition, Hypothesis, Standing, printed
-from .instances import counterexample
-from .steps import Kind, Proof, Step
+from .instances import counterexample, witness
+from .notation_rules import no_notation
+from .steps import Kind, Proof, Step, as_made
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -57,9 +58,10 @@ class Claim:
     the proof itself runs, with symbols or case by case: what is proved is proved of this code.
     used_by: of other code that relies on it; that link is tested, and not proved. controls: name of
     a mutated statement -> its proof. standard: facts of a first course (the spectral theorem, say)
-    that its words use without a proof. coq: names of the theorems in `derivations/coq` that say the
-    same or a part of it, none if no machine has checked it; not_in_coq: exactly what of the claim
-    they do not say, or why there is none.
+    that its words use without a proof. witness: a point to try first at which its hypotheses hold
+    together; symbols left out are zero. coq: names of the theorems in `derivations/coq` that say
+    the same or a part of it, none if no machine has checked it; not_in_coq: exactly what of the
+    claim they do not say, or why there is none.
     """
 
     name: str
@@ -79,12 +81,17 @@ class Claim:
     runs: tuple[str, ...] = ()
     used_by: tuple[str, ...] = ()
     standard: tuple[str, ...] = ()
+    witness: Mapping[sympy.Symbol, Any] = field(default_factory=dict[sympy.Symbol, Any])
 
     def __post_init__(self) -> None:
         if not self.controls:
             raise ValueError(f"claim {self.name!r} has no negative control")
         if not self.concludes:
             raise ValueError(f"claim {self.name!r} does not say which steps are its statement")
+        if min(self.concludes) < 1:
+            raise ValueError(f"claim {self.name!r}: steps are counted from 1")
+        if type(self.hypotheses) is not tuple:
+            raise TypeError(f"claim {self.name!r}: its hypotheses are a tuple")
 
     @property
     def assumed(self) -> tuple[str, ...]:
@@ -163,6 +170,12 @@ class ClaimOutcome:
         """The steps that rest on the literature."""
         return tuple(step for step in self.steps if step.kind is Kind.QUOTED)
 
+    @property
+    def modulo(self) -> str:
+        """To be put after the verdict: the theorems that the proof quotes; empty if it has none."""
+        theorems = dict.fromkeys(step.theorem for step in self.quoted)
+        return f", modulo {' and '.join(theorems)}" if self.verdict.proved and theorems else ""
+
 
 def prove(claim: Claim) -> ClaimOutcome:
     """The outcome of running a claim's proof, without each hypothesis too, and its controls.
@@ -192,6 +205,8 @@ def until_refuted(proof: Callable[[], Proof]) -> tuple[Step, ...]:
     steps: list[Step] = []
     try:
         for step in proof():
+            if not as_made(step):
+                raise TypeError("it is no step of algebra")  # noqa: TRY301  (as all that is raised)
             steps.append(step)
             if not step.holds:
                 break
@@ -298,7 +313,7 @@ def _complaint(
     """Why a proof whose steps all hold is none of the claim; empty if it is one."""
     for number, step in enumerate(steps, 1):
         used = step.asserted.named if step.asserted is not None else frozenset[Hypothesis]()
-        undeclared = [h.says for h in used if h not in claim.hypotheses]
+        undeclared = [h.says for h in used | step.covers if h not in claim.hypotheses]
         if undeclared:
             return f"step {number} uses what the claim does not assume: {undeclared[0]}"
     if max(claim.concludes) > len(steps):
@@ -309,4 +324,30 @@ def _complaint(
     for control in controls:
         if not control.refuted:
             return f"the mutated statement {control.name!r}: {control.complaint}"
+    return _unsaid(claim, steps) or no_notation(claim.hypotheses) or _unmet(claim, steps)
+
+
+def _unsaid(claim: Claim, steps: Sequence[Step]) -> str:
+    """Why the steps that are told to say the claim do not: facts, or what holds in a case only."""
+    concluded = [steps[number - 1] for number in claim.concludes]
+    formulas = [step.asserted.named for step in concluded if step.asserted and step.is_formula]
+    if not formulas:
+        return "no formula of letters is among the steps that say the claim"
+    covered = frozenset[Hypothesis]().union(*(step.covers for step in steps))
+    if all(any(h.standing is Standing.CASE for h in named - covered) for named in formulas):
+        return "what is claimed is shown in a case only, and no step says that the cases cover"
+    return ""
+
+
+def _unmet(claim: Claim, steps: Sequence[Step]) -> str:
+    """What cannot hold together, of all hypotheses in force or of those that a step names."""
+    everywhere = frozenset(h for h in claim.hypotheses if h.standing is not Standing.CASE)
+    named = [step.asserted.named for step in steps if step.asserted is not None]
+    order = {h: k for k, h in enumerate(claim.hypotheses)}
+    for together in dict.fromkeys([everywhere, *(everywhere | some for some in named)]):
+        if together and witness(sorted(together, key=order.__getitem__), claim.witness) is None:
+            words = "; ".join(
+                h.says.removesuffix(".") for h in sorted(together, key=order.__getitem__)
+            )
+            return f"no point at which these hold together was found: {words}"
     return ""

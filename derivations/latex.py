@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from itertools import islice
-from typing import Any
 
 import sympy
 
 from .kernel import ClaimOutcome
+from .rings import is_short
 from .steps import Step
 
 _TOP = r"""\documentclass{article}
@@ -54,9 +53,6 @@ def _step(step: Step) -> str:
     return f"\\item {text(step.says)} \\emph{{({text(checked)})}} {compared(step)}\n"
 
 
-NODES = 45  # of one side of an equation that is shown: about a line
-
-
 def compared(step: Step) -> str:
     """The equation that a step compared, from the expressions themselves, where one is short.
 
@@ -64,15 +60,10 @@ def compared(step: Step) -> str:
     """
     sides = step.asserted.sides if step.asserted is not None else ()
     for k, (left, right) in enumerate(sides):
-        if left != right and _is_short(left) and _is_short(right):
+        if left != right and is_short(left) and is_short(right):
             place = f" (entry {k + 1} of {len(sides)})" if len(sides) > 1 else ""
             return f"${sympy.latex(left)} = {sympy.latex(right)}${place}"
     return ""
-
-
-def _is_short(expression: Any) -> bool:
-    """Whether an expression has few nodes; it is not counted further than that."""
-    return sum(1 for _ in islice(sympy.preorder_traversal(expression), NODES + 1)) <= NODES
 
 
 def text(markdown: str) -> str:

@@ -16,7 +16,7 @@ from typing import Any
 
 import sympy
 
-from .notation import Array, Matrix, matrix, scalar, symmetric, vector
+from .notation import Array, Matrix, entry, matrix, scalar, symmetric, vector
 
 
 @dataclass(frozen=True)
@@ -83,7 +83,7 @@ class PointCloud:
     def of_size(cls, n: int) -> PointCloud:
         """A cloud of n points, everything symbolic."""
         return cls(
-            masses=tuple(scalar(f"m_{i}") for i in range(1, n + 1)),
+            masses=tuple(entry("m", i) for i in range(1, n + 1)),
             sources=tuple(vector(f"x{i}") for i in range(1, n + 1)),
             targets=tuple(vector(f"y{i}") for i in range(1, n + 1)),
         )

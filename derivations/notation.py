@@ -5,6 +5,7 @@ Vectors are 3x1 SymPy matrices. Symbols are real; those that are positive say so
 
 from __future__ import annotations
 
+import re
 from itertools import permutations
 from math import prod
 from typing import Any
@@ -18,24 +19,36 @@ Array = Any  # a SymPy matrix of symbols: its own types do not pass a type check
 Matrix: Any = sympy.Matrix
 
 
+_OF_AN_ENTRY = re.compile(r"_(\d+|[wxyz])$")
+
+
 def scalar(name: str) -> sympy.Symbol:
-    """A real symbol."""
+    """A real symbol, which is not an entry of a vector or a matrix."""
+    if _OF_AN_ENTRY.search(name):
+        raise ValueError(f"{name} is the name of an entry of a vector or a matrix: see `entry`")
     return sympy.Symbol(name, real=True)
+
+
+def entry(name: str, *indices: int | str) -> sympy.Symbol:
+    """The real symbol of one entry of the vector or matrix of that name."""
+    if len(indices) > 1 and not set(indices) <= set(range(11)):
+        raise ValueError(f"{name}: an index is at most 10, or A_1,11 would be A_11,1")
+    return sympy.Symbol(f"{name}_{''.join(map(str, indices))}", real=True)
 
 
 def vector(name: str) -> Array:
     """A 3-vector of symbols name_1, name_2, name_3."""
-    return Matrix([scalar(f"{name}_{k}") for k in (1, 2, 3)])
+    return Matrix([entry(name, k) for k in (1, 2, 3)])
 
 
 def matrix(name: str, size: int = 3) -> Array:
     """A general matrix of symbols name_11, name_12, ..., 3x3 unless told."""
-    return Matrix(size, size, lambda i, j: scalar(f"{name}_{i + 1}{j + 1}"))
+    return Matrix(size, size, lambda i, j: entry(name, i + 1, j + 1))
 
 
 def symmetric(name: str, size: int = 3) -> Array:
     """A symmetric matrix of symbols, 3x3 unless told."""
-    return Matrix(size, size, lambda i, j: scalar(f"{name}_{min(i, j) + 1}{max(i, j) + 1}"))
+    return Matrix(size, size, lambda i, j: entry(name, min(i, j) + 1, max(i, j) + 1))
 
 
 def diagonal(name: str) -> Array:
@@ -45,7 +58,7 @@ def diagonal(name: str) -> Array:
 
 def quaternion(name: str = "q") -> Array:
     """A quaternion (w, x, y, z) of symbols, 4x1."""
-    return Matrix([scalar(f"{name}_{k}") for k in "wxyz"])
+    return Matrix([entry(name, k) for k in "wxyz"])
 
 
 def hat(a: Any) -> Array:
@@ -95,7 +108,7 @@ def determinant(A: Any) -> Any:
 
 def square(v: Any) -> Any:
     """The sum of squares of the entries."""
-    return sum((entry**2 for entry in v), start=sympy.Integer(0))
+    return sum((x**2 for x in v), start=sympy.Integer(0))
 
 
 def inner(A: Any, B: Any) -> Any:

@@ -16,7 +16,19 @@ import sympy
 
 from .moments import inertia_of
 from .motion import DAMPING, State, body_kinetic_energy, left_gradient, position, velocity
-from .notation import Array, Matrix, gradient, hat, inner, matrix, scalar, square, symmetric, vector
+from .notation import (
+    Array,
+    Matrix,
+    entry,
+    gradient,
+    hat,
+    inner,
+    matrix,
+    scalar,
+    square,
+    symmetric,
+    vector,
+)
 
 UPPER = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))  # of a symmetric matrix, as they are kept
 FULL = tuple(UPPER.index((min(a, b), max(a, b))) for a, b in product(range(3), repeat=2))
@@ -31,7 +43,7 @@ def six(A: Any) -> list[Any]:
 
 def table(name: str, columns: int) -> Array:
     """A matrix of symbols with a row for each of the six entries of W."""
-    return Matrix(6, columns, lambda i, j: scalar(f"{name}_{i + 1}{j + 1}"))
+    return Matrix(6, columns, lambda i, j: entry(name, i + 1, j + 1))
 
 
 def _lever_about_mean() -> Array:
@@ -195,11 +207,11 @@ def turned(R: Array, body: SpringBody) -> Array:
     """The entries (a, j), the sum over b and k of B_ab,jk R_bk."""
     rows = body.scatter
 
-    def entry(a: int, j: int) -> Any:
+    def part(a: int, j: int) -> Any:
         each = product(range(3), repeat=2)
         return sum(rows[FULL[3 * a + b], FULL[3 * j + k]] * R[b, k] for b, k in each)
 
-    return Matrix(3, 3, entry)
+    return Matrix(3, 3, part)
 
 
 def swung(R: Array, body: SpringBody) -> Array:

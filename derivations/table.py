@@ -17,10 +17,10 @@ import sympy
 from certreg.geometry.so3 import rotation_matrix
 from certreg.objective.classification import Pattern
 
-from .notation import Array, Matrix, scalar
+from .notation import Array, Matrix, entry
 from .rings import ring_of
 
-GAPS = tuple(scalar(f"g_{k}") for k in (1, 2, 3))  # l1 - l2, l2 - l3, l3 - l4
+GAPS = tuple(entry("g", k) for k in (1, 2, 3))  # l1 - l2, l2 - l3, l3 - l4
 Signs = tuple[int | None, ...]  # of disc, e1, e2, s, D; None: not determined by the row
 
 

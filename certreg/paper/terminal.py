@@ -17,7 +17,7 @@ def claim_line(outcome: Any) -> str:
     """One line about a claim (kernel.Outcome): name, verdict, what it rests on, time."""
     used = len(outcome.claim.standard)
     rests = f", {used} standard fact{'s' * (used != 1)} used" if used else ""
-    ruling = outcome.verdict.ruling.value.upper()
+    ruling = outcome.verdict.ruling.value.upper() + outcome.modulo
     name, title = outcome.claim.name, plain(outcome.claim.title)
     line = f"{name:{WIDTH}} {ruling:9} {outcome.seconds:6.2f} s  {title}"
     return f"{line}\n{'':{WIDTH}} {outcome.verdict.words}{rests}"
@@ -42,6 +42,8 @@ def audit_lines(audited: Iterable[tuple[Any, Verdict]]) -> Iterator[str]:
 def closing_line(outcomes: Sequence[Any], audited: Sequence[Any]) -> str:
     """How many claims were proved, what had to fail and did, how long it took."""
     proved = sum(outcome.verdict.proved for outcome in outcomes)
+    quoting = sum(bool(outcome.modulo) for outcome in outcomes)
+    modulo = f" ({quoting} modulo a theorem that is quoted)" if quoting else ""
     controls = [control for outcome in outcomes for control in outcome.controls]
     refuted = sum(control.refuted for control in controls)
     dropped = [drop for outcome in outcomes for drop in outcome.dropped]
@@ -49,9 +51,9 @@ def closing_line(outcomes: Sequence[Any], audited: Sequence[Any]) -> str:
     seconds = sum(outcome.seconds for outcome in outcomes)
     paper = f", {len(audited)} claims of the paper audited" if audited else ""
     return (
-        f"\n{proved} of {len(outcomes)} claims proved, {refuted} of {len(controls)} mutated "
-        f"statements refuted, {needed} of {len(dropped)} hypotheses needed{paper}, "
-        f"in {seconds:.1f} s"
+        f"\n{proved} of {len(outcomes)} claims proved{modulo}, "
+        f"{refuted} of {len(controls)} mutated statements refuted, "
+        f"{needed} of {len(dropped)} hypotheses needed{paper}, in {seconds:.1f} s"
     )
 
 

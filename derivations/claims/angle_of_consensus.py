@@ -140,6 +140,7 @@ CLAIM = Claim(
     setting=("$p$ is the quaternion of such a motion.",),
     source="elementary; Lagrange's multipliers",
     proof=proof,
+    witness={TAU: 1, SINE: 2, Q[0]: 1, P[0]: 1},
     controls={
         "a matrix without the bounds": Mutation(
             at=2,

@@ -39,7 +39,6 @@ DIRECT = Matrix([1 + E.dot(F), *E.cross(F)])  # turns e to f
 LENGTHS = vanishing(
     r"$\alpha = |a| = |R a|$ and $\gamma = |b|$.",
     Matrix([FAR**2 - square(C), WIDE**2 - square(B)]),
-    standing=Standing.NOTATION,
     prepare=lambda point: (
         {FAR: abs(point[C[0]]), WIDE: abs(point[B[0]])} | {C[1]: 0, C[2]: 0, B[1]: 0, B[2]: 0}
     ),
@@ -52,7 +51,6 @@ CLOSE = nonnegative_by(
 SIZES = nonnegative_by(
     r"$\rho = \beta_i + \beta_k$ and $\kappa$ are not negative.",
     [REACH, SHIFT],
-    standing=Standing.NOTATION,
     example={REACH: -1, SHIFT: 2},
 )
 NEAR = nonnegative_by(
@@ -65,7 +63,6 @@ NEAR = nonnegative_by(
 TANGENTS = nonnegative_by(
     r"$t \ge 0$ and $d \ge 0$: two tangents are $t$ and $t + d$.",
     [NEXT, APART],
-    standing=Standing.NOTATION,
     example={NEXT: -2, APART: 1},
 )
 

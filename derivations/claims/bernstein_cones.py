@@ -13,12 +13,12 @@ from certreg.verify import POWERS, QUARTICS, cutting
 from ..algebra import identity, positive
 from ..hypothesis import nonnegative_by, positive_by
 from ..kernel import Claim, Mutation, Proof
-from ..notation import scalar
+from ..notation import entry
 
 Cutting = Callable[[], Any]
 HALF = sympy.Rational(1, 2)
-S = [scalar(f"s_{k}") for k in range(4)]
-B = [scalar(f"b_{k}") for k in range(len(QUARTICS))]
+S = [entry("s", k) for k in range(4)]
+B = [entry("b", k) for k in range(len(QUARTICS))]
 ABOVE = positive_by("The 35 coefficients $b_m$ are positive.", B)
 INSIDE = nonnegative_by("$s_1, s_2, s_3 \\ge 0$.", S[1:])
 FIRST = positive_by("$s_0 > 0$: one of the four is, this one, say.", S[0])

@@ -9,32 +9,26 @@ from ..breathing_motion import BreathingState, own_size, rate
 from ..hypothesis import Standing, nonnegative_by, positive_by, vanishing
 from ..kernel import Claim, Mutation, Proof
 from ..motion import DAMPING, Body
-from ..notation import inner, scalar, square, vector, vee
+from ..notation import entry, inner, scalar, square, vector, vee
 
 M, S, P, SIZE, TARGET = (scalar(name) for name in ("M", "s", "p", "S_xx", "S_yy"))
 C, V, SPIN = vector("c"), vector("v"), scalar("e")
-ALIGNED, FIRST, START = scalar("a"), scalar("l_1"), scalar("V_0")
-LEVELS = [scalar(f"l_{k}") for k in (2, 3)]
+ALIGNED, FIRST, START = scalar("a"), entry("l", 1), entry("V", 0)
+LEVELS = [entry("l", k) for k in (2, 3)]
 POTENTIAL = M * square(C) + TARGET + S**2 * SIZE - 2 * S * ALIGNED
 ENERGY = POTENTIAL + (M * square(V) + S**2 * SPIN + SIZE * P**2) / 2
 HALF = sympy.Rational(1, 2)
 
-HEAVY = nonnegative_by(
-    r"$M \ge 0$: masses.", M, standing=Standing.NOTATION, example={V[0]: 1, M: -1}
-)
-SOURCE = nonnegative_by(
-    r"$S_{xx} \ge 0$: a sum of squares.", SIZE, standing=Standing.NOTATION, example={P: 1}
-)
+HEAVY = nonnegative_by(r"$M \ge 0$: masses.", M, example={V[0]: 1, M: -1})
+SOURCE = nonnegative_by(r"$S_{xx} \ge 0$: a sum of squares.", SIZE, example={P: 1})
 TURNING = nonnegative_by(
     r"$e = \omega^{\mathsf T} J \omega \ge 0$.",
     SPIN,
-    standing=Standing.NOTATION,
     example={S: 1, SPIN: -1},
 )
 TOP = nonnegative_by(
     r"$\lambda_1$ is the largest eigenvalue of $K$: $a = q^{\mathsf T} K q \le \lambda_1$.",
     FIRST - ALIGNED,
-    standing=Standing.NOTATION,
     prepare=lambda point: {FIRST: abs(point[ALIGNED]) + 1},
 )
 UPRIGHT = nonnegative_by(r"Up to that moment $s \ge 0$.", S, standing=Standing.CASE)
@@ -114,6 +108,7 @@ def proof(*, share: int = 2, squares: int = 1, pulled: int = 1) -> Proof:
         r"(S_{yy} - V_0)/(2\lambda_1)$ and $V \le V_0$ are a compact set, as $c$, $v$, $\dot s$, "
         r"$s$ and $\omega$ are bounded on it. By LaSalle's invariance principle it tends to the "
         r"equilibria with $s > 0$ and an energy of at most $V_0$.",
+        theorem="LaSalle's principle",
         source="[LaSalle1960]",
     )
     yield nonnegative(
@@ -180,6 +175,7 @@ CLAIM = Claim(
     setting=("The motion is the exact one of claim `breathing_motion`; energies as there.",),
     source="ours; [LaSalle1960]",
     proof=proof,
+    witness=dict.fromkeys((S, ALIGNED, FIRST, TARGET, scalar("n")), 1),
     controls={
         "a body that keeps twice the scale": Mutation(
             at=2,

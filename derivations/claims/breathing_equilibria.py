@@ -19,7 +19,7 @@ from certreg.problem.problem import RegistrationProblem
 
 from ..algebra import Square, combination, facts, identity, positive
 from ..breathing_motion import BreathingState, hessian, linearised, own_size
-from ..hypothesis import Standing, invertible, positive_by, vanishing
+from ..hypothesis import Standing, nonzero, positive_by, vanishing
 from ..kernel import Claim, Mutation, Proof
 from ..motion import DAMPING, Body
 from ..notation import (
@@ -60,10 +60,8 @@ BALANCED = vanishing(
 BIG = positive_by(r"The source is no single point: $S_{xx} > 0$.", SIZE)
 UPRIGHT = positive_by(r"$s > 0$.", S, standing=Standing.CASE)
 LOWER = positive_by(r"$\lambda_k < \lambda_j$.", LEVEL - OTHER, standing=Standing.CASE)
-TURNED = invertible(
-    r"The torque at scale $1$ is not $0$: $\tau_1 \ne 0$, say.",
-    scalar("tau_1"),
-    standing=Standing.CASE,
+TURNED = nonzero(
+    r"The torque at scale $1$ is not $0$: $\tau \ne 0$.", vector("tau"), standing=Standing.CASE
 )
 CLOUDS = ((4, 3, 2), (4, 2, 1), (4, 3, -2), (3, 2, -1), (2, 1, 1), (1, 1, -1))
 
@@ -169,15 +167,16 @@ def _at_zero() -> Any:
     tau = vector("tau")
     phi, sigma = SIZE * tau, square(tau) / 2
     form = -2 * sigma * inner(tau, phi) + 2 * SIZE * sigma**2
-    squares = [Square(TURNED[0]), Square(TURNED[0])]
-    others = [[sympy.Rational(1, 2), BIG[0], Square(a * b)] for a in tau for b in tau]
+    half = sympy.Rational(1, 2)
+    squares = [[half, BIG[0], Square(a), Square(a)] for a in TURNED.parts]
+    others = [[half, BIG[0], Square(a * b)] for a in tau for b in tau if a != b]
     return positive(
         r"At $s = 0$ the energy is stationary wherever $\operatorname{tr}(R^{\mathsf T} C) = 0$. "
         r"There the inertia $s^2 J$ is gone: no equilibrium of a motion. With the torque $\tau$ at "
         r"scale $1$ the Hessian is $-2\sigma\,\tau\cdot\varphi + 2 S_{xx}\sigma^2$, negative at "
         r"$\varphi = S_{xx}\tau$, $\sigma = |\tau|^2/2$: a saddle, where $\tau \ne 0$.",
         -form,
-        [[sympy.Rational(1, 2), BIG[0], *squares], *others[1:]],
+        [*squares, *others],
     )
 
 

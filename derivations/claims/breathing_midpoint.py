@@ -17,7 +17,7 @@ from ..integrators import STEP, middle_quaternion, middle_stretch
 from ..kernel import Claim, Mutation, Proof
 from ..moments import inertia_of
 from ..motion import DAMPING, Body
-from ..notation import Array, Matrix, body, inner, quaternion, scalar, square, vector
+from ..notation import Array, Matrix, body, entry, inner, quaternion, scalar, square, vector
 
 Balance = Callable[..., tuple[Array, Any]]
 QM, CM, VM = quaternion("p"), vector("b"), vector("y")  # middle quaternion, place, velocity
@@ -52,7 +52,7 @@ GOES_ON = invertible(
     r"The scale after the step is nonzero; $w$ is its inverse.",
     AFTER,
     scalar("w"),
-    example={scalar("middle_1"): 1, SM: 1, scalar("a_1"): 1},
+    example={entry("middle", 1): 1, SM: 1, entry("a", 1): 1},
 )
 
 

@@ -30,7 +30,7 @@ from ..hypothesis import invertible
 from ..kernel import Claim, Mutation, Proof, Step
 from ..moments import MomentCloud
 from ..motion import DAMPING, Body, unit_cloud
-from ..notation import Array, gradient, hat, inner, jacobian, scalar, square, vector
+from ..notation import Array, entry, gradient, hat, inner, jacobian, scalar, square, vector
 
 Equations = Callable[[BreathingState, MomentCloud], tuple[Array, Array, Any]]
 Rates = Callable[[BreathingState, Body], Array]
@@ -40,10 +40,10 @@ SIZED = invertible(
     r"$s \ne 0$.",
     scalar("s"),
     INVERSE,
-    example={scalar("J_11"): 1, scalar("J_22"): 1, scalar("J_33"): 1}
-    | {scalar(f"I_{k}{k}"): 1 for k in (1, 2, 3)}
-    | {scalar("C_32"): 1, scalar("R_11"): 1, scalar("R_22"): 1, scalar("R_33"): 1}
-    | {scalar("a_1"): 1, scalar("p"): 1, scalar("omega_1"): 1},
+    example={entry("J", 1, 1): 1, entry("J", 2, 2): 1, entry("J", 3, 3): 1}
+    | {entry("I", k, k): 1 for k in (1, 2, 3)}
+    | {entry("C", 3, 2): 1, entry("R", 1, 1): 1, entry("R", 2, 2): 1, entry("R", 3, 3): 1}
+    | {entry("a", 1): 1, scalar("p"): 1, entry("omega", 1): 1},
 )
 HERE = {entry: int(k % 4 == 0) for k, entry in enumerate(BreathingState().R)}  # R = I
 SHIFT, TURN, GROWTH = vector("xi"), vector("phi"), scalar("sigma")

@@ -12,7 +12,14 @@ from certreg.geometry.so3 import body_frame, davenport_matrix
 
 from ..algebra import Square, combination, identity, nonnegative, positive, quoted
 from ..hypotheses import DAMPED, PRINCIPAL, SOLID, SPECTRAL, definite, semidefinite
-from ..hypothesis import Hypothesis, Standing, invertible, nonnegative_by, positive_by, vanishing
+from ..hypothesis import (
+    Hypothesis,
+    Standing,
+    nonnegative_by,
+    nonzero,
+    positive_by,
+    vanishing,
+)
 from ..kernel import Claim, Mutation, Proof, Step
 from ..moments import MomentCloud, inertia_of
 from ..motion import DAMPING, State, newton_euler, spring_torque
@@ -20,6 +27,7 @@ from ..notation import (
     Array,
     Matrix,
     diagonal,
+    entry,
     hat,
     inner,
     matrix,
@@ -38,7 +46,7 @@ QUARTER = sympy.Rational(1, 4)  # E = omega^T J omega / 2 - 2 q^T K q is minus t
 
 P, OMEGA, J = quaternion("p"), vector("omega"), symmetric("J")
 K = Matrix(davenport_matrix(matrix("C").tolist()))
-FIRST, SECOND = scalar("l_1"), scalar("l_2")
+FIRST, SECOND = entry("l", 1), entry("l", 2)
 VALUE, SPIN = (P.T * K * P)[0], (OMEGA.T * J * OMEGA)[0]
 ONE = Matrix.eye(4)
 
@@ -55,7 +63,6 @@ def below_by(spin: Any) -> Hypothesis:
 TOP = nonnegative_by(
     r"$\lambda_1$ is the largest eigenvalue of $K$.",
     FIRST * square(P) - VALUE,
-    standing=Standing.NOTATION,
     prepare=lambda point: {FIRST: abs(point[FIRST]) + 100},
     further=lambda point: semidefinite(FIRST * ONE - K, point),
 )
@@ -65,14 +72,14 @@ KINETIC = positive_by(
     further=lambda point: definite(J, point),
     example={P[0]: 1, OMEGA[0]: 1},
 )
-PROPER = invertible(
-    r"$p \ne 0$: in the real part, say.",
-    P[0],
+PROPER = nonzero(
+    r"$p \ne 0$.",
+    P,
     standing=Standing.CASE,
     example={OMEGA[0]: 1} | {J[k, k]: 1 for k in range(3)},
 )
 BELOW = below_by(QUARTER)
-LEVELS = [scalar(f"l_{k}") for k in (1, 2, 3, 4)]
+LEVELS = [entry("l", k) for k in (1, 2, 3, 4)]
 ORDERED = nonnegative_by(
     r"$\lambda_1 \ge \lambda_2 \ge \lambda_3 \ge \lambda_4$ are the eigenvalues of $K$.",
     [a - b for a, b in pairwise(LEVELS)],
@@ -150,10 +157,7 @@ def _descent(torque: Torque) -> Proof:
         r"In principal axes that loss is $\mu \sum_k j_k \omega_k^2$, positive where the body "
         r"turns.",
         DAMPING * (omega.T * principal * omega)[0],
-        [
-            [DAMPED[0], PRINCIPAL[0], Square(TURNING[0])],
-            *([DAMPED[0], PRINCIPAL[k], Square(omega[k])] for k in (1, 2)),
-        ],
+        [[DAMPED[0], PRINCIPAL[k], Square(TURNING[k])] for k in range(3)],
     )
     yield identity(
         r"Where $\omega$ stays zero, $J \dot\omega = 0$, which is the spring torque: such motions "
@@ -176,8 +180,7 @@ def _levels(spin: Any) -> Proof:
         energy + 2 * FIRST * square(p),
         [
             (2, TOP[0]),
-            (sympy.Rational(1, 2), Square(PROPER[0]), KINETIC[0]),
-            *((sympy.Rational(1, 2), Square(entry), KINETIC[0]) for entry in p[1:]),
+            *((sympy.Rational(1, 2), Square(entry), KINETIC[0]) for entry in PROPER.parts),
         ],
     )
     yield positive(
@@ -196,6 +199,7 @@ def _levels(spin: Any) -> Proof:
         r"sublevel set. Below $-2\lambda_2$ the only one is the optimum, $\lambda_1 > \lambda_2$ "
         r"being simple, so the motion converges to it. The translation obeys "
         r"$\ddot c + \mu \dot c + 2 c = 0$ and converges by itself.",
+        theorem="LaSalle's principle",
         source="[LaSalle1960]",
     )
     yield _barrier()
@@ -306,6 +310,9 @@ CLAIM = Claim(
     setting=("The flow is the exact one.",),
     source="[LaSalle1960]; energy and damping as in [Koditschek1989]; torque of [Yang2020]",
     proof=proof,
+    witness=dict.fromkeys((*vector("d"), *J.diagonal(), DAMPING, OMEGA[0], P[0], NORM_INVERSE), 1)
+    | {quaternion()[0]: 1, scalar("level"): 1}
+    | dict.fromkeys(LEVELS[1:], -1),
     controls={
         "drag that drives": Mutation(at=2, proof=lambda: proof(torque=_driven)),
         "a torque that depends on the translation": Mutation(

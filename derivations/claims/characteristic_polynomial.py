@@ -8,7 +8,7 @@ from typing import Any
 
 import sympy
 
-from ..algebra import combination, contraction, facts, identity
+from ..algebra import combination, contraction, identity
 from ..hypotheses import INERTIA_INVERSE, WHERE_ROTATION, balanced
 from ..hypothesis import Standing
 from ..kernel import Claim, Mutation, Proof, Step
@@ -72,7 +72,7 @@ def _eliminated(turning: int, spring: Array, left: Array, stiffness: int) -> Arr
 def _triangular(B: Array, E: Array, spring: Array, stiffness: int) -> Proof:
     body = Body()
     left = -2 * body.inertia_inverse * Matrix.hstack(*[hat(body.cross.row(k)) for k in range(3)])
-    yield facts(
+    yield identity(
         r"At an equilibrium $\omega = 0$. Eliminate in $\lambda I - A_{18}$ by columns: multiply "
         r"those of $v$ and $\omega$ by $\lambda$ and add to them those of $c$ and $R$, combined so "
         r"that the rates $\dot c$ and $\dot R$ cancel. This is multiplication from the right by a "

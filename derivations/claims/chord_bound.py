@@ -6,7 +6,7 @@ from fractions import Fraction
 from typing import Any
 
 from ..algebra import Square, facts, nonnegative
-from ..hypothesis import Standing, nonnegative_by
+from ..hypothesis import nonnegative_by
 from ..kernel import Claim, Mutation, Proof
 from ..notation import scalar
 
@@ -16,12 +16,8 @@ SIDES = nonnegative_by(
     [RESIDUAL, LIMIT],
     example={RESIDUAL: -2, LIMIT: 1, MOST: 1},
 )
-ABOVE = nonnegative_by(
-    r"$h \ge \beta$.", MOST - LIMIT, standing=Standing.CASE, example={LIMIT: 1, RESIDUAL: 1}
-)
-WITHIN = nonnegative_by(
-    r"$r \le h$.", MOST - RESIDUAL, standing=Standing.CASE, example={LIMIT: 1, RESIDUAL: 1}
-)
+ABOVE = nonnegative_by(r"$h \ge \beta$.", MOST - LIMIT, example={LIMIT: 2, RESIDUAL: 1, MOST: 1})
+WITHIN = nonnegative_by(r"$r \le h$.", MOST - RESIDUAL, example={LIMIT: 1, RESIDUAL: 2, MOST: 1})
 
 
 def truncated(r: Fraction, limit: Fraction) -> Fraction:

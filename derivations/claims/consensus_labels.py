@@ -12,7 +12,7 @@ from ..kernel import Claim, Mutation, Proof
 from ..notation import scalar
 
 MET, LEAST, LEFT, OTHERS = (scalar(name) for name in ("m", "K", "c", "d"))
-NEXT, LATER, MOST = (scalar(name) for name in ("k", "c'", "u"))
+NEXT, LATER, MOST, MANY = (scalar(name) for name in ("k", "c'", "u", "b"))
 
 INSIDE = nonnegative_by(
     r"All $m$ pairs are in $C$, which has $c$.", LEFT - MET, standing=Standing.CASE
@@ -25,12 +25,16 @@ WITHOUT = nonnegative_by(
     OTHERS - MET,
     standing=Standing.CASE,
 )
-LATE = nonnegative_by(
-    r"$m \ge k$, so that all are among the $c'$ pairs that are left for $k$.",
-    LATER - MET,
-    standing=Standing.CASE,
+EITHER = nonnegative_by(
+    r"Where $m \ge k$, all are among the $c'$ pairs that are left for $k$, and else $m \le k - 1$: "
+    r"$m \le b\,c' + (1 - b)\,(k - 1)$ with $b = 1$ or $0$.",
+    MANY * LATER + (1 - MANY) * (NEXT - 1) - MET,
+    prepare=lambda point: {MET: min(point[LATER], point[NEXT] - 1)},
+    example={MET: 1},
 )
-FEWER = nonnegative_by(r"$m \le k - 1$.", NEXT - 1 - MET, standing=Standing.CASE)
+ONE_OF_TWO = nonnegative_by(
+    r"$0 \le b \le 1$.", [MANY, 1 - MANY], example={MANY: 2, LATER: 1, MET: 2, MOST: 1, NEXT: 1}
+)
 BASE = ((0, 0, 0), (6, 0, 0), (0, 6, 0), (0, 0, 6))  # they are their own targets
 MIRRORED, WRONG = ((2, 2, 4), (2, 2, -4)), ((9, 9, 9), (-20, 0, 0))
 GROUP = [[0, 1, 2], [1, 1, 1, 1]]
@@ -47,7 +51,6 @@ def _most_by(below: int) -> Hypothesis:
     return nonnegative_by(
         r"$u = \max(k - 1, c')$.",
         [MOST - NEXT + below, MOST - LATER],
-        standing=Standing.NOTATION,
         example={LATER: 1, MET: 1},
     )
 
@@ -78,14 +81,10 @@ def proof(*, strict: bool = True, below: int = 1, labels: str = "iiiioo") -> Pro
     largest = LARGEST if below == 1 else _most_by(below)
     yield nonnegative(
         r"Let $c'$ pairs be left of $C$ for a number $k \ge K$, and $u = \max(k - 1, c')$. A "
-        r"motion with $m \ge k$ has all its pairs among them, $m \le u$;",
+        r"motion with $m \ge k$ has all its pairs among them, $m \le c' \le u$; one with fewer has "
+        r"$m \le k - 1 \le u$. So no motion brings more than $u$ within.",
         MOST - MET,
-        [[largest[1]], [LATE[0]]],
-    )
-    yield nonnegative(
-        r"one with fewer has $m \le k - 1 \le u$. So no motion brings more than $u$ within.",
-        MOST - MET,
-        [[largest[0]], [FEWER[0]]],
+        [[ONE_OF_TWO[0], largest[1]], [ONE_OF_TWO[1], largest[0]], [EITHER[0]]],
     )
     yield from _checked(labels)
 
@@ -161,8 +160,8 @@ CLAIM = Claim(
     "brings just $C$ within. If of $C$ without $i$ fewer than $K$ are left after strikes for "
     "$K$, each such motion brings $i$ within. If $c'$ pairs are left of $C$ after strikes for $k "
     r"\ge K$, no motion brings more than $\max(k - 1, c')$ within.",
-    concludes=tuple(range(1, 7)),
-    hypotheses=(INSIDE, TIGHT, WITHOUT, SMALL, LARGEST, LATE, FEWER),
+    concludes=tuple(range(1, 6)),
+    hypotheses=(INSIDE, TIGHT, WITHOUT, SMALL, LARGEST, EITHER, ONE_OF_TWO),
     setting=("A motion brings $m$ pairs within.",),
     source="elementary",
     proof=proof,
@@ -171,9 +170,9 @@ CLAIM = Claim(
             at=2, proof=lambda: proof(strict=False), point={LEAST: 3, OTHERS: 3, MET: 3}
         ),
         "a maximum below k - 1": Mutation(
-            at=4, proof=lambda: proof(below=2), point={NEXT: 2, MET: 1}
+            at=3, proof=lambda: proof(below=2), point={NEXT: 2, MET: 1}
         ),
-        "a mirror image for an inlier": Mutation(at=5, proof=lambda: proof(labels="iiii?i")),
+        "a mirror image for an inlier": Mutation(at=4, proof=lambda: proof(labels="iiii?i")),
     },
     not_claimed="That a pair which is not decided is in doubt: perhaps strikes would be found. "
     "That the targets are right: a maximum of wrong pairs is a maximum, too.",

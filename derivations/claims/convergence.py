@@ -17,7 +17,7 @@ from ..hypotheses import (
     cofactor_matrix,
     orthogonality,
 )
-from ..hypothesis import Standing, invertible
+from ..hypothesis import Standing, nonzero
 from ..kernel import Claim, Mutation, Proof
 from ..moments import inertia_of
 from ..motion import DAMPING, Body, State, newton_euler, potential_energy, rate, unit_cloud
@@ -25,16 +25,8 @@ from ..notation import Array, Matrix, diagonal, gradient, hat, inner, square, ve
 from .total_torque import spring_part
 
 Rates = Callable[[State, Body], Array]
-TURNING = invertible(
-    r"The body turns, $\omega \ne 0$: about the first principal axis, say.",
-    vector("omega")[0],
-    standing=Standing.CASE,
-)
-MOVING = invertible(
-    r"The body moves, $v \ne 0$: in the first coordinate, say.",
-    vector("v")[0],
-    standing=Standing.CASE,
-)
+TURNING = nonzero(r"The body turns, $\omega \ne 0$.", vector("omega"), standing=Standing.CASE)
+MOVING = nonzero(r"The body moves, $v \ne 0$.", vector("v"), standing=Standing.CASE)
 
 
 def energy(state: State, body: Body) -> Any:
@@ -59,6 +51,7 @@ def proof(rates: Rates = rate) -> Proof:
         r"What it gives: every motion from any rotation, with any speeds, tends to the set of "
         r"equilibria. The set of its limits is connected, so where the equilibria are isolated it "
         r"tends to one of them.",
+        theorem="LaSalle's principle",
         source="[LaSalle1960]",
     )
 
@@ -112,12 +105,12 @@ def _only_at_rest() -> Proof:
         r"j_k \omega_k^2\bigr)$: with $\mu > 0$ and $J \succ 0$ it is positive where the body "
         r"turns,",
         lost,
-        [*moving, [damping, PRINCIPAL[0], Square(TURNING[0])], *turning[1:]],
+        [*moving, *([damping, PRINCIPAL[k], Square(TURNING[k])] for k in range(3))],
     )
     yield positive(
         r"and where it moves.",
         lost,
-        [[damping, Square(MOVING[0])], *moving[1:], *turning],
+        [*([damping, Square(speed)] for speed in MOVING.parts), *turning],
     )
 
 

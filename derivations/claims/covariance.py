@@ -62,6 +62,7 @@ def proof(
         r"$G\, \varphi = 2 \sum_i m_i\, \tilde x_i \times R^{\mathsf T} e_i$: $\varphi$ is "
         r"$-G^{-1}$ times the derivative of the gradient in the noise. As $G = 2J$, $\varphi = "
         r"J^{-1} \sum_i m_i B_i e_i$ with $B_i = [\tilde x_i]_\times R^{\mathsf T}$.",
+        theorem="the implicit function theorem",
         source="the implicit function theorem",
     )
     yield from _rotation_block(cloud, covariance_factor)

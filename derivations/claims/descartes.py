@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import astuple
 from itertools import product
 from typing import Any
 
@@ -119,8 +120,8 @@ def _all_roots(counting: Counting) -> Any:
     return facts(
         r"`certreg.exact.signs.signs_of_roots` counts so, of all 625 products of $x - r$ with "
         r"roots $r$ from $-2$ to $2$, each positive, zero and negative one.",
-        found,
-        expected,
+        list(map(astuple, found)),
+        list(map(astuple, expected)),
     )
 
 

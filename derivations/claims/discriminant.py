@@ -14,7 +14,7 @@ from certreg.objective.classification import Invariants, invariants
 
 from ..algebra import identity
 from ..kernel import Claim, Mutation, Proof
-from ..notation import Matrix, determinant, matrix, scalar, vector
+from ..notation import Matrix, determinant, entry, matrix, scalar, vector
 from ..table import eigenvalues
 
 Decisive = Callable[[Sequence[Sequence[Any]]], Invariants]
@@ -37,7 +37,7 @@ def proof(
         determinant(x * sympy.eye(4) - K),
         x**4 - 2 * found.e1 * x**2 - 8 * found.det * x + found.e1**2 - 4 * found.e2,
     )
-    free = replace(found, e1=scalar("e_1"), e2=scalar("e_2"), det=scalar("D"))
+    free = replace(found, e1=entry("e", 1), e2=entry("e", 2), det=scalar("D"))
     e1, e2, det = free.e1, free.e2, free.det
     yield identity(
         r"The discriminant of a quartic $x^4 + p x^2 + q x + r$ is $16 p^4 r - 4 p^3 q^2 - "

@@ -14,6 +14,7 @@ from ..kernel import Claim, Mutation, Proof
 from ..moments import MomentCloud, PointCloud
 from ..motion import DAMPING, State, body_kinetic_energy, newton_euler, potential_energy
 from ..notation import Array, Matrix, gradient, hat, inner, matrix, scalar, vector
+from ..rings import rational
 
 Equations = Callable[[State, MomentCloud], tuple[Array, Array]]
 Formula = Callable[[State, MomentCloud], Any]
@@ -124,7 +125,7 @@ def _off_rotations(extra: Formula, loss: Formula) -> Any:
         r"\begin{pmatrix}1&1&0\\0&1&0\\0&0&1\end{pmatrix}$, $\omega = e_3$, $c = v = 0$, $\mu = "
         r"\tfrac12$. The extra term is $4$ and the loss $3$, so $\dot V = 1 > 0$: the paper's "
         r"$\dot V \le 0$ needs $R$ to be a rotation.",
-        [gained, lost, gained - lost],
+        [rational(value) for value in (gained, lost, gained - lost)],
         [4, 3, 1],
     )
 

@@ -89,6 +89,7 @@ def proof(
         r"1$ the largest one is alone by $g - 2 t m > 0$, and its line turns continuously. From "
         r"$\varphi = 0$ on, as $\sin 2\varphi \le 2 t m/g < 1$ all the time, $2 \varphi$ stays "
         r"below $90$ degrees.",
+        theorem="Weyl's inequality",
         source="[HornJohnson2012], Weyl's inequality",
     )
     yield nonnegative(

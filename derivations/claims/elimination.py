@@ -13,10 +13,10 @@ import sympy
 from certreg.exact.elimination import is_positive_definite
 from certreg.verify import positive_definite
 
-from ..algebra import Square, identity, positive
+from ..algebra import Square, cases, identity, positive
 from ..hypothesis import Standing, invertible, positive_by
 from ..kernel import Claim, Mutation, Proof, Step
-from ..notation import Matrix, scalar
+from ..notation import Matrix, entry
 from ..shipped import pivots_of, upper
 
 SIZE = 4
@@ -42,8 +42,8 @@ def eliminated_row(A: Any, k: int, x: Any) -> Any:
     return sum(minor * x[k - 1 + j] for j, minor in enumerate(minors))
 
 
-A = Matrix(SIZE, SIZE, lambda i, j: scalar(f"a_{min(i, j) + 1}{max(i, j) + 1}"))
-X = Matrix([scalar(f"x_{k}") for k in range(1, SIZE + 1)])
+A = Matrix(SIZE, SIZE, lambda i, j: entry("a", min(i, j) + 1, max(i, j) + 1))
+X = Matrix([entry("x", k) for k in range(1, SIZE + 1)])
 MINORS = positive_by(
     r"The minors $D_1, \ldots, D_4$ are positive.",
     [leading_minor(A, k) for k in range(1, SIZE + 1)],
@@ -104,6 +104,11 @@ def _sylvester(D: list[Any]) -> Proof:
         r"then $D_0 = 1 > 0$ and, step by step, $x \ne 0$ and $D_k > 0$.",
         [[(v.T * A * v)[0], v[k]] for k, v in enumerate(vectors)],
         [[D[k] * D[k + 1], D[k]] for k in range(SIZE)],
+    )
+    yield cases(
+        r"The four cases cover: a vector $x \ne 0$ has a last entry that is not zero.",
+        LAST,
+        unless=X,
     )
 
 

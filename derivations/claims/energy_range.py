@@ -11,28 +11,26 @@ from certreg.geometry.so3 import davenport_matrix
 
 from ..algebra import Square, combination, contraction, facts, identity, nonnegative
 from ..hypotheses import SPECTRAL
-from ..hypothesis import Standing, nonnegative_by, vanishing
+from ..hypothesis import nonnegative_by, vanishing
 from ..kernel import Claim, Mutation, Proof, Step
-from ..notation import Matrix, inner, matrix, scalar, square
+from ..notation import Matrix, entry, inner, matrix, square
 
-GAPS = [scalar(f"g_{k}") for k in (1, 2, 3)]
+GAPS = [entry("g", k) for k in (1, 2, 3)]
 DESCENDING = nonnegative_by(
     r"$\lambda_1 \ge \lambda_2 \ge \lambda_3 \ge \lambda_4$ are the eigenvalues of $K$, the gaps "
     r"$g_1, g_2, g_3 \ge 0$ between neighbours.",
     GAPS,
-    standing=Standing.NOTATION,
     example={GAPS[0]: 1, GAPS[1]: -1},
 )
 BASIS = matrix("Q", 4)
 ORTHONORMAL = vanishing(
     r"$Q^{\mathsf T}Q = I$: the columns are an orthonormal basis of eigenvectors.",
     BASIS.T * BASIS - sympy.eye(4),
-    standing=Standing.NOTATION,
 )
 TRACE_FREE = vanishing(
     r"$\operatorname{tr} K = 0$, as it is for Davenport's matrix.",
-    sum(scalar(f"l_{k}") for k in (1, 2, 3, 4)),
-    solves=(scalar("l_4"),),
+    sum(entry("l", k) for k in (1, 2, 3, 4)),
+    solves=(entry("l", 4),),
 )
 
 
@@ -51,7 +49,7 @@ def proof(lower: Any = 1, upper: Any = 2, factor: int = 4) -> Proof:
 
 
 def _norm(factor: int) -> Proof:
-    spectrum = [scalar(f"l_{k}") for k in (1, 2, 3, 4)]
+    spectrum = [entry("l", k) for k in (1, 2, 3, 4)]
     D, Q = sympy.diag(*spectrum), BASIS
     total = sum(level**2 for level in spectrum)
     gram = Q.T * Q
@@ -133,6 +131,7 @@ CLAIM = Claim(
     hypotheses=(TRACE_FREE, ORTHONORMAL, DESCENDING),
     source="ours; the lower bound is Popoviciu's inequality for four numbers",
     proof=proof,
+    witness=dict.fromkeys(BASIS.diagonal(), 1),
     controls={
         "a lower bound of 1.1 F": Mutation(
             at=5,

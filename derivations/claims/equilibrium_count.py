@@ -12,7 +12,7 @@ from certreg.verify import coefficients, has_rank
 from ..algebra import combination, contraction, facts, identity
 from ..hypothesis import Standing, invertible, vanishing
 from ..kernel import Claim, Mutation, Proof, Step
-from ..notation import Matrix, inner, matrix, quaternion, rotation, scalar, square
+from ..notation import Matrix, entry, inner, matrix, quaternion, rotation, square
 from ..rationals import rank
 from ..shipped import checked_coefficients
 
@@ -25,7 +25,7 @@ INDEPENDENT = invertible(
     r"The $10\times10$ matrix $F$ of the coefficients is invertible, $F P = I$.",
     FORMS,
     INVERSE,
-    example={Q[0]: 1, scalar("e_1"): 1},
+    example={Q[0]: 1, entry("e", 1): 1},
 )
 VALUES = (MONOMIALS.T * FORMS).T
 UNITS = {A[k, k]: 1 for A in (FORMS, INVERSE) for k in range(SIZE)}  # F = P = I
@@ -36,13 +36,13 @@ RESTING = vanishing(
     example={FORMS[k, k]: 1 for k in range(SIZE)}
     | {INVERSE[k, k]: 1 for k in range(SIZE)}
     | dict.fromkeys(Q, 1)
-    | {scalar("e_1"): 1},
+    | {entry("e", 1): 1},
 )
 IN_THE_CHART = vanishing(
     r"The quaternion is scaled to $a\cdot q = 1$, so that the last four forms are the $q_k$.",
     VALUES[6:, :] - Q,
     standing=Standing.CASE,
-    example=UNITS | {Q[2]: 2, scalar("e_8"): 1},
+    example=UNITS | {Q[2]: 2, entry("e", 8): 1},
 )
 OUTSIDE = vanishing(
     r"$a\cdot q = 0$, so that the last four forms vanish.",
@@ -91,7 +91,7 @@ def _forms(shipped: Coefficients) -> Proof:
 
 
 def _spanned() -> Proof:
-    e = Matrix([scalar(f"e_{k}") for k in range(1, SIZE + 1)])
+    e = Matrix([entry("e", k) for k in range(1, SIZE + 1)])
     outer = MONOMIALS * e.T
     lifted = INVERSE * e
     yield combination(

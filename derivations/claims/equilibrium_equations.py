@@ -12,6 +12,7 @@ from ..kernel import Claim, Mutation, Proof, Step
 from ..moments import MomentCloud, PointCloud
 from ..motion import DAMPING, Body, State, left_gradient, potential_energy, rate, unit_cloud
 from ..notation import Array, Matrix, gradient, hat, inner, matrix, square, vector, vee
+from ..rings import rational
 from .total_torque import spring_part
 
 Rates = Callable[[State, Body], Array]
@@ -140,7 +141,7 @@ def _spinning_at_rest() -> Step:
     return facts(
         r"At $R = J = I$, $\mu = 1$, $C_{21} = \tfrac12$ and the other entries of $C$ zero, all "
         r"rates are zero at $c = v = 0$ and $\omega = (0, 0, 1)$, which is not zero.",
-        list(found.subs(DAMPING, 1)),
+        [rational(value) for value in found.subs(DAMPING, 1)],
         [0] * 18,
     )
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from fractions import Fraction
 from typing import Any
 
 import sympy
@@ -10,7 +11,7 @@ from sympy import Rational
 
 from ..algebra import Square, combination, contraction, facts, identity, nonnegative, positive
 from ..hypotheses import IDENTITY, INERTIA_INVERSE, PRINCIPAL, SPECTRAL, STEPPED, moments
-from ..hypothesis import Standing, invertible
+from ..hypothesis import Standing, nonzero
 from ..integrators import STEP, euler_step
 from ..kernel import Claim, Mutation, Proof, Step
 from ..moments import PointCloud, inertia_of
@@ -26,14 +27,15 @@ from ..motion import (
     velocity,
 )
 from ..notation import Array, Matrix, diagonal, inner, matrix, square, vector
+from ..rings import rational
 from .properness import solid_determinant, spin_terms
 
 Stepped = Callable[[State, Body], Array]
 
 REST = sympy.zeros(3, 1)
-ACCELERATED = invertible(
-    r"The body is no equilibrium: $a \ne 0$ in the first coordinate, say.",
-    vector("a")[0],
+ACCELERATED = nonzero(
+    r"The body is no equilibrium: $a \ne 0$.",
+    vector("a"),
     standing=Standing.CASE,
     example={STEP: 1},
 )
@@ -102,8 +104,7 @@ def _positive() -> Proof:
         [
             [Rational(1, 2), Square(STEPPED[0]), Square(entry)]
             for entry in (
-                ACCELERATED[0],
-                *a[1:, :],
+                *ACCELERATED.parts,
                 *(spin for k in range(3) for spin in alpha.cross(B.row(k).T)),
             )
         ],
@@ -148,8 +149,8 @@ def _example(step: Stepped) -> Step:
         r"with $c = e_1$; $h = \tfrac1{100}$ as in the paper. Summed over springs and particles, "
         r"the energy is $24$ before the step and $24 + \tfrac7{2500}$ after it, the same with "
         r"every damping. Along the flow it never rises (claim `dissipation`).",
-        [before, then, _rise(body, start)],
-        [24, 24 + Rational(7, 2500), Rational(7, 2500)],
+        [rational(value) for value in (before, then, _rise(body, start))],
+        [24, 24 + Fraction(7, 2500), Fraction(7, 2500)],
     )
 
 

@@ -17,13 +17,13 @@ from certreg.verify import QUARTICS, are_forty, in_chart, minors_of
 from ..algebra import combination, facts, identity, quoted
 from ..hypothesis import vanishing
 from ..kernel import Claim, Mutation, Proof
-from ..notation import Matrix, left_product, quaternion, scalar, square
+from ..notation import Matrix, entry, left_product, quaternion, scalar, square
 from ..rationals import rank_modulo
 
 Gradient = Callable[..., Any]
 Quartic = tuple[int, ...]
 Q, A = quaternion(), quaternion("a")
-SYMBOLS = [scalar(f"F_{k}") for k in range(len(MONOMIALS))]
+SYMBOLS = [entry("F", k) for k in range(len(MONOMIALS))]
 LEVEL = scalar("lambda")
 PLANE, LINES, COLUMNS = 45, 40, 120  # monomials of degree 8 in three variables; of degree 7 in four
 TURN = (1, 2, 3, 5)
@@ -38,8 +38,8 @@ def pure(*coefficients: int) -> Quartic:
 def isotropic() -> Quartic:
     """|q|^2 times a quadratic form: one weight for each pair, C = diag(1, 2, 4)."""
     form = [[0] * 10 for _ in range(10)]
-    for place, entry in ((1, 1), (5, 2), (9, 4)):
-        form[0][place] = form[place][0] = entry
+    for place, weight in ((1, 1), (5, 2), (9, 4)):
+        form[0][place] = form[place][0] = weight
     return quartic_of_form(form)
 
 
@@ -61,6 +61,7 @@ def proof(shipped: Gradient = gradient, *, bound: int = LINES, turn: Any = left_
         r"0 \ldots 3$, are four equations of degree 3 in $(q, s)$, with $3^4 = 81$ common zeros in "
         r"projective space, if finitely many. One is $q = 0$, which is simple. The others come in "
         r"pairs $(q, \pm s)$, a pair for each critical line, $\lambda = s^2$. $(81 - 1)/2 = 40$.",
+        theorem="Bézout's theorem",
         source="Bézout's theorem [Fulton1984]",
     )
 
@@ -105,7 +106,7 @@ def _equations(shipped: Gradient) -> Proof:
 
 
 def _six() -> list[Any]:
-    return [scalar(f"c_{i}{j}") for i, j in combinations(range(4), 2)]
+    return [entry("c", i, j) for i, j in combinations(range(4), 2)]
 
 
 def _cofactor(k: int) -> Any:

@@ -14,10 +14,10 @@ from ..algebra import identity, positive, quoted, refuting
 from ..hypotheses import MASSES as POSITIVE
 from ..kernel import Claim, Mutation, Proof, Step
 from ..moments import PointCloud
-from ..notation import Array, Matrix, scalar, vector
+from ..notation import Array, Matrix, entry, scalar, vector
 
 Decisive = Callable[[Sequence[Sequence[Any]]], Invariants]
-MASSES = tuple(scalar(f"m_{i}") for i in (1, 2, 3))
+MASSES = tuple(entry("m", i) for i in (1, 2, 3))
 POSITIVE_MASSES = POSITIVE[3]
 
 
@@ -48,6 +48,7 @@ def proof(decisive: Decisive = invariants, *, stretch: int = 2, extra: int = 0) 
         r"probability zero under every distribution with a density, and by the claims "
         r"`classification` and `half_turns` all others have one optimum and exactly three "
         r"spurious equilibria, each $180^\circ$ away.",
+        theorem="Fubini's theorem",
         source="Fubini's theorem",
     )
 
@@ -135,7 +136,7 @@ def _more_points(extra: int) -> Proof:
     sources = balanced(vector("x1"), vector("x2"))
     targets = balanced(vector("y1"), vector("y2"))
     three = scaled_moment(MASSES, targets, sources)
-    M, rest = sum(MASSES), [scalar("m_4"), scalar("m_5")]
+    M, rest = sum(MASSES), [entry("m", 4), entry("m", 5)]
     origin = Matrix([extra, 0, 0])
     for k in (1, 2):
         masses = [*MASSES, *rest[:k]]

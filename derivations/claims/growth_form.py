@@ -50,7 +50,6 @@ OPTIMAL = nonnegative_by(r"$R(p)$ is a global optimum.", AT_Q - AT_P, standing=S
 COSINE = nonnegative_by(
     r"$k = \cos b$ lies between $-1$ and 1.",
     [1 - K, 1 + K],
-    standing=Standing.NOTATION,
     example={K: 2, WIDTH: 2, MU: 1, DELTA: Fraction(1, 8)},
 )
 RANGE = nonnegative_by(
@@ -86,7 +85,7 @@ NEAR_H = positive_by(
     standing=Standing.CASE,
 )
 HALF = nonnegative_by(r"$\cos s \ge 0$.", COS_S, standing=Standing.CASE)
-BELOW_ONE = nonnegative_by(r"$\cos v \le 1$.", 1 - COS_V, standing=Standing.NOTATION)
+BELOW_ONE = nonnegative_by(r"$\cos v \le 1$.", 1 - COS_V)
 
 
 def proof(
@@ -276,6 +275,7 @@ CLAIM = Claim(
     ),
     source="elementary",
     proof=proof,
+    witness={K: 1, WIDTH: 2, MU: 1, DELTA: Fraction(1, 8)},
     controls={
         "half of the gap": Mutation(
             at=4,

@@ -214,6 +214,7 @@ CLAIM = Claim(
     hypotheses=(LOST, ENOUGH, POSITIVE, STEEP, GROWN, ROOTS, GROWS, BEYOND),
     source="elementary",
     proof=proof,
+    witness={S: 1, SIGMA: 2, AT_S: 1},
     controls={
         "rotations half as far apart": Mutation(at=1, proof=lambda: proof(twice=1)),
         "a loss of 4 k X in the growth": Mutation(at=4, proof=lambda: proof(eight=4)),

@@ -9,7 +9,7 @@ from certreg.problem.moments import inertia
 
 from ..algebra import Square, identity, positive
 from ..hypotheses import MASSES, moments
-from ..hypothesis import Hypothesis, Standing, invertible
+from ..hypothesis import Hypothesis, Standing, nonzero
 from ..kernel import Claim, Mutation, Proof
 from ..moments import MomentCloud, PointCloud, inertia_of
 from ..notation import Array, Matrix, hat, square, vector
@@ -18,12 +18,16 @@ Formula = Callable[[Any], Any]
 
 
 def _apart(n: int) -> Hypothesis:
-    first, second, *_ = PointCloud.of_size(n).sources
-    return invertible(
-        r"One of the numbers $a\times(x_i - x_j)$ is not zero; it may be the first.",
-        vector("a").cross(first - second)[0],
+    sources, a = PointCloud.of_size(n).sources, vector("a")
+    return nonzero(
+        r"One of the numbers $a\times(x_i - x_j)$ is not zero.",
+        [entry for i, j in _pairs(n) for entry in a.cross(sources[i] - sources[j])],
         standing=Standing.CASE,
     )
+
+
+def _pairs(n: int) -> list[tuple[int, int]]:
+    return [(i, j) for j in range(n) for i in range(j)]
 
 
 APART = {n: _apart(n) for n in (3, 4)}
@@ -77,13 +81,11 @@ def _written_out(n: int, of_scatter: Formula) -> Any:
     about_origin, total = moments(points).source_scatter, points.total(points.sources)
     scatter = points.mass * about_origin - total * total.T
     J = Matrix(of_scatter(scatter.tolist()))
-    pairs = [(i, j) for j in range(n) for i in range(j)]
     terms = [
-        [*(MASSES[n][k] for k in pair), Square(entry)]
-        for pair in pairs
-        for entry in a.cross(points.sources[pair[0]] - points.sources[pair[1]])
+        [*(MASSES[n][k] for k in pair), Square(APART[n][3 * number + place])]
+        for number, pair in enumerate(_pairs(n))
+        for place in range(3)
     ]
-    terms[0][-1] = Square(APART[n][0])
     return positive(
         rf"Once more with $N = {n}$ points written out, about any origin, and with the integers of "
         r"the code, which hold $M S_2 = M\sum m\,xx^{\mathsf T} - \sum m\,x\,\sum m\,x^{\mathsf "

@@ -43,13 +43,11 @@ AT_REST = intrinsic_jacobian(State(omega=sympy.zeros(3, 1)), Body())
 GROWTH = vanishing(
     r"$s$ is a root of $s^2 + \mu s + g$.",
     scalar("s") ** 2 + DAMPING * scalar("s") + scalar("g"),
-    standing=Standing.NOTATION,
     solves=(scalar("g"),),
 )
 MODE = vanishing(
     r"$\varphi$ belongs to the eigenvalue $g$ of the pencil, $J^{-1} G \varphi = g \varphi$.",
     -AT_REST[9:12, 3:6] * vector("phi") - scalar("g") * vector("phi"),
-    standing=Standing.NOTATION,
     solves=tuple(matrix("C")),
 )
 

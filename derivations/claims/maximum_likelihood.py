@@ -10,7 +10,7 @@ import sympy
 
 from ..algebra import Square, combination, contraction, identity, positive
 from ..hypotheses import MASSIVE, matched
-from ..hypothesis import Standing, invertible
+from ..hypothesis import Standing, nonzero
 from ..kernel import Claim, Mutation, Proof
 from ..moments import MomentCloud
 from ..motion import State, position, potential_energy
@@ -32,9 +32,9 @@ def translation_of(means: Means, R: Array, c: Array) -> Array:
     return means.target + c - R * means.source
 
 
-OFF = invertible(
-    r"$t \ne t^\star$, in the first coordinate, say.",
-    (vector("t") - translation_of(Means(), State().R, sympy.zeros(3, 1)))[0],
+OFF = nonzero(
+    r"$t \ne t^\star$.",
+    vector("t") - translation_of(Means(), State().R, sympy.zeros(3, 1)),
     standing=Standing.CASE,
 )
 TURNED = matched()
@@ -84,10 +84,7 @@ def _completed(objective: Any, centred: Any, offset: Array, cloud: MomentCloud) 
         r"So no translation does better than $t^\star$, and only $t^\star$ does as well: what "
         r"remains is to minimise $V_p(R, 0)$ over rotations.",
         objective - centred,
-        [
-            [MASSIVE[0], Square(OFF[0])],
-            *([MASSIVE[0], Square(entry)] for entry in offset[1:, :]),
-        ],
+        [[MASSIVE[0], Square(entry)] for entry in OFF.parts],
     )
 
 

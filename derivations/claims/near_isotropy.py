@@ -11,7 +11,7 @@ import sympy
 from certreg.objective.quartics import MONOMIALS, hessian
 
 from ..algebra import Square, identity, positive, quoted
-from ..hypothesis import Standing, invertible, nonnegative_by, positive_by
+from ..hypothesis import Standing, invertible, nonnegative_by, nonzero, positive_by
 from ..kernel import Claim, Mutation, Proof
 from ..notation import Matrix, body, quaternion, scalar, square, symmetric, vector
 
@@ -52,7 +52,7 @@ SLIGHTLY = positive_by(
     standing=Standing.CASE,
     example={V[0]: 1},
 )
-SOMEWHERE = invertible(r"$v_1 \ne 0$.", V[0], standing=Standing.CASE)
+SOMEWHERE = nonzero(r"$v \ne 0$.", V, standing=Standing.CASE)
 
 
 def isotropic(a: Any) -> list[Any]:
@@ -73,6 +73,7 @@ def proof(second: Second = hessian, *, sign: int = -1, room: int = 2) -> Proof:
         r"positive constant, as the sphere is compact, and inside each the Hessian is invertible. "
         r"If $F$ and its first two derivatives change by little enough, the gradient stays "
         r"different from zero outside, and inside there stays exactly one zero, of the same index.",
+        theorem="the implicit function theorem",
         source="the implicit function theorem",
     )
     yield _continuous()
@@ -122,15 +123,14 @@ def _continuous() -> Any:
     disturbed = [RISING[0], DISTURBED[0]]
     return positive(
         r"Now $W_i = m_i (I + \epsilon E_i)$. Then $S = M I + \epsilon E$, $E = \sum_i m_i E_i$, "
-        r"is positive definite for small $\epsilon$: $v^{\mathsf T} S v > 0$ for $v \ne 0$, $v_1 "
-        r"\ne 0$ say, if $\epsilon e < M$. So $F$, a rational function of $\epsilon$ with $\det S$ "
+        r"is positive definite for small $\epsilon$: $v^{\mathsf T} S v > 0$ for $v \ne "
+        r"0$, if $\epsilon e < M$. So $F$, a rational function of $\epsilon$ with $\det S$ "
         r"below, is near the isotropic one in all its 35 coefficients, and with it its "
         r"derivatives: if the eigenvalues of $K$ are different, there are exactly four equilibria "
         r"for all small $\epsilon$ (of either sign: $-E$ for $E$).",
         (V.T * S * V)[0],
         [
-            [SLIGHTLY[0], Square(SOMEWHERE[0])],
-            *([SLIGHTLY[0], Square(e)] for e in V[1:]),
+            *([SLIGHTLY[0], Square(e)] for e in SOMEWHERE.parts),
             disturbed,
         ],
     )

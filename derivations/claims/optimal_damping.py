@@ -17,6 +17,7 @@ from ..linearisation import hessian
 from ..moments import inertia_of
 from ..motion import DAMPING, Body, State, rate
 from ..notation import Matrix, scalar, symmetric
+from ..rings import Surd
 from .unstable_count import CLAIM as UNSTABLE
 from .unstable_count import W_ROOT
 
@@ -192,6 +193,7 @@ CLAIM = Claim(
     inherits=(UNSTABLE,),
     source="ours; [Yang2020] does not state its damping",
     proof=proof,
+    witness={K: Surd(0, 1, 2)},
     controls={
         "mu* = sqrt(m)": Mutation(at=4, proof=lambda: proof(factor=1), instance=_slower),
         "translation with g = 1": Mutation(at=1, proof=lambda: proof(translation=Fraction(1))),

@@ -21,6 +21,7 @@ from ..kernel import Claim, Mutation, Proof, Step
 from ..moments import MomentCloud
 from ..notation import (
     Matrix,
+    entry,
     inner,
     matrix,
     quaternion,
@@ -37,7 +38,7 @@ Certificate = Callable[[Any, Any], Any]
 
 def symmetric_four(name: str) -> Any:
     """A symmetric 4x4 matrix of ten symbols."""
-    return Matrix(4, 4, lambda i, j: scalar(f"{name}_{min(i, j)}{max(i, j)}"))
+    return Matrix(4, 4, lambda i, j: entry(name, min(i, j), max(i, j)))
 
 
 def certificate_matrix(K: Any, q: Any) -> Any:
@@ -255,6 +256,7 @@ CLAIM = Claim(
     ),
     source="Shor's dual of [Horn1987]'s eigenvalue problem; the bounds are elementary",
     proof=proof,
+    witness={Q_OF[0]: 1, P_OF[0]: 1, DELTA: 1} | dict.fromkeys(matrix("R").diagonal(), 1),
     controls={
         "a gap below delta": Mutation(
             at=3,

@@ -43,7 +43,6 @@ LONG = nonnegative_by(r"$D \ge 0$.", EXCESS, standing=Standing.CASE, example={EP
 LENGTHS = nonnegative_by(
     r"$\alpha = |a|$ and $\gamma = |b|$ are not negative.",
     [SOURCE, TARGET],
-    standing=Standing.NOTATION,
     example={SOURCE: -1, TARGET: 1, EPSILON: 1},
 )
 APART = positive_by(

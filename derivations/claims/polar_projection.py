@@ -10,7 +10,7 @@ import sympy
 
 from ..algebra import Square, combination, contraction, identity, modulo, positive
 from ..hypotheses import IDENTITY, ROTATION, inverted, rotation_of
-from ..hypothesis import Point, Standing, equation, invertible, nonnegative_by
+from ..hypothesis import Point, Standing, equation, invertible, nonnegative_by, nonzero
 from ..integrators import STEP, euler_step, polar_turn
 from ..kernel import Claim, Mutation, Proof
 from ..motion import Body, State, rate
@@ -18,6 +18,7 @@ from ..notation import (
     Array,
     Matrix,
     determinant,
+    entry,
     hat,
     inner,
     matrix,
@@ -57,11 +58,9 @@ POSITIVE_ROOT = nonnegative_by(
     r"$n = \sqrt{1 + |a|^2}$, so $n \ge 0$.",
     N,
     standing=NOTATION,
-    example={N: Fraction(-5, 3), A[0]: Fraction(4, 3), scalar("x_1"): 1},
+    example={N: Fraction(-5, 3), A[0]: Fraction(4, 3), entry("x", 1): 1},
 )
-STRETCHED = invertible(
-    r"$x \ne 0$, in the first coordinate, say.", scalar("x_1"), standing=Standing.CASE
-)
+STRETCHED = nonzero(r"$x \ne 0$.", vector("x"), standing=Standing.CASE)
 FIRST_INVERSE = invertible("$u = 1/n$.", N, U, standing=NOTATION)
 SECOND_INVERSE = invertible("$w = 1/(n + 1)$.", N + 1, W, standing=NOTATION)
 S_ROTATION, T_ROTATION = rotation_of("S"), rotation_of("T")
@@ -159,8 +158,7 @@ def _is_the_polar_factor(stretch: Callable[[], Array]) -> Proof:
         r"$I + [a]_\times$.",
         square(A.cross(x)) + (N + 1) * square(x),
         [
-            [Square(STRETCHED[0])],
-            *([Square(entry)] for entry in (*x[1:, :], *A.cross(x))),
+            *([Square(entry)] for entry in (*STRETCHED.parts, *A.cross(x))),
             *([POSITIVE_ROOT[0], Square(entry)] for entry in x),
         ],
     )

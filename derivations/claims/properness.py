@@ -14,6 +14,7 @@ from ..kernel import Claim, Mutation, Proof, Step
 from ..moments import MomentCloud, PointCloud, inertia_of
 from ..motion import State, body_kinetic_energy, position, potential_energy
 from ..notation import Array, Matrix, diagonal, inner, matrix, scalar, square, vector
+from ..rings import rational
 
 Energy = Callable[[State, MomentCloud], Any]
 SCALES = (0, 1, 10**3, 10**6, 10**12)
@@ -179,7 +180,7 @@ def _triangle(energy: Energy) -> Any:
         r"unit weights, registered to itself. At $R = \operatorname{diag}(1, 1, 1+s)$, at rest, "
         r"the total energy is $0$ for $s = 0, 1, 10^3, 10^6, 10^{12}$, though three of the points "
         r"are not collinear.",
-        found,
+        [rational(value) for value in found],
         [0] * len(SCALES),
     )
 

@@ -19,7 +19,7 @@ from certreg.verify import _quartic_terms as quartic_terms  # pyright: ignore[re
 
 from ..algebra import facts, identity
 from ..kernel import Claim, Mutation, Proof
-from ..notation import Matrix, inner, matrix, quaternion, rotation, scalar, square, symmetric
+from ..notation import Matrix, entry, inner, matrix, quaternion, rotation, square, symmetric
 from ..rationals import rank
 
 SIZE = len(PRODUCTS)
@@ -99,8 +99,8 @@ def proof(
 
 
 def _relaxation(gram: Gram) -> Proof:
-    P = [scalar(f"P_{k}") for k in range(len(QUARTICS))]
-    free = [scalar(f"g_{k}") for k in range(20)]
+    P = [entry("P", k) for k in range(len(QUARTICS))]
+    free = [entry("g", k) for k in range(20)]
     rows = gram(P, free)
     G = Matrix(SIZE, SIZE, lambda i, j: rows[min(i, j)][abs(i - j)])
     yield identity(
@@ -115,7 +115,7 @@ def _relaxation(gram: Gram) -> Proof:
         r"The ten entries of $r$ are linear in the ten products $s$, with a matrix of integers of "
         r"determinant $\pm 8192 \ne 0$: $r = T s$. So $r^{\mathsf T} A r = s^{\mathsf T} "
         r"(T^{\mathsf T} A T) s$, and the one form is semidefinite where the other is.",
-        [abs(table.det())],
+        [int(abs(table.det()))],
         [8192],
     )
     both = [M[i] * M[j] for i in range(SIZE) for j in range(i, SIZE)]
@@ -174,11 +174,11 @@ def _isotropic(size: Size) -> Proof:
         r"whether $N(Q) = 0$, is true exactly where $f = c - 2 \operatorname{tr}(R^{\mathsf T} "
         r"C)$ for some $c$ and $C$; at $R_{11}^2$, say, it is not.",
         [
-            {size(form) for form in (*vanishing, *linear)},
+            frozenset(size(form) for form in (*vanishing, *linear)),
             rank([[A[i][j] for i in range(SIZE) for j in range(SIZE)] for A in vanishing + linear]),
             [_held(held, form) for form in (*vanishing, units[SIZE])],
         ],
-        [{Fraction(0)}, 30, [True] * len(vanishing) + [False]],
+        [frozenset({Fraction(0)}), 30, [True] * len(vanishing) + [False]],
     )
 
 

@@ -8,33 +8,30 @@ from itertools import product
 from certreg.objective.springs import Springs
 
 from ..algebra import combination, facts, nonnegative, quoted
-from ..hypothesis import Standing, nonnegative_by, vanishing
+from ..hypothesis import nonnegative_by, vanishing
 from ..kernel import Claim, Mutation, Proof
-from ..notation import scalar
+from ..notation import entry
 from ..rationals import rank_modulo
 from .forty_real import index_of, lines, six_planes
 
 Indices = Callable[..., int | None]
-C = [scalar(f"c_{k}") for k in range(4)]
+C = [entry("c", k) for k in range(4)]
 BETTI = (1, 1, 1, 1)
 HELD = (1, 1, 1)
-MINIMUM = nonnegative_by(r"$c_0 \ge 1$.", C[0] - 1, standing=Standing.CASE)
+MINIMUM = nonnegative_by(r"By Morse, quoted: $c_0 \ge 1$.", C[0] - 1)
 SADDLES = nonnegative_by(
-    r"$c_1 - c_0 \ge 0$.",
+    r"By Morse, quoted: $c_1 - c_0 \ge 0$.",
     C[1] - C[0],
-    standing=Standing.CASE,
     example={C[0]: 1, C[1]: 0, C[2]: 1, C[3]: 2},
 )
 MIDDLE = nonnegative_by(
-    r"$c_2 - c_1 + c_0 \ge 1$.",
+    r"By Morse, quoted: $c_2 - c_1 + c_0 \ge 1$.",
     C[2] - C[1] + C[0] - 1,
-    standing=Standing.CASE,
     example={C[0]: 1, C[1]: 1},
 )
 EULER = vanishing(
-    r"$c_3 - c_2 + c_1 - c_0 = 0$.",
+    r"By Morse, quoted: $c_3 - c_2 + c_1 - c_0 = 0$.",
     C[3] - C[2] + C[1] - C[0],
-    standing=Standing.CASE,
     solves=(C[3],),
     example={C[0]: 1, C[1]: 1, C[2]: 1},
 )
@@ -89,6 +86,7 @@ def proof(index: Indices = index_of, *, least: int = 4, betti: Sequence[int] = B
         r"critical points, $c_k$ of them of index $k$, $c_k - c_{k-1} + \ldots \pm c_0 \ge b_k - "
         r"b_{k-1} + \ldots \pm b_0$ for every $k$, with equality for the last. Here the right "
         r"sides are $1, 0, 1, 0$.",
+        theorem="Morse's inequalities",
         source="[Milnor1963]",
     )
     c = C
@@ -119,6 +117,7 @@ def proof(index: Indices = index_of, *, least: int = 4, betti: Sequence[int] = B
         r"Degenerate or not, there are at least four: the classes of degree one of the rotations "
         r"modulo 2 have a cube that is not zero, and a function has more critical points than "
         r"that product has factors.",
+        theorem="the theorem of Lusternik and Schnirelmann",
         source="[Cornea2003]",
     )
     yield from _seen(index, least)

@@ -22,23 +22,21 @@ from certreg.relaxation.qcqp import (
 
 from ..algebra import Square, facts, identity, nonnegative
 from ..hypotheses import SPECTRAL
-from ..hypothesis import Standing, nonnegative_by
+from ..hypothesis import nonnegative_by
 from ..kernel import Claim, Mutation, Proof
-from ..notation import Matrix, diagonal, inner, matrix, quaternion, rotation, scalar, square
+from ..notation import Matrix, diagonal, entry, inner, matrix, quaternion, rotation, square
 from ..rationals import rank
 
 Quadratics = Callable[[], Any]
-LEVELS = [scalar(f"l_{k}") for k in (1, 2, 3, 4)]
+LEVELS = [entry("l", k) for k in (1, 2, 3, 4)]
 LARGEST = nonnegative_by(
     r"$\lambda_1$ is the largest eigenvalue of $K$.",
     [LEVELS[0] - level for level in LEVELS],
-    standing=Standing.NOTATION,
 )
 DIAGONAL_LEVELS = [davenport_matrix(diagonal("d").tolist())[k][k] for k in range(4)]
 LARGEST_OF_C = nonnegative_by(
     r"$\lambda_1$ is the largest eigenvalue of $K$.",
     [DIAGONAL_LEVELS[0] - level for level in DIAGONAL_LEVELS],
-    standing=Standing.NOTATION,
 )
 SIZE, PAIRS = 10, tuple(combinations_with_replacement(range(10), 2))
 
@@ -66,7 +64,7 @@ def proof(
 
 def _quaternion_form(level: int) -> Proof:
     top = LEVELS[level]
-    B, p = Matrix(4, 4, lambda i, j: scalar(f"b_{i + 1}{j + 1}")), quaternion("p")
+    B, p = Matrix(4, 4, lambda i, j: entry("b", i + 1, j + 1)), quaternion("p")
     Z, spectrum = B * B.T, sympy.diag(*LEVELS)
     yield nonnegative(
         r"**Weak duality.** In an orthonormal eigenbasis $K = \operatorname{diag}(\lambda_1, "

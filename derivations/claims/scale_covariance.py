@@ -86,6 +86,7 @@ def _conditions(phi: Array, stiff: Any) -> Proof:
         r"So the optimum is a smooth function of the noise, and to first order $s J \varphi = "
         r"\sum_i m_i\, \tilde x_i \times R^{\mathsf T} e_i$ and $S_{xx} \sigma = \sum_i m_i "
         r"(R \tilde x_i)^{\mathsf T} e_i$.",
+        theorem="the implicit function theorem",
         source="the implicit function theorem",
     )
 

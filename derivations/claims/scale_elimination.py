@@ -15,12 +15,12 @@ from certreg.problem.motion import Scale
 from ..algebra import Square, facts, identity, nonnegative, positive
 from ..hypothesis import Standing, invertible, nonnegative_by, positive_by
 from ..kernel import Claim, Mutation, Proof
-from ..notation import Matrix, matrix, scalar, square
+from ..notation import Matrix, entry, matrix, scalar, square
 
 Energy = Callable[[Scaling, Any, Any], Any]
 S, BEST, ALIGNED, KEPT, DELTA = (scalar(name) for name in ("s", "t", "a", "p", "delta"))
 SOURCE, TARGET, WIDE, FAR = (scalar(name) for name in ("S_xx", "S_yy", "u", "z"))
-LEVELS = [scalar(f"lambda_{k}") for k in (1, 2, 3)]
+LEVELS = [entry("lambda", k) for k in (1, 2, 3)]
 TOP, LAST = LEVELS[0], -sum(LEVELS)
 
 SIZE = positive_by(r"The source is no single point: $S_{xx} > 0$.", SOURCE)
@@ -32,7 +32,6 @@ TURNED = nonnegative_by(
 LARGEST = nonnegative_by(
     r"$\lambda_1 \ge \lambda_k$; the sum of all four is $0$.",
     [TOP - LEVELS[1], TOP - LEVELS[2], TOP - LAST],
-    standing=Standing.NOTATION,
     prepare=lambda point: {TOP: 2 * max(abs(point[level]) for level in LEVELS)},
 )
 KEEPS = nonnegative_by(

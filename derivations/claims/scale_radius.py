@@ -19,7 +19,7 @@ LEVEL, THEN, MOVED = (scalar(name) for name in ("lambda", "lambda'", "m"))
 ROOT, SHIFT, SIZE = scalar("a"), scalar("e"), scalar("S'")
 CLOUD, HEAVY = PointCloud.of_size(3), scalar("n")
 
-WEIGHTY = invertible(r"$n = 1/M$.", CLOUD.mass, HEAVY, standing=Standing.NOTATION)
+WEIGHTY = invertible(r"$M \ne 0$, $n = 1/M$.", CLOUD.mass, HEAVY)
 NEAR_ABOVE = nonnegative_by(
     r"$\lambda' \le \lambda + m$.",
     LEVEL + MOVED - THEN,
@@ -60,6 +60,7 @@ def proof(moved: Range = moved_scale, *, least: int = 1, most: int = 1) -> Proof
         r"The largest eigenvalue $\lambda$ of $K$ and $\lambda'$ of the moved points differ by at "
         r"most $m = \sqrt{M S_{yy}}\,dx + \sqrt{M S_{xx}}\,dy + M\,dx\,dy$, by Weyl's inequality "
         r"and the bound of claim `eigenvector_radius` on the change of $K$.",
+        theorem="Weyl's inequality",
         source="[HornJohnson2012], Weyl's inequality",
     )
     yield from _size()

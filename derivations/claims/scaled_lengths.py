@@ -10,11 +10,12 @@ from certreg.verify import graphs
 from ..algebra import Square, facts, identity, nonnegative, positive
 from ..hypothesis import Standing, nonnegative_by, positive_by
 from ..kernel import Claim, Mutation, Proof
-from ..notation import scalar, square, vector
+from ..notation import entry, scalar, square, vector
 
 Test = Callable[[int, int, int, int, int | None], bool]
 A, B = vector("a"), vector("b")  # a turned by the rotation
-SCALE, LOW, HIGH, EPSILON = (scalar(name) for name in ("s", "s_0", "s_1", "epsilon"))
+SCALE, EPSILON = scalar("s"), scalar("epsilon")
+LOW, HIGH = entry("s", 0), entry("s", 1)
 LONG, SHORT = scalar("lambda"), scalar("mu")
 OFF = SCALE * A - B
 
@@ -41,7 +42,6 @@ SMALL = nonnegative_by(
 SIDES = nonnegative_by(
     r"$\mu, \epsilon \ge 0$.",
     [SHORT, EPSILON],
-    standing=Standing.NOTATION,
     example={SHORT: -2, EPSILON: 1, LONG: 1},
 )
 APART = positive_by(

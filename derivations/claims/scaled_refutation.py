@@ -9,7 +9,7 @@ from typing import Any
 
 from certreg.verify import scaled_refuted
 
-from ..algebra import Square, combination, contraction, facts, nonnegative, positive
+from ..algebra import Square, cases, combination, contraction, facts, nonnegative, positive
 from ..hypotheses import ROTATION
 from ..hypothesis import Standing, nonnegative_by, positive_by
 from ..kernel import Claim, Mutation, Proof
@@ -130,6 +130,8 @@ def proof(test: Test = refutes, *, cross: int = 2) -> Proof:
         [[Square(SCALE**2 * SPREAD - REST)]],
     )
     yield _numbers(test)
+    yield cases("Every scale is on one side of $s'$,", [ABOVE, BELOW])
+    yield cases("and $c$ on one side of $s'^2 X$: one of the two tests applies.", [GROWS, FALLS])
 
 
 def _numbers(test: Test) -> Any:

@@ -10,7 +10,7 @@ import sympy
 from certreg.geometry.so3 import davenport_matrix
 
 from ..algebra import identity, nonnegative, quoted, refuting
-from ..hypothesis import Standing, nonnegative_by
+from ..hypothesis import nonnegative_by
 from ..kernel import Claim, Mutation, Proof, Step
 from ..notation import (
     Matrix,
@@ -30,12 +30,10 @@ D = vector("d")
 ORDERED = nonnegative_by(
     r"$d_1 \ge d_2 \ge d_3$, by the choice of the frame.",
     [D[0] - D[1], D[1] - D[2]],
-    standing=Standing.NOTATION,
 )
 LARGEST = nonnegative_by(
     r"$\lambda_1 \ge \lambda_2$: the frame was made from an eigenvector of the largest eigenvalue.",
     eigenvalues(D)[0] - eigenvalues(D)[1],
-    standing=Standing.NOTATION,
 )
 
 
@@ -130,6 +128,7 @@ def _frame() -> Proof:
         r"in the order of descending eigenvalues $d_1 \geq d_2 \geq d_3$, into the columns of $V$; "
         r"change the sign of one if $\det V = -1$. Then $S = V \operatorname{diag}(d) "
         r"V^{\mathsf T}$ with $V \in \mathrm{SO}(3)$.",
+        theorem="the spectral theorem",
         source="the spectral theorem",
     )
     d, a = vector("d"), quaternion("a")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from fractions import Fraction
 from typing import Any
 
 import sympy
@@ -10,7 +11,7 @@ from sympy import Rational
 
 from ..algebra import Square, combination, contraction, identity, modulo, positive
 from ..hypotheses import DAMPED, INERTIA_INVERSE, STEPPED, UNIT, inverted
-from ..hypothesis import Point, Standing, equation, invertible, positive_by, vanishing
+from ..hypothesis import Point, Standing, equation, nonzero, positive_by, vanishing
 from ..integrators import (
     DECAY,
     IMPULSE,
@@ -29,10 +30,12 @@ from ..notation import (
     Array,
     Matrix,
     body,
+    entry,
     hat,
     inner,
     jacobian,
     left_product,
+    quaternion,
     rotation,
     scalar,
     square,
@@ -47,12 +50,10 @@ AT_REST = QuaternionState(v=sympy.zeros(3, 1), omega=sympy.zeros(3, 1))
 PUSHED = positive_by(
     r"$i = (1 - e^{-\mu h})/\mu > 0$, as $\mu > 0$ and $h > 0$.",
     IMPULSE,
-    standing=Standing.NOTATION,
 )
 DECAYING = vanishing(
     r"$e = e^{-\mu h}$ and $i = (1 - e)/\mu$: $\mu i + e = 1$.",
     DAMPING * IMPULSE + DECAY - 1,
-    standing=Standing.NOTATION,
     solves=(DECAY,),
 )
 
@@ -73,7 +74,7 @@ LENGTH = equation(
     standing=Standing.CASE,
     prepare=_turned_by_one_axis,
 )
-APART = invertible(r"$c \ne 0$, in the first coordinate, say.", STATE.c[0], standing=Standing.CASE)
+APART = nonzero(r"$c \ne 0$.", STATE.c, standing=Standing.CASE)
 STABLE = positive_by(
     r"For stability: $hi < 1 + e$.", 1 + DECAY - STEP * IMPULSE, standing=Standing.CASE
 )
@@ -220,10 +221,7 @@ def _rests(kicked: Kick, drifted: Drift) -> Proof:
         r"With $i > 0$ the first is zero for $c = 0$ only: $|v'|^2 = 4 i^2 |c|^2$. In the same way "
         r"the second is for $J^{-1}\tau = 0$ only.",
         square(v),
-        [
-            [4, Square(PUSHED[0]), Square(APART[0])],
-            *([4, Square(IMPULSE * entry)] for entry in STATE.c[1:, :]),
-        ],
+        [[4, Square(PUSHED[0]), Square(entry)] for entry in APART.parts],
     )
     yield combination(
         r"That is $\tau = 0$: for every $u$, $u\cdot\tau - (Ju)\cdot J^{-1}\tau$ is a combination "
@@ -306,6 +304,9 @@ CLAIM = Claim(
     ),
     source="ours",
     proof=proof,
+    witness={DAMPING: 1, STEP: 1, IMPULSE: Fraction(1, 2), DECAY: Fraction(1, 2)}
+    | dict.fromkeys((quaternion()[0], scalar("n"), STATE.c[0]), 1)
+    | dict.fromkeys((entry(name, k, k) for name in "IJ" for k in (1, 2, 3)), 1),
     controls={
         "springs of stiffness m in the force": Mutation(
             at=1, proof=lambda: proof(kicked=_force_of_m)

@@ -17,6 +17,7 @@ from ..hypothesis import Standing, nonnegative_by, positive_by
 from ..kernel import Claim, Mutation, Proof
 from ..notation import (
     Matrix,
+    entry,
     gradient,
     left_product,
     quaternion,
@@ -32,7 +33,7 @@ Local = Callable[..., Any]
 Spread = Callable[[Any], Fraction]
 CapOf = Callable[[Any, Fraction], Any]
 Q, AXIS = quaternion(), vector("d")
-B = [scalar(f"F_{k}") for k in range(len(QUARTICS))]
+B = [entry("F", k) for k in range(len(QUARTICS))]
 F = sum(b * sympy.prod([Q[i] for i in m]) for b, m in zip(B, QUARTICS, strict=True))
 E = left_product([0, *AXIS]) * Q  # d q
 SIZE, CURVATURE, WIDTH = scalar("unit"), scalar("k"), scalar("w")
@@ -86,6 +87,7 @@ def proof(
         r"line, of size at most $w/2$, $w \ge \max f - \min f$: derived twice, $|h| \le 2 w$, $h = "
         r"D^2 f$, $|d| = 1$. For every fixed $d$ $h$ is again a quartic over $|q|^4$, by step "
         r"3: of degree $2$ along all those lines, in any direction. So its slope is at most $4 w$.",
+        theorem="Bernstein's inequality",
         source="[Zygmund2002], Bernstein's inequality",
     )
     yield from _inside()

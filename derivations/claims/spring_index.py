@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from itertools import product
 from typing import Any
 
 import sympy
@@ -12,13 +11,13 @@ from certreg.objective.quartics import MONOMIALS, gradient, hessian, value
 
 from ..algebra import Square, combination, contraction, facts, identity, positive
 from ..hypotheses import SPECTRAL
-from ..hypothesis import Standing, invertible, positive_by, vanishing
+from ..hypothesis import Standing, invertible, nonzero, positive_by, vanishing
 from ..kernel import Claim, Mutation, Proof
-from ..notation import Array, Matrix, inner, matrix, quaternion, scalar, symmetric, vector
+from ..notation import Array, Matrix, entry, inner, matrix, quaternion, scalar, symmetric, vector
 
 Second = Callable[..., Any]
 SIZE = 3  # of the matrices that are written out below; the words hold for any
-QUARTIC = [scalar(f"F_{k}") for k in range(len(MONOMIALS))]
+QUARTIC = [entry("F", k) for k in range(len(MONOMIALS))]
 Q, P = quaternion(), quaternion("p")
 S, B, A = symmetric("S"), matrix("B"), symmetric("A")
 INVERSE = symmetric("P")
@@ -40,9 +39,9 @@ DAMPS = positive_by(
 )
 LEFT, RIGHT = sympy.Rational(1, 1000) - 100 * sympy.I, 100 + 100 * sympy.I
 SWINGS = invertible(r"$\tau \ne 0$.", PITCH, standing=Standing.CASE)
-SOME = invertible(
-    r"$w \ne 0$: $a_1 \ne 0$, say.",
-    REAL[0],
+SOME = nonzero(
+    r"$w = a + i b \ne 0$.",
+    [*REAL, *IMAGINARY],
     standing=Standing.CASE,
     example={PITCH: 1} | dict.fromkeys(vector("d"), 1),
 )
@@ -135,11 +134,7 @@ def _no_crossing() -> Proof:
         ],
     )
     swings, damping = Square(SWINGS[0]), DAMPS.parts
-    others = [
-        [swings, damping[k], Square(part[k])]
-        for part, k in product(w, range(SIZE))
-        if part is not REAL or k
-    ]
+    squares = [[swings, damping[k % SIZE], Square(SOME[k])] for k in range(2 * SIZE)]
     yield positive(
         r"On the imaginary axis, $\sigma = 0$, that is $\tau d = 0$. In the axes of $D$, $\tau "
         r"\cdot \tau d > 0$ unless $\tau = 0$: the only root there can be zero, with $H w = 0$. "
@@ -148,7 +143,7 @@ def _no_crossing() -> Proof:
         r"as many with positive real part as $H$ has negative eigenvalues (claim `unstable_count`, "
         r"whose steps hold for any number of coordinates), so there are at the start.",
         PITCH**2 * sum(d * (a**2 + b**2) for d, a, b in zip(vector("d"), *w, strict=True)),
-        [[swings, damping[0], Square(SOME[0])], *others],
+        squares,
     )
 
 

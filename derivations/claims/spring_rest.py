@@ -7,13 +7,14 @@ from typing import Any
 
 from ..algebra import Square, combination, contraction, identity, nonnegative, positive, quoted
 from ..hypotheses import DAMPED, MASSIVE, PRINCIPAL
-from ..hypothesis import Standing, invertible, nonnegative_by, positive_by, vanishing
+from ..hypothesis import Standing, nonnegative_by, nonzero, positive_by, vanishing
 from ..kernel import Claim, Mutation, Proof
 from ..moments import inertia_of
 from ..notation import (
     Array,
     Matrix,
     diagonal,
+    entry,
     gradient,
     hat,
     inner,
@@ -25,7 +26,7 @@ from ..notation import (
 )
 
 Pull = Callable[[Any, Any], Array]
-L = Matrix(3, 3, lambda i, j: scalar(f"l_{i + 1}{j + 1}") if j <= i else 0)
+L = Matrix(3, 3, lambda i, j: entry("l", i + 1, j + 1) if j <= i else 0)
 R, X, Y = matrix("R"), vector("x"), vector("y")
 CENTRE, V, OMEGA, N = vector("c"), vector("v"), vector("omega"), vector("n")
 FORCE, TORQUE, J, M, MU = vector("f"), vector("tau"), symmetric("J"), scalar("M"), scalar("mu")
@@ -33,8 +34,7 @@ STRETCHED = Y - R * X - CENTRE
 STIFF = nonnegative_by(
     r"$s_1, s_2, s_3 \ge 0$: the eigenvalues of $S$.",
     list(vector("s")),
-    standing=Standing.NOTATION,
-    example={scalar("s_1"): -1, scalar("u_1"): 1},
+    example={entry("s", 1): -1, entry("u", 1): 1},
 )
 RESISTING = positive_by(
     r"$S \succ 0$: $s_1, s_2, s_3 > 0$.", list(vector("s")), standing=Standing.CASE
@@ -45,14 +45,8 @@ FREE = vanishing(
     standing=Standing.CASE,
     example={L[0, 0]: 1, N[0]: 1, scalar("a"): 1, Y[0]: 1},
 )
-TURNING = invertible(
-    r"The body turns, $\omega \ne 0$: about the first principal axis, say.",
-    OMEGA[0],
-    standing=Standing.CASE,
-)
-MOVING = invertible(
-    r"The body moves, $v \ne 0$: in the first coordinate, say.", V[0], standing=Standing.CASE
-)
+TURNING = nonzero(r"The body turns, $\omega \ne 0$.", OMEGA, standing=Standing.CASE)
+MOVING = nonzero(r"The body moves, $v \ne 0$.", V, standing=Standing.CASE)
 
 
 def pull_of(stretched: Any, factor: Any) -> Array:
@@ -79,6 +73,7 @@ def proof(pull: Pull = pull_of, *, drag: int = 1, least: int = 1) -> Proof:
         r"with $v = \omega = 0$, on which force and torque vanish: the equilibria. Where $S n = "
         r"0$, $n \cdot v$ decays like $e^{-\mu t}$ and $n \cdot c$ tends to $n \cdot (c + v/\mu)$ "
         r"of the start.",
+        theorem="LaSalle's principle",
         source="[LaSalle1960]",
     )
 
@@ -152,12 +147,12 @@ def _falls(pull: Pull, drag: int) -> Proof:
     yield positive(
         r"In principal axes the loss is positive where the body turns,",
         lost,
-        [*moves, [damping, PRINCIPAL[0], Square(TURNING[0])], *turns[1:]],
+        [*moves, *([damping, PRINCIPAL[k], Square(TURNING[k])] for k in range(3))],
     )
     yield positive(
         r"and where it moves.",
         lost,
-        [[damping, mass, Square(MOVING[0])], *moves[1:], *turns],
+        [*([damping, mass, Square(speed)] for speed in MOVING.parts), *turns],
     )
 
 
@@ -208,7 +203,7 @@ CLAIM = Claim(
         "ten times the determinant": Mutation(
             at=1,
             proof=lambda: proof(least=10),
-            point={scalar(f"s_{k}"): 1 for k in (1, 2, 3)} | {scalar("u_1"): 1},
+            point={entry("s", k): 1 for k in (1, 2, 3)} | {entry("u", 1): 1},
         ),
     },
     not_claimed="That the limit is the optimum, or unstable elsewhere: claim `stable_spurious`. "

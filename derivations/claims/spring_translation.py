@@ -17,7 +17,7 @@ from certreg.verify import CheckedSprings
 from ..algebra import Square, combination, contraction, facts, identity, nonnegative
 from ..hypothesis import Standing, vanishing
 from ..kernel import Claim, Mutation, Proof
-from ..notation import Matrix, matrix, scalar, square, symmetric, vector
+from ..notation import Matrix, entry, matrix, scalar, square, symmetric, vector
 from ..shipped import eliminated_springs
 
 TranslationEnergy = Callable[[Any, Sequence[int], Sequence[Fraction]], Fraction]
@@ -29,7 +29,7 @@ SLIDING = ((0, 0, 1, 0, 2, 0), (0, 0, 2, 0, 0, 1), (0, 0, 0, 0, 0, 3), (0, 0, 1,
 QUATERNIONS = ((1, 0, 0, 0), (1, 2, 3, 4), (0, 5, -1, 2))
 TRANSLATION = (Fraction(1, 2), Fraction(-3), Fraction(5, 7))
 
-L = Matrix(3, 3, lambda i, j: scalar(f"l_{i + 1}{j + 1}") if j <= i else 0)
+L = Matrix(3, 3, lambda i, j: entry("l", i + 1, j + 1) if j <= i else 0)
 R, T, X, Y, N = matrix("R"), vector("t"), vector("x"), vector("y"), vector("n")
 S, B, BEST = symmetric("S"), vector("b"), vector("s")
 BALANCED = vanishing(

@@ -32,7 +32,6 @@ RISES = positive_by(
 MORE = nonnegative_by(
     r"$w \ge 0$, the sum of the sizes of the slopes of the other ties.",
     OTHERS,
-    standing=Standing.NOTATION,
     example={OTHERS: -1, SLOPE: 1},
 )
 TRUNCATED = nonnegative_by(

@@ -16,7 +16,7 @@ from certreg.problem.problem import RegistrationProblem
 
 from ..algebra import Square, facts, identity, positive
 from ..hypotheses import MASSIVE
-from ..hypothesis import Standing, invertible
+from ..hypothesis import Standing, nonzero
 from ..kernel import Claim, Mutation, Proof, Step
 from ..moments import MomentCloud, PointCloud
 from ..notation import gradient, matrix, square, vector
@@ -30,9 +30,9 @@ TRANSLATION = (Fraction(1, 2), Fraction(-3), Fraction(5, 7))
 
 
 R, T = matrix("R"), vector("t")
-SHIFTED = invertible(
-    r"$t \ne \bar y - R\bar x$, in the first coordinate, say.",
-    (T - vector("ybar") + R * vector("xbar"))[0],
+SHIFTED = nonzero(
+    r"$t \ne \bar y - R\bar x$.",
+    T - vector("ybar") + R * vector("xbar"),
     standing=Standing.CASE,
 )
 
@@ -65,10 +65,7 @@ def proof(
         r"Any other translation costs more: the difference is $M$ times a sum of squares, and "
         r"positive.",
         objective - least,
-        [
-            [MASSIVE[0], Square(SHIFTED[0])],
-            *([MASSIVE[0], Square(entry)] for entry in (t - best)[1:, :]),
-        ],
+        [[MASSIVE[0], Square(entry)] for entry in SHIFTED.parts],
     )
     for n in (3, 4):
         yield _written_out(n)

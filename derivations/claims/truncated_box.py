@@ -15,6 +15,7 @@ from ..kernel import Claim, Mutation, Proof
 from ..moments import MomentCloud
 from ..notation import (
     Matrix,
+    entry,
     inner,
     matrix,
     quaternion,
@@ -29,8 +30,8 @@ Built = Callable[[], Any]
 A, P, Q, K = vector("a"), quaternion("p"), quaternion(), symmetric("K", 4)
 SPREAD, OUT, LEVEL, COST = scalar("S"), scalar("n"), scalar("U"), scalar("V")
 TAU, SINE = scalar("tau"), scalar("sigma")  # sin^2(alpha / 2)
-COSTS = [scalar(f"c_{k}") for k in (1, 2, 3)]
-SQUARES = [scalar(f"v_{k}") for k in (1, 3)]  # omega |r|^2
+COSTS = [entry("c", k) for k in (1, 2, 3)]
+SQUARES = [entry("v", k) for k in (1, 3)]  # omega |r|^2
 
 NEAR = nonnegative_by(
     r"The turn $R(p)$ is by at most $\alpha$: $|v|^2 \le \sigma |p|^2$, $v$ the vector of $p$.",
@@ -188,6 +189,7 @@ CLAIM = Claim(
     ),
     source="elementary; Lagrange's multipliers",
     proof=proof,
+    witness={LEVEL: -1, Q[0]: 1, P[0]: 1} | dict.fromkeys(matrix("R").diagonal(), 1),
     controls={
         "points that move by half as much": Mutation(
             at=2,

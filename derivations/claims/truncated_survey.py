@@ -24,16 +24,16 @@ from ..algebra import Square, facts, nonnegative, positive
 from ..hypotheses import definite
 from ..hypothesis import Standing, nonnegative_by, positive_by
 from ..kernel import Claim, Mutation, Proof
-from ..notation import Matrix, quaternion, scalar, square, symmetric
+from ..notation import Matrix, entry, quaternion, scalar, square, symmetric
 from ..rationals import apply, rotation_of, subtract
 
 FormOf = Callable[[Sequence[int]], tuple[list[int], int]]
 Decides = Callable[..., bool]
 Q, P, A, C = quaternion(), quaternion("p"), symmetric("A", 4), symmetric("L", 4)
-STEP = Matrix([0, *(scalar(f"d_{k}") for k in "xyz")])
+STEP = Matrix([0, *(entry("d", k) for k in "xyz")])
 HALF, CURVED, MU, DELTA = (scalar(name) for name in ("h", "kappa", "mu", "delta"))
-STEEP = [scalar(f"s_{k}") for k in "xyz"]
-SIZES = [scalar(f"a_{k}") for k in "wxyz"]
+STEEP = [entry("s", k) for k in "xyz"]
+SIZES = [entry("a", k) for k in "wxyz"]
 NEAR, BEST, ROUNDED = scalar("c"), scalar("c'"), scalar("e")  # at u, at an optimum; 6 n
 NORM, OTHER, ALONG = square(Q), square(P), dot(tuple(Q), tuple(P))
 SLOPES = 2 * A * Q
@@ -259,6 +259,7 @@ CLAIM = Claim(
     ),
     source="elementary; branch and bound",
     proof=proof,
+    witness={DELTA: 1, Q[0]: 1, P[0]: 1},
     controls={
         "a box of a smaller diagonal": Mutation(
             at=1,

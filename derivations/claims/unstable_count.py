@@ -19,7 +19,15 @@ from ..algebra import (
     positive,
 )
 from ..hypotheses import DAMPED, SOLID, SPECTRAL, rotation_of
-from ..hypothesis import Standing, equation, invertible, nonnegative_by, positive_by, vanishing
+from ..hypothesis import (
+    Standing,
+    equation,
+    invertible,
+    nonnegative_by,
+    nonzero,
+    positive_by,
+    vanishing,
+)
 from ..kernel import Claim, Mutation, Proof, Step
 from ..linearisation import hessian
 from ..moments import inertia_of
@@ -35,13 +43,12 @@ Y = matrix("Y")
 ORTHONORMAL = vanishing(
     r"$Y$ is orthogonal, $YY^{\mathsf T} = I$: eigenvectors of $T^{-1}GT^{-\mathsf T}$.",
     Y * Y.T - sympy.eye(3),
-    standing=Standing.NOTATION,
     prepare=rotation_of("Y").prepare,
 )
 NEGATIVE = positive_by("$g_i < 0$.", [-g for g in vector("g")], standing=Standing.CASE)
-ALONG = invertible(
-    "$y_i \\ne 0$ for one $i$, the first, say.",
-    vector("y")[0],
+ALONG = nonzero(
+    "$y_i \\ne 0$ for one $i$.",
+    vector("y"),
     standing=Standing.CASE,
     example=dict.fromkeys(vector("g"), -1),
 )
@@ -135,13 +142,12 @@ def _sylvester(*, transposed: bool) -> Proof:
         sum((g * entry**2 for g, entry in zip(vector("g"), y, strict=True)), start=0),
     )
     pairs = list(zip(vector("g"), vector("y"), strict=True))
-    first, *others = zip(NEGATIVE.parts, vector("y"), strict=True)
     yield positive(
         r"Where only the $y_i$ of the $g_i < 0$ are not zero, $G$ is negative definite, since "
         r"$-\varphi^{\mathsf T} G \varphi$ is a sum of terms $(-g_i)\, y_i^2$. That is a subspace "
         r"with as many dimensions as there are negative $g_i$.",
         -sum((g * y**2 for g, y in pairs), start=sympy.Integer(0)),
-        [[first[0], Square(ALONG[0])], *([g, Square(y)] for g, y in others)],
+        [[g, Square(y)] for g, y in zip(NEGATIVE.parts, ALONG.parts, strict=True)],
     )
     yield nonnegative(
         r"Where they are all zero, $\varphi^{\mathsf T} G \varphi \geq 0$. A subspace on which $G$ "

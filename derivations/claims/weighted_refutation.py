@@ -25,7 +25,7 @@ from ..hypotheses import definite as definite_at
 from ..hypothesis import Hypothesis, Standing, nonnegative_by, positive_by
 from ..kernel import Claim, Mutation, Proof
 from ..moments import MomentCloud
-from ..notation import Matrix, inner, matrix, quaternion, scalar, square, symmetric, vector
+from ..notation import Matrix, entry, inner, matrix, quaternion, scalar, square, symmetric, vector
 from ..rationals import apply, rotation_of, scale, subtract
 
 Row = list[int]  # x, y, weight, bound
@@ -43,12 +43,12 @@ LAMBDA = (2, 0, 3, 1)
 TURNS = (1, 0, 0, 0), (1, 2, 3, 4), (0, 5, -1, 2)
 SPREAD, BUDGET = scalar("S"), scalar("B")
 K, P, R = symmetric("K", 4), quaternion("p"), matrix("R")
-WEIGHTS = [scalar(f"lambda_{i}") for i in (1, 2, 3)]
-LIMITS = [scalar(f"beta_{i}") for i in (1, 2, 3)]
+WEIGHTS = [entry("lambda", i) for i in (1, 2, 3)]
+LIMITS = [entry("beta", i) for i in (1, 2, 3)]
 RESIDUALS = [vector(f"r{i}") for i in (1, 2, 3)]
 LEAST, MEMBERS, COLOURS = scalar("K"), scalar("k"), scalar("c")
 UNION, HIT = scalar("u"), scalar("r")  # pairs of all groups; so many do not hit every group
-PARTS = [scalar(f"k_{i}") for i in (0, 1)]  # of the rest, of the groups: within their bounds
+PARTS = [entry("k", i) for i in (0, 1)]  # of the rest, of the groups: within their bounds
 POOL = scalar("n")
 
 LIGHT = nonnegative_by(r"$\lambda_i \ge 0$.", WEIGHTS, example={WEIGHTS[0]: -1, LIMITS[0]: 1})
@@ -291,6 +291,7 @@ CLAIM = Claim(
     setting=("$k_0$ of the other neighbours and $k_1$ of the groups are within.",),
     source="elementary; weak duality",
     proof=proof,
+    witness={SPREAD: 1, P[0]: 1} | dict.fromkeys(R.diagonal(), 1),
     controls={
         "S - B less K only": Mutation(
             at=3,

@@ -156,7 +156,7 @@ class Proof(MarkdownDirective):
 
     def _verdict(self, outcome: ClaimOutcome) -> nodes.paragraph:
         words = f" {outcome.verdict.words}."
-        ruling = nodes.strong(text=outcome.verdict.ruling.value.upper())
+        ruling = nodes.strong(text=outcome.verdict.ruling.value.upper() + outcome.modulo)
         return nodes.paragraph("", "", ruling, nodes.Text(words), classes=["claim-verdict"])
 
     def _failing(self, outcome: ClaimOutcome) -> list[nodes.Node]:
@@ -275,7 +275,7 @@ Facts = dict[str, Any]
 def summary_of(outcome: ClaimOutcome) -> Facts:
     """What the index of all claims says of one; no times, so that a build can be repeated."""
     return {
-        "verdict": outcome.verdict.ruling.value,
+        "verdict": outcome.verdict.ruling.value + outcome.modulo,
         "steps": len(outcome.steps),
         "quoted": len(outcome.quoted),
         "controls": len(outcome.controls),

@@ -23,6 +23,7 @@ from derivations.notation import scalar
 from derivations.steps import Kind, Proof
 
 X, Y, Z = scalar("x"), scalar("y"), scalar("z")
+FORMULA = "$x = y$. As the program has it: $x - y = 0$."
 SAME = vanishing("$x = y$.", X - Y, solves=(X,))
 LENGTH = nonnegative_by(r"$y \\ge 0$.", Y)
 ABOVE = positive_by("$y > 0$.", Y)
@@ -98,7 +99,7 @@ def test_a_proof_stops_at_the_first_step_that_fails():
 
 def test_quoting_alone_proves_nothing():
     def steps():
-        yield algebra.quoted("All is well.", source="[Leibniz1710]")
+        yield algebra.quoted("All is well.", theorem="optimism", source="[Leibniz1710]")
 
     found = prove(claim(steps))
 
@@ -193,14 +194,21 @@ def test_what_is_printed_as_assumed_are_the_hypotheses():
     case = vanishing("For the second part: $z = 0$.", Z, standing=Standing.CASE)
     found = claim(hypotheses=(SAME, case), setting=("Numbers are real.",))
 
-    assert found.assumptions == ("$x = y$.",)
+    assert found.assumptions == (FORMULA,)
     assert claim(hypotheses=()).assumptions == ("None.",)
     assert dict(found.premises) == {
-        "Assumptions": ("$x = y$.",),
+        "Assumptions": (FORMULA,),
         "Setting": ("Numbers are real.",),
         "Where a step says so": ("For the second part: $z = 0$.",),
     }
-    assert claim(hypotheses=(), inherits=(found,)).assumptions == ("$x = y$.",)
+    assert claim(hypotheses=(), inherits=(found,)).assumptions == (FORMULA,)
+
+
+def test_what_is_printed_of_many_values_is_their_number_and_the_shortest():
+    long = nonnegative_by("All of them.", [X, *(X**k + Y**k * Z**k for k in range(2, 9))])
+
+    assert positive_by("$y > 0$.", Y).formula == "$y > 0$"
+    assert long.formula == r"8 expressions $\ge 0$, such as $x \ge 0$"
 
 
 # Mutated statements -------------------------------------------------------------------------------

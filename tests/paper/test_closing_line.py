@@ -19,6 +19,7 @@ def outcome(proved: bool, refuted: str, needed: str) -> SimpleNamespace:  # noqa
         controls=[SimpleNamespace(refuted=letter == "y") for letter in refuted],
         dropped=[SimpleNamespace(needed=letter == "y") for letter in needed],
         seconds=1.25,
+        modulo="",
     )
 
 
@@ -37,6 +38,16 @@ def test_a_control_that_was_not_refuted_and_a_hypothesis_not_needed_are_not_coun
 
     assert [int(word) for word in re.findall(r"\d+", line.partition(", in ")[0])] == counts
     assert line.endswith(f"in {1.25 * len(outcomes):.1f} s")
+
+
+def test_claims_that_quote_a_theorem_are_counted_apart():
+    quoting = outcome(True, "y", "y")
+    quoting.modulo = ", modulo LaSalle's principle"
+
+    assert "1 of 1 claims proved," in closing_line([outcome(True, "y", "y")], [])
+    assert "2 of 2 claims proved (1 modulo a theorem that is quoted), " in closing_line(
+        [outcome(True, "y", "y"), quoting], []
+    )
 
 
 def test_the_audited_claims_are_told_where_there_are_any():
