@@ -30,7 +30,7 @@ NO_INDEX_SETTINGS := env -u UV_DEFAULT_INDEX -u UV_INDEX -u UV_INDEX_URL -u UV_E
 unexport PYTHONDONTWRITEBYTECODE
 
 .DELETE_ON_ERROR:
-.PHONY: help demo docs test test-all test-long test-lowest chromium coq test-browser open-pages test-oracles golden record rates proofs fuzz generate kernels report-asset check-report-asset lint bench peers lock clean
+.PHONY: help demo docs test test-all test-long test-lowest chromium coq test-browser open-pages test-oracles same golden record rates proofs fuzz generate kernels report-asset check-report-asset lint bench peers lock clean
 
 help:  ## this list
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/make \1\t\2/p' Makefile | expand -t 20
@@ -101,8 +101,11 @@ check-proofs:  # with any Python: it needs the standard library alone
 test-checker: $(READY)
 	@CERTREG_PROOFS=1 $(RUN) -m pytest -q tests/certificate/test_coq.py
 
+same: kernels  ## 600 problems of all kinds give the same now and at a commit: make same BASE=<commit>, QUICK=1 for a tenth, MEANT='<field> ...' for what may differ (two minutes)
+	@PYTHONPATH=tests $(RUN) -m same.run $(BASE) $(if $(QUICK),--quick) $(foreach name,$(MEANT),--meant '$(name)')
+
 golden: kernels  ## compare what users see now and at a commit: make golden BASE=<commit>; WORDS=counted: fields decide (ten minutes)
-	@$(RUN) tests/golden/run.py $(BASE) $(ONLY) $(if $(filter counted,$(WORDS)),--count-words)
+	@PYTHONPATH=tests $(RUN) tests/golden/run.py $(BASE) $(ONLY) $(if $(filter counted,$(WORDS)),--count-words)
 
 record: kernels  ## renew tests/golden/records, where what users see is meant to differ: make record, or ONLY=<case> (seconds)
 	@PYTHONPATH=tests $(RUN) tests/golden/net.py $(ONLY)

@@ -5,10 +5,18 @@ from __future__ import annotations
 import json
 import re
 from collections import Counter, defaultdict
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from same import fields
+
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterable, Iterator
+
+    from comparison import Difference
+    from same.fields import Bounds, Field, Values
+
+BOUNDS = Path(__file__).parent / "bounds.toml"
 
 CODE = re.compile(r"\A\$ .*\nexit code (-?\d+)\n")  # as record.py writes it
 CALL = re.compile(r"\A\$ python (\w+)")  # of public_calls.py, which prints a value a line
@@ -115,3 +123,32 @@ def _leaves_of_a_call(value: Any, name: str) -> Iterator[tuple[str, Any]]:
 def _depth(value: Any) -> int:
     """How deep lists are nested in a value."""
     return 1 + max(map(_depth, value), default=0) if isinstance(value, list) else 0
+
+
+def changed_fields(
+    differences: Iterable[Difference], bounds: Bounds | None = None
+) -> tuple[Field, ...]:
+    """The fields that differ, of documents in both records and of new ones in files of both."""
+    return fields.changed_fields(_read_sides(differences), bounds)
+
+
+def _read_sides(differences: Iterable[Difference]) -> Iterator[tuple[str, Values, Values]]:
+    for difference in differences:
+        if difference.base is None or difference.head is None:
+            continue
+        base, head = read_documents(difference.base), read_documents(difference.head)
+        for place in (place for place in {**base, **head} if place in head):
+            yield difference.path, base.get(place, {}), head[place]
+
+
+def gone_files(differences: Iterable[Difference], bounds: Bounds) -> dict[str | None, list[str]]:
+    """The files of which a document, or all, is in the base alone, by the reason that is stated.
+
+    Those that nobody stated stand under None.
+    """
+    found = defaultdict[str | None, list[str]](list)
+    for difference in differences:
+        sides = (read_documents(text or "") for text in (difference.base, difference.head))
+        if difference.head is None or next(sides).keys() - next(sides).keys():
+            found[bounds.reason_gone(difference.path)].append(difference.path)
+    return dict(found)

@@ -27,6 +27,7 @@ from typing import TYPE_CHECKING, Any
 from unittest import mock
 
 import net_inputs
+import net_inside
 import net_python
 import net_shown
 import numpy as np
@@ -113,7 +114,8 @@ def _step(step: str) -> str:
         text = Path(arguments[0]).read_text("utf-8")
         return f"=== {step}\n{net_python.sentences_of(page(text))}\n"
     if name == "python":
-        call = net_shown.STEPS.get(arguments[0]) or getattr(net_python, arguments[0])
+        steps = {**net_inside.STEPS, **net_shown.STEPS}
+        call = steps.get(arguments[0]) or getattr(net_python, arguments[0])
         text = call(*arguments[1:])
         return f"$ {step}\n{canonical(STYLE.sub('', text))}\n"
     run = certreg(name, *arguments)

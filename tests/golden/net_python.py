@@ -17,46 +17,19 @@ from typing import TYPE_CHECKING, Any
 
 import net_inputs
 import numpy as np
-from answers import answered
 from bad_files import BAD
 from commands import certreg, checked
 from corpus import ROOT, bad_arguments, slug
 
 import certreg as package
-from certreg import SimulationSettings, assess, certify, simulate
-from certreg.equilibrium import equilibrium_set
-from certreg.registration import (
-    STORIES,
-    Enumeration,
-    Fit,
-    Registration,
-    SlipCode,
-    code_of_error,
-    differences,
-    enumerated,
-    tell,
-)
-from certreg.registration.certification import optimally_damped
-from certreg.report import html_page, registration_summary, result_document, write_folder
-from certreg.report.cards import equilibria_card, registration_card
-from certreg.report.document import dumps, equilibria_document, set_document
-from certreg.report.judged_pose import assessment_summary
-from certreg.report.methods import enumeration_summary
-from certreg.report.page import Report
-from certreg.report.summary import (
-    equilibria_words,
-    explained_words,
-)
-from certreg.report.uncertainty import uncertainty_rows
-from certreg.report.words import weak_words
-from certreg.results import Absent, Limits, Ruling, Verdict
+from certreg import Registration, SimulationSettings, Verdict, assess, certify, simulate
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable
 
     from certreg import RegistrationProblem
 
-LOST = Absent("lost")
+CODES = {"ContradictionError": 1, "RefusedCertificateError": 1, "UndecidedError": 4}  # else 2
 SPEAKS = re.compile(
     r'class="(?:stamp|lead|warning)|<p class="note"|<h1>|<li>|<dt>|"(?:ended|still)"'
 )
@@ -66,6 +39,13 @@ EVERYWHERE = ("<li>that the ", "<li>where the points", "Each pair is joined", "E
 def problem(source: str, target: str, **more: Any) -> RegistrationProblem:
     clouds = net_inputs.clouds()
     return package.RegistrationProblem(clouds[source], clouds[target], **more)
+
+
+@cache
+def lost() -> Any:
+    """What stands in the place of a value that is missing: of the class that results take."""
+    missing = assess(bare(), bare().pose).absent["slip"]
+    return replace(missing, reason="lost")
 
 
 @cache
@@ -83,7 +63,7 @@ def whole() -> Registration:
 def page(registration: Registration) -> str:
     from net import page as readable
 
-    return readable(html_page(Report.of(registration)).decode())
+    return readable(registration.report("page.html").read_text("utf-8"))
 
 
 def sentences_of(text: str) -> str:
@@ -98,7 +78,9 @@ def refused(call: Callable[[], Any]) -> str:
     try:
         return repr(call())
     except Exception as error:  # noqa: BLE001 (whatever it is, it is part of the record)
-        return f"{type(error).__name__} (code {code_of_error(error)}): {error}"
+        kinds = [kind.__name__ for kind in type(error).__mro__]
+        code = next((CODES[kind] for kind in kinds if kind in CODES), 2)
+        return f"{kinds[0]} (code {code}): {error}"
 
 
 def told(**texts: str) -> str:
@@ -138,105 +120,76 @@ def texts() -> str:
     return told(
         set=f"{found}\n{json.dumps(sorted(found.to_dict()))}",
         listed=str(package.equilibria(stated, "all")),
-        run=f"{trajectory}\n{dumps(trajectory.to_dict())}",
+        run=f"{trajectory}\n{json.dumps(trajectory.to_dict(), indent=1)}",
         pose=f"{bare().pose!r} {bare().pose.inverse().T_target_source.tolist()}",
         covariance=f"{checked(checked(whole().covariance).ros).tolist()}"
         f"\n{checked(checked(whole().covariance).gtsam).tolist()}",
         residuals=f"{whole().residuals.tolist()}",
         register=f"{package.register(stated.source, stated.target)!r}",
-        damped=f"{optimally_damped(stated).damping}",
+        damped=f"{certify(problem('axes', 'turned')).to_dict()['damping']}",
+    )
+
+
+def uncertified(registration: Registration) -> Registration:
+    """The same without certificate, verdict and bounds."""
+    return replace(
+        registration,
+        verdict=None,
+        bounds=None,
+        solution=replace(registration.solution, certificate=None, absent={"certificate": lost()}),
+        absent={"bounds": lost()},
     )
 
 
 def missing() -> str:
     """Registrations that lack what others have: nothing is claimed, and it is said why."""
     proof = whole()
-    bounds = checked(proof.bounds)
+    bounds, limits = checked(proof.bounds), type(proof.limits)
+    rulings = type(checked(proof.verdict).ruling)
     far = replace(bounds, greatest_gap=Fraction(10) ** 400)
     shown = {
         "unverified": replace(proof, verdict=None),
-        "refuted": replace(proof, verdict=Verdict(ruling=Ruling.REFUTED, words="no")),
-        "unbounded": replace(proof, bounds=None, absent={"bounds": LOST}),
+        "refuted": replace(proof, verdict=Verdict(ruling=rulings.REFUTED, words="no")),
+        "unbounded": replace(proof, bounds=None, absent={"bounds": lost()}),
         "without angle": replace(
-            proof, bounds=replace(bounds, angle_upper=None, absent={"angle_upper": LOST})
+            proof, bounds=replace(bounds, angle_upper=None, absent={"angle_upper": lost()})
         ),
         "vacuous": replace(proof, bounds=replace(far, angle_upper=math.pi)),
         "nothing": replace(proof, bounds=replace(bounds, least_range_squared=Fraction(1, 10**40))),
-        "limited": replace(proof, limits=Limits(max_gap=0.5, max_angle=0.25)),
+        "limited": replace(proof, limits=limits(max_gap=0.5, max_angle=0.25)),
         "without a pose": replace(
-            proof, objective=None, rmse=None, absent={"objective": LOST, "rmse": LOST}
+            proof, objective=None, rmse=None, absent={"objective": lost(), "rmse": lost()}
         ),
     }
     lines = [
         f"--- {name}\n{one!r}\n{_begun(one)}\n{_optimality(one)}" for name, one in shown.items()
     ]
-    uncertified = replace(
-        proof,
-        verdict=None,
-        bounds=None,
-        solution=replace(proof.solution, certificate=None, absent={"certificate": LOST}),
-        absent={"bounds": LOST},
-    )
+    unproved = uncertified(proof)
     lines += [
-        _begun(uncertified),
-        _optimality(uncertified),
-        str(write_folder(uncertified, "bare")),
+        _begun(unproved),
+        _optimality(unproved),
+        str(unproved.save("bare")),
         " ".join(sorted(path.name for path in Path("bare").iterdir())),
-        refused(lambda: uncertified.report("page.html")),
-        refused(lambda: Report.of(uncertified)),
-        refused(lambda: assess(uncertified, uncertified.pose)),
-        refused(lambda: assess(uncertified, np.diag([1.0, 1.0, -1.0]), [0.0, 0.0, 0.0])),
-        registration_card(uncertified),
+        refused(lambda: unproved.report("page.html")),
+        refused(lambda: assess(unproved, unproved.pose)),
+        refused(lambda: assess(unproved, np.diag([1.0, 1.0, -1.0]), [0.0, 0.0, 0.0])),
+        unproved._repr_html_(),
     ]
     return "\n".join(lines)
 
 
 def _begun(registration: Registration) -> str:
     """The summary up to the pose, and what the methods say."""
-    head, _, rest = registration_summary(registration).partition("\n\n")
+    head, _, rest = str(registration).partition("\n\n")
     lines = rest.partition("\n\n")[0].split("\n")
     kept = (line for line in lines if line.startswith(("  relax", "  simul", "  RMSE", "    ")))
     return "\n".join((head, *kept))
 
 
 def _optimality(registration: Registration) -> str:
-    document = result_document(registration)
+    document = registration.to_dict()
     kept = {"optimality": document["optimality"], "reasons": document["reasons"]}
     return json.dumps(kept | {"certificate": document["certificate"]})
-
-
-def pages() -> str:
-    """Pages of what no certificate of ours gives: too little is proved, or a run does not end."""
-    proof = whole()
-    bounds = checked(proof.bounds)
-    loose = replace(proof, bounds=replace(bounds, angle_upper=None))
-    weak = replace(Report.of(proof), weak=True)
-    hasty = certify(
-        problem("cloud", "tilted", damping=0.5),
-        simulation=SimulationSettings(step=0.01, max_steps=40),
-        relaxation=False,
-    )
-    return told(
-        weak=f"{weak.verdict_words}\n{weak_words(loose)}",
-        loose=sentences_of(page(loose)),
-        hasty=f"{registration_summary(hasty)}\n{sentences_of(page(hasty))}",
-        nothing=sentences_of(
-            page(replace(proof, bounds=replace(bounds, least_range_squared=Fraction(1, 10**40))))
-        ),
-        still=sentences_of(
-            page(replace(proof, solution=replace(proof.solution, trajectory=Absent("not run"))))
-        ),
-        wide=sentences_of(page(bare("axes", "wide"))),
-        linked="\n".join(_links(proof)),
-    )
-
-
-def _links(registration: Registration) -> Iterator[str]:
-    """Where the theorems of a page lie, if it is in the documentation."""
-    report = Report.of(registration, documentation="docs/")
-    for line in html_page(report).decode().split("\n"):
-        if "docs/" in line and "<a " in line:
-            yield line
 
 
 def weaken(certificate: str, weaker: str, pattern: str = "kept") -> str:
@@ -268,36 +221,6 @@ def bared(certificate: str, other: str) -> str:
     return f"{other} written"
 
 
-def doubts() -> str:
-    """Sets of which a method leaves something in doubt."""
-    found = enumerated(problem("axes", "turned", damping=2.0), "all")
-    one = next(each for each in found.searches if each.critical is not None)
-    critical = checked(one.critical)
-    doubtful = replace(critical, completeness=None, doubt="a path was lost")
-    parts = tuple(replace(part, index=None) for part in critical.components)
-    wide = replace(critical, components=parts)
-    undecided = replace(one, critical=None, reason="homotopy: no list")
-    texts = dict[str, str]()
-    for name, searches in {
-        "doubt": (replace(one, critical=doubtful), undecided),
-        "wide": (replace(one, critical=wide), one),
-    }.items():
-        first = checked(searches[0].critical)
-        equilibria = equilibrium_set(first, found.objective, 2.0)
-        told_ = replace(found, searches=searches, equilibria=equilibria)
-        document = set_document(equilibria)
-        document["equilibria"]["components"] = []
-        texts[name] = "\n".join((_untimed(told_), json.dumps(document)))
-        texts[f"{name} card"] = f"{equilibria_words(equilibria)}\n{equilibria_card(equilibria)}"
-    return told(**texts)
-
-
-def _untimed(enumeration: Enumeration) -> str:
-    document = equilibria_document(enumeration)
-    roads = [{**one, "time_ms": 0.0} for one in document.get("roads", [])]
-    return f"{enumeration_summary(enumeration)}\n{json.dumps({'roads': roads})}"
-
-
 def poses() -> str:
     """What is said of poses in the forms that Python takes."""
     stated = problem("cloud", "noisy", sigma=0.02)
@@ -327,11 +250,12 @@ def poses() -> str:
         "far": (bare("cloud", "farther"), bare("cloud", "farther").pose),
         "huge": (bare("huge", "huge"), np.eye(4)),
     }
-    texts = [f"--- {n}\n{assessment_summary(assess(*one))}" for n, one in given.items()]
+    slip = checked(assess(proof, best.inverse()).slip)
+    texts = [f"--- {n}\n{assess(*one)}" for n, one in given.items()]
     texts += [
         refused(lambda: assess(stated.source, best)),  # pyright: ignore[reportArgumentType]
         refused(lambda: assess(stated, np.eye(2), [0, 0, 0])),
-        " ".join(code.value for code in SlipCode),
+        " ".join(code.value for code in type(slip.code)),
     ]
     return "\n".join(texts)
 
@@ -365,16 +289,6 @@ def calls() -> str:
     return "\n".join(refused(call) for call in some)
 
 
-def stories() -> str:
-    """Where a packaged problem does not come out as told."""
-    told_ = tell(STORIES[0])
-    other = replace(STORIES[0], told_rmse=(1.0, 2.0, 3.0, 4.0))
-    parts = tuple(replace(one, morse_index=3) for one in told_.equilibria.components)
-    turned = replace(told_.equilibria, components=parts)
-    wrong = replace(answered(told_, equilibria=turned), verdict=None)
-    return "\n".join((*differences(STORIES[0], told_), *differences(other, wrong)))
-
-
 def bad_files() -> str:
     """What is said of each bad file, in a line."""
     lines = list[str]()
@@ -387,37 +301,6 @@ def bad_files() -> str:
             (place / file).write_bytes(content)
         run = certreg("certify", *bad_arguments(bad, str(place)), "--no-simulation")
         lines.append(f"{name}: {run.code} {run.err.strip()}")
-    return "\n".join(lines)
-
-
-def fits() -> str:
-    """How a fit is told where a figure is missing, or at its end."""
-    fit = whole().fit
-    given: dict[str, Fit] = {
-        "unknown": replace(fit, explained=None, absent={"explained": LOST}),
-        "all": replace(fit, explained=1.0),
-        "nearly": replace(fit, explained=1.0 - 1e-12),
-        "little": replace(fit, explained=0.0123),
-    }
-    lines = [f"{name}: {explained_words(one)}" for name, one in given.items()]
-    for source, target, sigma in (
-        ("line", "bent", None),
-        ("one", "other", 0.5),
-        ("flat", "flat", 1e-3),
-        ("cloud", "noisier", 0.02),
-        ("cloud", "outlier", 1e-3),
-        ("huge", "huge", 1.0),
-        ("many", "manymoved", None),
-        ("axes", "wide", None),
-        ("13-source", "13-target", 1.0),
-        ("axes", "huger", 1.0),
-        ("axes", "axes", 1e-6),
-    ):
-        stated = problem(source, target, sigma=sigma)
-        found = certify(stated, relaxation=False, simulation=False)
-        lines.append(f"{source} {target} {sigma}: {uncertainty_rows(found)}")
-        lines += [f"  {one.code.value}: {one.text}" for one in found.fit.warnings]
-        lines += [f"  {found.fit.worst[:2]} {found.fit.chi2} {found.fit.scale_p}"]
     return "\n".join(lines)
 
 

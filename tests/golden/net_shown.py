@@ -19,29 +19,15 @@ import numpy as np
 from answers import answered
 from commands import checked
 from net_inputs import clouds, rounded
-from net_python import LOST, refused
+from net_inside import spoken_of_warnings
 from net_python import poses as poses_in_python
+from net_python import refused, uncertified
 from net_worlds import ALONE, World, moved, poses, worlds
 
-from certreg import RegistrationProblem, assess, certify, register
-from certreg.dynamics import SimulationStatus
-from certreg.registration import FitCode, FitWarning, code_of_registration, enumerated
-from certreg.report import (
-    assessment_summary,
-    html_page,
-    registration_summary,
-    result_document,
-)
-from certreg.report.cards import assessment_card, equilibria_card, registration_card
-from certreg.report.page import Report
-from certreg.report.remedies import why_warned
-from certreg.report.summary import equilibria_words
-from certreg.results import Limits
+from certreg import Registration, RegistrationProblem, assess, certify, equilibria, register
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-
-    from certreg.registration import Registration
 
 NUMBER = re.compile(r"(?<![\w.])[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?(?!\w)")
 SOLVER = re.compile(r"SDP|semidefinite|sdp_gap|rotation alone|Independent")  # compared as they are
@@ -49,6 +35,7 @@ MANY = 16  # numbers of a line; of more the sums
 DIGEST = re.compile(r"\b[0-9a-f]{64}\b")
 LEFT_OUT = ('   "quaternion"', '   "quaternions"')  # the basis of a point; of a motion: up to sign
 KEPT = ("optimality", "fit", "margin")
+CODES = {"certified": 0, "certified-not-unique": 3, "bounded": 4, "not-certified": 4}
 
 
 class Short:
@@ -112,7 +99,7 @@ def shown(group: str, *pages: str) -> str:
     short, lines = Short("" if group == "patterns" else _usual()), list[str]()
     for name, world in worlds(group).items():
         registration = _certified(world)
-        told = registration_summary(registration)
+        told = str(registration)
         if not name.startswith("times"):
             told += _figures(registration)
         if name in pages:
@@ -130,9 +117,7 @@ def _certified(world: World) -> Registration:
 def _usual() -> str:
     """What the first of the patterns shows, where it is in full."""
     registration = _certified(worlds("patterns")["plain"])
-    return "".join(
-        (registration_summary(registration), _figures(registration), _page(registration))
-    )
+    return "".join((str(registration), _figures(registration), _page(registration)))
 
 
 def _once(text: str, registration: Registration) -> str:
@@ -146,24 +131,24 @@ def _once(text: str, registration: Registration) -> str:
 
 def _figures(registration: Registration) -> str:
     """The figures and the card; and of the optimum itself what is judged."""
-    document = result_document(registration)
+    document = registration.to_dict()
     figures = {key: document[key] for key in KEPT}
     figures["uncertainty"] = document["pose"]["uncertainty"]
     reasons = [f"{why} ({key})" for key, why in document["reasons"].items() if "pose" in key]
     judged = assess(registration, registration.pose)
     return "\n".join(
         (
-            f"\ncode {code_of_registration(registration)} {registration!r}",
+            f"\ncode {CODES[registration.status.value]} {registration!r}",
             *(f"{key}: {json.dumps(_rounded(value))}" for key, value in figures.items()),
             *reasons,
-            _readable(registration_card(registration)),
-            assessment_summary(judged),
+            _readable(registration._repr_html_()),
+            str(judged),
         )
     )
 
 
 def _page(registration: Registration) -> str:
-    return "\n" + _readable(html_page(Report.of(registration)).decode())
+    return "\n" + _readable(registration.report("page.html").read_text("utf-8"))
 
 
 def _readable(text: str) -> str:
@@ -194,8 +179,8 @@ def judged(offset: str, sigma: str, *names: str) -> str:
         if names and name not in names:
             continue
         one = assess(registration, turn, shift)
-        told = assessment_summary(one).partition("  the optimum: wxyz")[0]
-        card = "" if noise else _readable(assessment_card(one))
+        told = str(one).partition("  the optimum: wxyz")[0]
+        card = "" if noise else _readable(one._repr_html_())
         lines += [f"--- {name}", *short.lines(f"{told}\n{card}")]
     return "\n".join(lines)
 
@@ -204,8 +189,9 @@ def listed(group: str) -> str:
     """All equilibria by the method that proves least, where it leaves something in doubt."""
     short, lines = Short(), list[str]()
     for name, world in worlds(group).items():
-        found = enumerated(world.problem, "homotopy").equilibria
-        told = f"{equilibria_words(found)}\n{_readable(equilibria_card(found))}"
+        listed: Any = equilibria(world.problem, "homotopy")
+        found = listed.enumeration.equilibria
+        told = f"{found}\n{_readable(found._repr_html_())}"
         lines += [f"--- {name}", *short.lines(told)]
     return "\n".join(lines)
 
@@ -220,7 +206,7 @@ def spurious() -> str:
             turn = component.rotation
             beside = registration.pose.translation + np.array([0.0, 0.0, 0.002])
             each = (assess(registration, turn, given) for given in (None, shift, beside))
-            told = "\n".join(assessment_summary(one).partition("\n\n")[0] for one in each)
+            told = "\n".join(str(one).partition("\n\n")[0] for one in each)
             lines += [f"--- {name} {component.morse_index}", *short.lines(told)]
     return "\n".join(lines)
 
@@ -228,24 +214,25 @@ def spurious() -> str:
 def altered() -> str:
     """What is said of limits that were moved, of a body kicked twice, and of where it then ends."""
     short, lines = Short(), list[str]()
-    moved_far = Limits(max_gap=0.99, max_angle=3.0)
     for name in ("plain", "22", "4", "4-one-point"):
         found = _certified(worlds("patterns")[name])
         bounds = checked(found.bounds)
         unit = Fraction(math.sqrt(bounds.least_range_squared)) or bounds.flat_energy
         for share in (Fraction(1, 2), Fraction(7, 2)):
             wide = replace(bounds, greatest_gap=share * unit)
-            for limits in (Limits(), moved_far):
+            limits_of = type(found.limits)
+            for limits in (limits_of(), limits_of(max_gap=0.99, max_angle=3.0)):
                 one = replace(found, bounds=wide, limits=limits)
-                told = registration_summary(one).partition("\n\n")[0]
+                told = str(one).partition("\n\n")[0]
                 lines += [f"--- {name} {share} {limits.max_gap}", *short.lines(told)]
     plain = _certified(worlds("patterns")["half a turn"])
     run: Any = plain.solution.trajectory
+    statuses: Any = type(run.status)
     for escapes in (0, 1, 2):
-        for status in SimulationStatus:
+        for status in statuses:
             ended = answered(plain, trajectory=replace(run, escapes=escapes, status=status))
             spoken = (line for line in _page(ended).split("\n") if '"ended"' in line)
-            told = "\n".join((registration_summary(ended), *spoken))
+            told = "\n".join((str(ended), *spoken))
             lines += [f"--- {escapes} {status.name}", *short.lines(told)]
     return "\n".join(lines)
 
@@ -255,33 +242,17 @@ def unsaid() -> str:
     plain = _certified(worlds("patterns")["plain"])
     axes, problem = clouds()["axes"], plain.problem
     pose: Any = problem
-    uncertified = replace(
-        plain,
-        verdict=None,
-        bounds=None,
-        solution=replace(plain.solution, certificate=None, absent={"certificate": LOST}),
-        absent={"bounds": LOST},
-    )
+    unproved = uncertified(plain)
     mirror = np.diag([1.0, 1.0, -1.0])
     calls = (
         lambda: register(axes, axes[:4]),
         lambda: register(axes, axes, [1.0, 2.0]),
         lambda: assess(problem, pose),
         lambda: assess(pose.source, problem),
-        lambda: assess(uncertified, mirror, [0.0, 0.0, 0.0]).unexplained,
+        lambda: assess(unproved, mirror, [0.0, 0.0, 0.0]).unexplained,
     )
     few = (_certified(worlds("noise")[name]).fit.stated("scale_p") for name in ("one", "two"))
-    told = [
-        why_warned(
-            replace(
-                plain.fit,
-                explained=explained,
-                warnings=(FitWarning(code=code, text="", remedy=""),),
-            )
-        )
-        for code in FitCode
-        for explained in (0.499, 0.5)
-    ]
+    told = spoken_of_warnings(plain.fit)
     return "\n".join((*(refused(call) for call in calls), *map(str, few), *told))
 
 

@@ -15,19 +15,19 @@ from __future__ import annotations
 
 import argparse
 import hashlib
-import io
 import os
 import shutil
 import subprocess
 import sys
-import tarfile
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from comparison import MEANT, compare, differences, read_meant
 from corpus import ROOT, write_corpus
-from fields import BEYOND, changed_fields, gone_files, read_bounds
+from documents import BOUNDS, changed_fields, gone_files
+from same.checkouts import check_out, git, working_tree
+from same.fields import BEYOND, read_bounds
 from table import table
 from wording import changed_words
 
@@ -108,35 +108,6 @@ def mark_as(folder: Path, mark: str) -> None:
     folder.with_suffix(".mark").write_text(mark, "utf-8")
 
 
-def git(*arguments: str) -> bytes:
-    run = subprocess.run(["git", *arguments], cwd=ROOT, capture_output=True, check=False)
-    if run.returncode:
-        sys.exit(run.stderr.decode(errors="replace").strip())
-    return run.stdout
-
-
-def check_out(commit: str, folder: Path) -> None:
-    """The files of a commit, without git."""
-    shutil.rmtree(folder, ignore_errors=True)
-    with tarfile.open(fileobj=io.BytesIO(git("archive", commit)), encoding="utf-8") as archive:
-        archive.extractall(folder, filter="data")
-    script = folder / "build_kernels.py"
-    if script.exists():  # earlier ones compile when they are first used
-        subprocess.run([sys.executable, script], check=True, stdout=subprocess.DEVNULL)
-
-
-def working_tree() -> str:
-    """The digest of all files of the working tree that git does not ignore."""
-    digest = hashlib.sha256()
-    listed = git("ls-files", "-z", "--cached", "--others", "--exclude-standard").decode()
-    for name in sorted({*listed.split("\0")} - {""}):
-        path = ROOT / name
-        digest.update(
-            name.encode() + b"\0" + (path.read_bytes() if path.is_file() else b"") + b"\0"
-        )
-    return digest.hexdigest()
-
-
 def marked(state: str, inputs: Path) -> str:
     """What a record of a commit, or of files, depends on: it is kept while this is the same."""
     digest = hashlib.sha256(f"{state} {sys.version} {ROOT}".encode())
@@ -182,7 +153,7 @@ def told(found: Comparison, *, whole: bool, counted: bool) -> int:
 
 def judged(base: Path, head: Path) -> int:
     """The table of fields and words; 1 where a field is beyond its bound, or gone unsaid."""
-    bounds = read_bounds()
+    bounds = read_bounds(BOUNDS)
     found = list(differences(base, head))
     rows, gone = changed_fields(found, bounds), gone_files(found, bounds)
     page = table(rows, gone, changed_words(found))

@@ -6,7 +6,7 @@ import textwrap
 from collections import Counter, defaultdict
 from typing import TYPE_CHECKING
 
-from fields import BEYOND, Field
+from same.fields import BEYOND, Field
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence

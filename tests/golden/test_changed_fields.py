@@ -7,7 +7,8 @@ from typing import Any
 
 import pytest
 from comparison import Difference
-from fields import BEYOND, Bounds, Stated, changed_fields, gone_files, read_bounds
+from documents import BOUNDS, changed_fields, gone_files
+from same.fields import BEYOND, Bounds, Stated, read_bounds
 from table import summary, table
 from wording import changed_words
 
@@ -81,8 +82,8 @@ def test_a_change_of_a_field_is_told_by_its_kind(changes, row):
 def test_an_objective_that_moves_by_more_than_its_rounding_is_beyond_its_bound(old, new, verdict):
     base, head = {"objective": old}, {"objective": new}
 
-    assert verdicts(base, head, read_bounds()) == {"objective": verdict}
-    assert verdicts(head, base, read_bounds()) == {"objective": verdict}
+    assert verdicts(base, head, read_bounds(BOUNDS)) == {"objective": verdict}
+    assert verdicts(head, base, read_bounds(BOUNDS)) == {"objective": verdict}
 
 
 def test_a_field_of_which_nothing_is_stated_may_neither_move_nor_go():
@@ -244,7 +245,7 @@ def test_the_table_tells_every_verdict_with_its_bound_and_its_reason():
 
 
 def test_all_that_is_stated_has_its_reason_and_says_one_thing():
-    stated = read_bounds()
+    stated = read_bounds(BOUNDS)
 
     assert all(stated.gone.values())
     for entry in stated.fields:

@@ -1,7 +1,7 @@
 """Which fields differ between two records, by how much, and whether that is what was stated.
 
-A diff of many files hides both. `bounds.toml` states which fields may change and how far a number
-of each other field may move; a field that it does not name may do neither.
+A table states which fields may change and how far a number of each other field may move; a field
+that it does not name may do neither. `make same` and `make golden` have a table each.
 """
 
 from __future__ import annotations
@@ -10,17 +10,12 @@ import math
 import tomllib
 from collections import defaultdict
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from documents import read_documents
-
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
+    from pathlib import Path
 
-    from comparison import Difference
-
-BOUNDS = Path(__file__).parent / "bounds.toml"
 BEYOND = "BEYOND ITS BOUND"  # the verdict that is a failure
 
 Values = dict[str, list[Any]]
@@ -87,14 +82,15 @@ class Field:
     """All differences of one field, over all documents for which the same is stated.
 
     new, gone: the values that only the head or only the base holds. words: sentences that are not
-    the same, which nobody judges here. other: values of another truth, word, type or exact number.
-    moved: the floats that are not the same; `largest` is the largest difference of them, `share`
-    the same as a part of the magnitude that its bound is a share of. beyond: how many of them all
-    are not as stated.
+    the same, which nobody judges, unless `words_decide`: then they are other values. other: values
+    of another truth, word, type or exact number. moved: the floats that are not the same; `largest`
+    is the largest difference of them, `share` the same as a part of the magnitude that its bound is
+    a share of. beyond: how many of them all are not as stated.
     """
 
     name: str
     stated: Stated | None = None
+    words_decide: bool = False
     files: set[str] = field(default_factory=set)
     new: int = 0
     gone: int = 0
@@ -131,7 +127,7 @@ class Field:
         self.files.add(path)
         if not before:
             self.new += len(after)
-        elif _is_prose(self.name, before, after):
+        elif not self.words_decide and _is_prose(self.name, before, after):
             self.words += 1
         elif not after:
             self.gone += len(before)
@@ -183,41 +179,50 @@ class Field:
 
 
 def changed_fields(
-    differences: Iterable[Difference], bounds: Bounds | None = None
+    documents: Iterable[tuple[str, Values, Values]],
+    bounds: Bounds | None = None,
+    *,
+    words_decide: bool = False,
 ) -> tuple[Field, ...]:
-    """The fields of all documents that differ, by their names, each held to what is stated.
+    """The fields that differ, by their names, each held to what is stated.
 
-    Of documents that both records hold, and of new ones in files of both.
+    Of each document where it stands, and its fields in the base and in the head.
     """
     found = dict[tuple[str, Stated | None], Field]()
     stated = bounds or Bounds()
-    for difference in differences:
-        if difference.base is None or difference.head is None:
-            continue
-        sides = read_documents(difference.base), read_documents(difference.head)
-        lost = sides[0].keys() - sides[1].keys()
-        for place in (place for place in {**sides[0], **sides[1]} if place not in lost):
-            base, head = (side.get(place, Values()) for side in sides)
-            for name in (name for name in {**base, **head} if not _same(base, head, name)):
-                entry = stated.of(difference.path, name, base, head)
-                found.setdefault((name, entry), Field(name, entry)).add(difference.path, base, head)
+    for path, base, head in documents:
+        for name in (name for name in {**base, **head} if not _same(base, head, name)):
+            entry = stated.of(path, name, base, head)
+            row = found.setdefault((name, entry), Field(name, entry, words_decide))
+            row.add(path, base, head)
     return tuple(sorted(found.values(), key=lambda row: (row.name, str(row.stated))))
 
 
-def gone_files(differences: Iterable[Difference], bounds: Bounds) -> dict[str | None, list[str]]:
-    """The files of which a document, or all, is in the base alone, by the reason that is stated.
+def read_fields(document: Any) -> Values:
+    """The values of a JSON document by the names of its fields; places within lists have none.
 
-    Those that nobody stated stand under None.
+    An empty list or object is a value, too: what stands in it later is no new field.
     """
-    found = defaultdict[str | None, list[str]](list)
-    for difference in differences:
-        sides = (read_documents(text or "") for text in (difference.base, difference.head))
-        if difference.head is None or next(sides).keys() - next(sides).keys():
-            found[bounds.reason_gone(difference.path)].append(difference.path)
-    return dict(found)
+    values = defaultdict[str, list[Any]](list)
+    for name, value in _leaves(document):
+        values[name].append(value)
+    return dict(values)
 
 
-def read_bounds(path: Path = BOUNDS) -> Bounds:
+def _leaves(value: Any, name: str = "") -> Iterator[tuple[str, Any]]:
+    if isinstance(value, dict) and value:
+        for key, part in value.items():
+            yield from _leaves(part, f"{name}.{key}" if name else str(key))
+    elif isinstance(value, list):
+        for part in value:
+            yield from _leaves(part, f"{name}[]")
+        if not value:
+            yield f"{name}[]", []
+    else:
+        yield name, value
+
+
+def read_bounds(path: Path) -> Bounds:
     """The table of what may change, and how far numbers may move."""
     table = tomllib.loads(path.read_text("utf-8"))
     lists = ("names", "paths", "where", "of")
