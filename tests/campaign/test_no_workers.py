@@ -1,4 +1,4 @@
-"""A cluster may be without workers at any moment: a campaign waits, says so, and does all its work."""
+"""A cluster may be without workers at any moment: a campaign waits, says so, and goes on."""
 
 from __future__ import annotations
 
