@@ -16,6 +16,7 @@ from __future__ import annotations
 import base64
 import hashlib
 import json
+import os
 import struct
 import sys
 from array import array
@@ -30,7 +31,7 @@ from itertools import accumulate, chain, combinations_with_replacement, product,
 from math import factorial, frexp, gcd, isfinite, isqrt, ldexp, prod
 from operator import add, itemgetter, mul, ne, neg
 from pathlib import Path
-from typing import Any, ClassVar, Protocol
+from typing import Any, BinaryIO, ClassVar, Protocol
 
 Matrix = list[list[int]]
 Limits = Mapping[str, Fraction]
@@ -42,6 +43,7 @@ FORMAT = "certreg-certificate/1"
 INLINE_MAX, FILE_MAX = 10**6, 10**8  # points in a certificate, 75 MB in base64; its bytes
 NODES_MAX = 50_000  # commas and brackets; each costs less than 600 bytes of memory: < 30 MB
 DIGITS_MAX, EXPONENT_MAX = 4300, 32768  # of an integer, as Python's own limit; of a dyadic
+PIPES = ("/dev/fd/", "/dev/stdin", "/proc/self/fd/")  # where a shell puts the ends of its own
 LIMITS = {"max-angle": "angle", "max-gap": "share", "max-undecided": "undecided"}  # what they limit
 BLOCK, NEAR = 8192, 128  # points split at a time; exponents so far apart are made the same
 PRIME, BITS, DEGREES = 2**31 - 1, 256, Fraction("57.295779514")  # in a radian: 180/pi = ...513...
@@ -314,30 +316,63 @@ def shown(text: object) -> str:
     return ascii(str(text)[:200])[1:-1]
 
 
+# --- part: command --------------------------------------------------------------------------------
+# The exit code 1 is a verdict, and nothing else.
+
+
 def main(argv: list[str]) -> int:
-    """Exit code: 0 verified, 1 refused, 2 unreadable file or wrong usage."""
+    """Exit code: 0 verified, 1 refused, 2 unreadable file, wrong usage or output not writable."""
     try:
         options, (path,) = gnu_getopt(argv, "", [f"{name}=" for name in LIMITS])
         limits = {LIMITS[name[2:]]: Fraction(repr(float(text))) for name, text in options}
         require(all(limit >= 0 for limit in limits.values()), "a limit is negative")
     except (GetoptError, ValueError, RefusalError):
         options = "[--max-angle RAD] [--max-gap SHARE] [--max-undecided K]"
-        sys.stderr.write(f"usage: verify.py {options} CERTIFICATE\n")
+        say(f"usage: verify.py {options} CERTIFICATE", 2)
         return 0 if argv == ["--help"] else 2
     good, total, text, many = 0, 0, b"", path.endswith(".jsonl")
     try:
-        with Path(path).open("rb") as file:
+        with opened(path) as file:
             read = file.readline if many else file.read  # of what is too long the end is not sought
             while len(text) <= FILE_MAX and ((text := read(FILE_MAX + 1)) or not (many or total)):
                 total, good = total + 1, good + (outcome := check(text, limits=limits)).verified
                 verdict = "VERIFIED" if outcome.verified else f"REFUSED: {outcome.reason}"
                 if not (many and outcome.verified):
-                    print(*outcome.theorems, f"line {total}: " * many + verdict, sep="\n")
-    except (OSError, ValueError) as error:
-        sys.stderr.write(f"{shown(path)}: {shown(error)}: give a readable file\n")
+                    say("\n".join([*outcome.theorems, f"line {total}: " * many + verdict]))
+    except (OSError, ValueError, MemoryError) as error:
+        reason = shown(error) or "not enough memory"
+        say(f"{shown(path)}: {reason}: give a readable file", 2)
         return 2
-    sys.stdout.write(f"{good} of {total} certificates VERIFIED\n" * many)
+    if many:
+        say(f"{good} of {total} certificates VERIFIED")
     return 0 if 0 < good == total else 1
+
+
+def opened(path: str) -> BinaryIO:
+    """A file that ends: regular, or a pipe that the shell made, as <(command)."""
+    place = Path(path)
+    if place.exists() and not (place.is_file() or path.startswith(PIPES)):
+        raise OSError("a folder, a named pipe or a device")  # of which some never end
+    return place.open("rb")
+
+
+def say(words: str, number: int = 1) -> None:
+    """Write lines on stdout or, 2, on stderr. Exits with 2 where stdout cannot be written.
+
+    That its reader has left is no fault. What cannot be told on stderr is left out.
+    """
+    stream = (sys.stdout, sys.stderr)[number - 1]
+    try:
+        stream.write(words + "\n")
+        stream.flush()
+    except (AttributeError, OSError) as error:  # it is None where it was closed
+        os.dup2(os.open(os.devnull, os.O_WRONLY), number)  # where Python writes the rest at its end
+        if number == 1 and not isinstance(error, BrokenPipeError):
+            say(f"the output cannot be written ({getattr(error, 'strerror', 'it is closed')})", 2)
+            raise SystemExit(2) from None
+
+
+# --- end of part: command -------------------------------------------------------------------------
 
 
 # --- part: definite -----------------------------------------------------------------------------

@@ -10,9 +10,11 @@ from __future__ import annotations
 
 import base64
 import contextlib
+import errno
 import io
 import json
 import math
+import os
 import re
 import struct
 import tempfile
@@ -25,6 +27,7 @@ from math import isqrt
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
+from unittest import mock
 
 import certificates as oracle
 import numpy as np
@@ -1290,6 +1293,9 @@ def command_cases() -> Iterator[Case]:
     ):
         yield Case(f"command: {name}", run_on(content, limit), answer)
     yield from line_cases(json.dumps(json.loads(text)).encode())
+    yield from stream_cases(text)
+    yield Case("a pipe of the shell's", piped(text), "0 .*VERIFIED\n$")
+    yield Case("no memory", short_of_memory, "2 .*: not enough memory: give a readable file\n$")
     for options, answer in (
         (["--max-gap", "1e-13"], "0 .*VERIFIED\n$"),
         (["--max-gap=1e-13", "--max-angle=1e-5"], "0 .*VERIFIED\n$"),
@@ -1313,6 +1319,8 @@ def command_cases() -> Iterator[Case]:
         (["-x"], "2 usage"),
         (["a", "b"], "2 usage"),
         (["/nowhere/at/all"], "2 /nowhere/at/all: .*: give a readable file\n$"),
+        (["/dev/null"], "2 /dev/null: a folder, a named pipe or a device: give a readable file\n$"),
+        (["/"], "2 /: a folder, a named pipe or a device: give a readable file\n$"),
         (["nul\0byte"], r"2 nul\\x00byte: .*: give a readable file"),
     ):
         yield Case(f"command {arguments}", run_on(None, None, arguments), answer)
@@ -1322,6 +1330,88 @@ def command_cases() -> Iterator[Case]:
         ("x" * 300, f"'{'x' * 200}'$"),
     ):
         yield Case(shown, value_of(lambda checker, value=value: checker.shown(value)), answer)
+
+
+def stream_cases(good: bytes) -> Iterator[Case]:
+    """The code is that of the verdict, or 2 where standard output cannot be written."""
+    bad = good.replace(b'"kind"', b'"Kind"')
+    for code, content in ((0, good), (1, bad)):
+        full = "2 \\[1\\] the output cannot be written \\(full\\)\n$"
+        for name, out, err, answer in (
+            ("unread", Lost(errno.EPIPE), io.StringIO(), f"{code} \\[1\\] $"),
+            ("unread when flushed", Lost(errno.EPIPE, late=True), io.StringIO(), f"{code} .1. $"),
+            ("full", Lost(errno.ENOSPC), io.StringIO(), full),
+            ("full when flushed", Lost(errno.ENOSPC, late=True), io.StringIO(), full),
+            ("closed", None, io.StringIO(), r"2 .1. the output cannot .* \(it is closed\)\n$"),
+            ("full, nor can that be said", Lost(errno.ENOSPC), None, r"2 \[1, 2\] $"),
+            ("nothing to say on", io.StringIO(), None, rf"{code} \[\] $"),
+        ):
+            yield Case(f"output {name}: {code}", run_on_streams(content, out, err), answer)
+    usage = run_on_streams(None, io.StringIO(), Lost(errno.ENOSPC))
+    yield Case("output: usage", usage, r"2 \[2\] $")
+
+
+class Lost(io.StringIO):
+    """A stream that cannot be written, as is seen at once or when it is flushed."""
+
+    def __init__(self, fault: int, *, late: bool = False) -> None:
+        super().__init__()
+        self.fault, self.late = fault, late
+
+    def write(self, text: str) -> int:
+        return len(text) if self.late else self._fail()
+
+    def flush(self) -> None:
+        self._fail()
+
+    def _fail(self) -> int:
+        raise OSError(self.fault, "full")
+
+
+def run_on_streams(content: bytes | None, out: Any, err: Any) -> Ask:
+    """Exit code of the command, descriptors that it turns away, and what it says on stderr."""
+
+    def ask(checker: Any) -> str:
+        turned: list[int] = []
+        with (
+            tempfile.NamedTemporaryFile() as file,
+            mock.patch.object(os, "dup2", lambda handle, to: (os.close(handle), turned.append(to))),
+            contextlib.redirect_stdout(out),
+            contextlib.redirect_stderr(err),
+        ):
+            file.write(content or b"")
+            file.flush()
+            try:
+                code = checker.main([file.name] if content else [])
+            except SystemExit as stop:
+                code = stop.code
+            said = "" if err is None else err.getvalue()
+            if err is not None:
+                err.truncate(err.seek(0))
+        return f"{code} {sorted(set(turned))} {said}"
+
+    return ask
+
+
+def piped(content: bytes) -> Ask:
+    """The exit code for what stands in a pipe as the shell makes it."""
+
+    def ask(checker: Any) -> str:
+        reading, writing = os.pipe()
+        os.write(writing, content)
+        os.close(writing)
+        try:
+            return run_on(None, None, [f"/dev/fd/{reading}"])(checker)
+        finally:
+            os.close(reading)
+
+    return ask
+
+
+def short_of_memory(checker: Any) -> str:
+    """What the command says where a check takes more memory than there is."""
+    with mock.patch.object(checker, "check", side_effect=MemoryError):
+        return run_on(b"{}", None)(checker)
 
 
 def line_cases(good: bytes) -> Iterator[Case]:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
 from unittest import mock
 
-from certreg.cli.main import main
+from certreg.cli.main import run
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -42,7 +42,7 @@ def certreg(*arguments: object) -> Run:
         contextlib.redirect_stderr(err),
     ):
         try:
-            main()
+            code = run()
         except SystemExit as stop:
             code = stop.code
     return Run(code, out.getvalue(), err.getvalue())

@@ -5,6 +5,7 @@ A bounded number of tasks is under way, and those of dead workers are repeated.
 
 from __future__ import annotations
 
+import time
 from collections import Counter, deque
 from concurrent.futures import FIRST_COMPLETED, Future, wait
 from dataclasses import dataclass
@@ -38,7 +39,7 @@ if TYPE_CHECKING:
 UNDER_WAY = 3  # tasks per worker: one at work, two that wait for it
 SPREAD = 64  # shards per worker from the first under way: bounds what must wait for its turn
 BREAKDOWNS = 3  # of the pool in a row, without one result in between
-TICK = 5.0  # seconds without a result before the workers are counted
+TICK = 5.0  # seconds between two counts of the workers
 # What dask's futures raise where a worker dies just when its result arrives: they take it for an
 # exception, its type and its traceback.
 MISTAKEN = f"cannot unpack non-iterable {TaskResult.__name__} object"
@@ -87,7 +88,8 @@ def completed(
 ) -> Generator[tuple[Task, TaskResult]]:
     """Tasks with their results, as they end; `tasks` come in order of their shards.
 
-    A bounded number is under way, and none far ahead of the first of them: tasks are drawn, and
+    It ends when all tasks are done. Without any worker one task is under way and waits for one. A
+    bounded number is under way, and none far ahead of the first of them: tasks are drawn, and
     results held, no faster than asked for. Raises CampaignError where workers keep dying, fail, or
     have other versions than `versions`; ContradictionError where certreg contradicts itself. What
     is under way then ends with the workers.
@@ -153,7 +155,7 @@ class _Scheduler:
         self.under_way: dict[Future[TaskResult | Path], Task] = {}
         self.again: deque[Task] = deque()
         self._tasks, self._workers, self._versions = tasks, workers, versions
-        self._furthest = -1
+        self._furthest, self._counted = -1, time.monotonic()
 
     def fill(self) -> bool:
         """Send tasks to the workers until enough are under way; whether any is."""
@@ -172,15 +174,23 @@ class _Scheduler:
         """
         futures = self.under_way
         while not (ended := wait(futures, timeout=TICK, return_when=FIRST_COMPLETED).done):
-            self._workers.require_alive()
+            self._count_workers()
+        if not self._workers.count or time.monotonic() - self._counted > TICK:
+            self._count_workers()  # more may have come
         if any(_is_lost(future, self._workers) for future in ended):
             ended = wait(futures, timeout=TICK).done
         return sorted(ended, key=lambda future: self.under_way[future].shard)
 
+    def _count_workers(self) -> None:
+        self._workers.require_alive()
+        self._counted = time.monotonic()
+
     def _has_room(self) -> bool:
+        if not self.under_way:
+            return True
         if len(self.under_way) >= UNDER_WAY * self._workers.count:
             return False
-        if self.again or not self.under_way:
+        if self.again:
             return True
         first = min(task.shard for task in self.under_way.values())
         return self._furthest - first < SPREAD * self._workers.count

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from multiprocessing.connection import Connection
     from typing import Self
 
+LOG = logging.getLogger(__name__)
 CONNECTING = 15.0  # seconds for a scheduler to answer
 PATIENCE = 60.0  # seconds without any worker
 
@@ -35,7 +36,8 @@ PATIENCE = 60.0  # seconds without any worker
 class Workers(Protocol):
     """Some workers behind an executor.
 
-    losses: what a future raises whose worker died; count: how many tasks are worked on at once.
+    losses: what a future raises whose worker died; count: how many tasks are worked on at once, as
+    last seen, 0 before there was a worker.
     place: the folder in which they leave their results; None where these travel by themselves.
     """
 
@@ -107,39 +109,38 @@ class ClusterWorkers:
     def __init__(self, address: str) -> None:
         self._client = _connected(address, CONNECTING)
         self._address = shown(address)
-        self._last_seen = time.monotonic()
+        self._last_seen, self._told = time.monotonic(), False
         self.losses: tuple[type[BaseException], ...] = (CancelledError, _killed_worker())
         self.executor: Executor = self._client.get_executor(pure=False)
-        self.count = 0
-        try:
-            self._client.wait_for_workers(1, timeout=CONNECTING)
-        except TimeoutError as error:
-            self._client.close()
-            raise self._nobody() from error
-        self.require_alive()
+        self.count = self._threads()
 
     def require_alive(self) -> None:
-        """Count the workers anew; raises CampaignError where there have been none for a minute."""
+        """Count the workers, and log once that there are none.
+
+        Raises CampaignError where there have been none for a minute.
+        """
+        threads, now = self._threads(), time.monotonic()
+        nobody = f"the scheduler at {self._address} has no workers"
+        remedy = f"start some with `dask worker {self._address}`"
+        if threads:
+            self.count, self._last_seen, self._told = threads, now, False
+        elif now - self._last_seen > PATIENCE:
+            raise CampaignError(f"{nobody}: {remedy}", address=self._address)
+        elif not self._told:
+            self._told = True
+            LOG.warning("%s: waiting %.0f seconds for one: %s", nobody, PATIENCE, remedy)
+
+    def _threads(self) -> int:
         try:
             threads: dict[str, int] = self._client.nthreads()
         except (OSError, TimeoutError) as error:
             message = f"the scheduler at {self._address} is gone: start it, and run the same again"
             raise CampaignError(message, address=self._address) from error
-        if threads:
-            self.count, self._last_seen = sum(threads.values()), time.monotonic()
-        elif time.monotonic() - self._last_seen > PATIENCE:
-            raise self._nobody()
+        return sum(threads.values())
 
     def renew(self) -> None:
         """The scheduler replaces workers itself, where it can: only see who is there."""
         self.require_alive()
-
-    def _nobody(self) -> CampaignError:
-        message = (
-            f"the scheduler at {self._address} has no workers: start some with "
-            f"`dask worker {self._address}`"
-        )
-        return CampaignError(message, address=self._address)
 
     def __enter__(self) -> Self:
         return self

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Generic, Protocol, TypeVar
 
 from certreg._loading import found_late
 from certreg.errors import InvalidFileError
-from certreg.io import write_atomically
+from certreg.io import require_ending, write_atomically
 from certreg.results import Brief
 from certreg.verify import FILE_MAX, RefusalError, parse, shown
 
@@ -206,6 +206,7 @@ def certificate_bytes(
         )
         raise InvalidFileError(message, path=Path(certificate))
     try:
+        require_ending(certificate)
         with Path(certificate).open("rb") as stream:
             return stream.read(FILE_MAX + 1)
     except (OSError, ValueError) as error:

@@ -10,6 +10,7 @@ from __future__ import annotations
 import atexit
 import gc
 import sys
+import traceback
 from functools import cache
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -20,8 +21,9 @@ from certreg import __version__
 from certreg._loading import refusal, unloaded
 from certreg.cli.memory import LOADING, LOADING_ALL, require_loadable
 from certreg.cli.options import EXIT_CODES, warnings_as_notes
+from certreg.cli.output import shelter_streams
 from certreg.errors import CertregError
-from certreg.registration import DONE, INTERRUPTED, MISUSED, code_of_error
+from certreg.registration import DEFECT, DONE, INTERRUPTED, MISUSED, code_of_error
 from certreg.report import printable
 
 if TYPE_CHECKING:
@@ -136,13 +138,6 @@ def cli() -> None:
     """
 
 
-def _escape_what_cannot_be_encoded() -> None:
-    """As Python does on stderr: a name may have letters that the encoding of a console lacks."""
-    reconfigure = getattr(sys.stdout, "reconfigure", None)
-    if reconfigure is not None:  # not of a stream that a notebook or a test put there
-        reconfigure(errors="backslashreplace")
-
-
 @cache
 def _collect_seldom() -> None:
     """Look for cycles of garbage less often, and not at the end: a tenth of a small `certify`."""
@@ -151,30 +146,38 @@ def _collect_seldom() -> None:
 
 
 def main() -> NoReturn:
-    """Run the command line; bad input is one line on stderr, never a traceback."""
-    _collect_seldom()
-    _escape_what_cannot_be_encoded()
+    """Run the command line, as a program; a defect of certreg's own is a traceback, code 70."""
     try:
+        code = run()
+    except Exception:  # noqa: BLE001 - the code that Python ends with, 1, is a verdict here
+        traceback.print_exc()
+        code = DEFECT
+    sys.exit(code)
+
+
+def run() -> int:
+    """The exit code of the command line; bad input is one line on stderr, never a traceback."""
+    _collect_seldom()
+    try:
+        shelter_streams()
         with warnings_as_notes():
             code = cli.main(prog_name="certreg", standalone_mode=False)
     except click.exceptions.Abort:
         click.echo("interrupted", err=True)
-        sys.exit(INTERRUPTED)
+        return INTERRUPTED
     except click.ClickException as error:
         error.show()
-        sys.exit(error.exit_code)
+        return error.exit_code
     except CertregError as error:
         click.echo(f"certreg: {printable(error)}", err=True)
-        sys.exit(code_of_error(error))
-    except BrokenPipeError:
-        sys.exit(DONE)
+        return code_of_error(error)
     except Exception as error:
         words = _fault(error)
         if words is None:
             raise  # a defect of certreg's own
         click.echo(f"certreg: {words}", err=True)
-        sys.exit(MISUSED)
-    sys.exit(code if isinstance(code, int) else DONE)
+        return MISUSED
+    return code if isinstance(code, int) else DONE
 
 
 def _fault(error: Exception) -> str | None:

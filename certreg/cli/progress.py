@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import sys
 import time
 from contextlib import ExitStack
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
 
 PATIENCE = 1.0  # seconds before a long run says that it is at work
 ERASE_LINE = "\r\033[K"
+CAMPAIGNS = logging.getLogger("certreg.campaign")  # what it warns of, as of no worker, is a note
 
 
 class Progress:
@@ -33,6 +35,7 @@ class Progress:
         self._start = time.monotonic()
         self._bar: Any = None
         self._stack = ExitStack()
+        self._notes = _Notes(logging.WARNING)
 
     def observer(self) -> Observer:
         """This bar, to be moved by a campaign."""
@@ -61,6 +64,7 @@ class Progress:
         self._shown = self.made
 
     def __enter__(self) -> Self:
+        CAMPAIGNS.addHandler(self._notes)
         return self
 
     def __exit__(
@@ -69,7 +73,15 @@ class Progress:
         error: BaseException | None,
         traceback: TracebackType | None,
     ) -> None:
+        CAMPAIGNS.removeHandler(self._notes)
         self._stack.__exit__(kind, error, traceback)
+
+
+class _Notes(logging.Handler):
+    """What is logged, as notes."""
+
+    def emit(self, record: logging.LogRecord) -> None:
+        note(record.getMessage())
 
 
 class Stages:

@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from certreg.io.streams import Place as Place
     from certreg.io.streams import number as number
     from certreg.io.streams import reading as reading
+    from certreg.io.streams import require_ending as require_ending
     from certreg.io.text import TEXT_FORMATS as TEXT_FORMATS
     from certreg.io.text import parse_rows as parse_rows
     from certreg.io.text import read_clouds as read_clouds
@@ -79,6 +80,7 @@ __getattr__ = lazy_face(
             "Place",
             "number",
             "reading",
+            "require_ending",
         ),
         "text": (
             "TEXT_FORMATS",

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from certreg.errors import InvalidFileError
-from certreg.verify import shown
+from certreg.verify import PIPES, shown
 
 if TYPE_CHECKING:
     import os
@@ -76,12 +76,20 @@ class HeaderLine(NamedTuple):
     words: list[str]
 
 
+def require_ending(path: str | os.PathLike[str]) -> None:
+    """Raise OSError for a named pipe or a device, which may never end; the shell's pipes do."""
+    place = Path(path)
+    if place.exists() and not (place.is_file() or place.is_dir() or str(path).startswith(PIPES)):
+        raise OSError(errno.EINVAL, "a named pipe or a device")
+
+
 @contextmanager
 def reading(path: str | os.PathLike[str]) -> Generator[BinaryIO]:
     """The file, open; whatever the system refuses is an InvalidFileError."""
     try:
         if "\0" in str(path):
             raise FileNotFoundError(errno.ENOENT, "no file has a zero byte in its name")
+        require_ending(path)
         with Path(path).open("rb") as stream:
             yield stream
     except OSError as error:

@@ -55,6 +55,7 @@ if TYPE_CHECKING:
     from certreg.registration.examples import differences as differences
     from certreg.registration.examples import stated as stated
     from certreg.registration.examples import tell as tell
+    from certreg.registration.exit_codes import DEFECT as DEFECT
     from certreg.registration.exit_codes import DONE as DONE
     from certreg.registration.exit_codes import INTERRUPTED as INTERRUPTED
     from certreg.registration.exit_codes import MISUSED as MISUSED
@@ -226,6 +227,7 @@ __getattr__ = lazy_face(
             "tell",
         ),
         "exit_codes": (
+            "DEFECT",
             "DONE",
             "INTERRUPTED",
             "MISUSED",

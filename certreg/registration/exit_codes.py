@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
 DONE, REFUSED, MISUSED, NOT_UNIQUE, NOT_CERTIFIED = 0, 1, 2, 3, 4
 DIGITS = 6  # of an RMSE, in words
+DEFECT = 70  # of certreg's own, with a traceback; sysexits.h calls it so
 INTERRUPTED = 130  # as shells have it: 128 and the number of the signal, 2
 PRECEDENCE = (MISUSED, REFUSED, NOT_CERTIFIED, NOT_UNIQUE, DONE)
 

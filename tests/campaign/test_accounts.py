@@ -301,9 +301,6 @@ class Client:
         assert not pure
         return self
 
-    def wait_for_workers(self, count: int, timeout: float) -> None:
-        assert (count, timeout) == (1, workers.CONNECTING)
-
     def shutdown(self, *, wait: bool) -> None:
         assert not wait
         self.closed += 1
@@ -389,16 +386,3 @@ def test_what_the_system_refuses_is_told_with_the_folder(tmp_path: Path):
         named = tmp_path if error.filename is None else tmp_path / "other"
         assert caught.value.path == named
         assert str(caught.value).startswith(f"{named}: cannot be used")
-
-
-def test_a_cluster_without_workers_is_left(monkeypatch: pytest.MonkeyPatch):
-    class Empty(Client):
-        def wait_for_workers(self, count: int, timeout: float) -> None:
-            raise TimeoutError
-
-    client = Empty(0)
-    monkeypatch.setattr(workers, "_connected", lambda *_: client)
-    monkeypatch.setattr(workers, "_killed_worker", lambda: KeyError)
-    with pytest.raises(CampaignError, match="has no workers: start some"):
-        workers.ClusterWorkers("tcp://here")
-    assert client.closed == 1

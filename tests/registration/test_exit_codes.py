@@ -28,7 +28,7 @@ def test_the_worst_code_is_the_first_of_2_1_4_3_0():
 def test_the_codes_are_the_contract():
     named = (codes.DONE, codes.REFUSED, codes.MISUSED, codes.NOT_UNIQUE, codes.NOT_CERTIFIED)
 
-    assert (*named, codes.INTERRUPTED) == (0, 1, 2, 3, 4, 130)
+    assert (*named, codes.DEFECT, codes.INTERRUPTED) == (0, 1, 2, 3, 4, 70, 130)
 
 
 @pytest.mark.parametrize("headline", HEADLINES, ids=lambda one: one.stamp)
