@@ -50,12 +50,12 @@ PROVED = (
         "certificate/producing",
         "proves_optimality _bits_tell proves_basin proved_multiplier proves_multiplier "
         "multiplier_gap _radius",
-        "certificate/test_certificate certificate/test_radius",
+        "certificate/test_optimality_edges",
     ),
     _of(
         "certificate/spring_bounds",
         "spring_pose_bounds _shift least_range _differences",
-        "certificate/test_shift_bounds certificate/test_springs_sos",
+        "certificate/test_spring_bound_edges certificate/test_shift_bounds",
     ),
     _of(
         "certificate/springs_basin",
@@ -65,7 +65,7 @@ PROVED = (
     _of(
         "certificate/radius",
         "isotropic_radius growth_radius _weight_and_lever sines",
-        "certificate/test_radius certificate/test_radius_of_springs",
+        "certificate/test_radius_bounds",
     ),
     _of("certificate/shared_motion", "is_refuted", "registration/test_kept_pairs"),
     _of(
@@ -121,7 +121,7 @@ PROVED = (
         "objective/scaling",
         "Scaling.slack Scaling.best Scaling.energy Scaling.energy_at "
         "Scaling.least_range Scaling.gap Scaling.interval root_bounds",
-        "registration/test_robustness",
+        "objective/test_scaling_bounds",
     ),
     _of(
         "objective/springs",

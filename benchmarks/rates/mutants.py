@@ -27,8 +27,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
-from equivalent_mutants import EQUIVALENT
-from function_mutants import mutants_of
+from function_mutants import EQUIVALENT, mutants_of
 from mutants import ROOT, Mutant, change, functions
 from proved_functions import PROVED, Proved
 

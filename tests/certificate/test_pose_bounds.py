@@ -17,9 +17,10 @@ from certreg.certificate.bounds import (
     pose_energy,
     sin2_half_angle_between,
 )
+from certreg.certificate.producing import produce_similarity
 from certreg.geometry import rotation_matrix, squared_norm
-from certreg.objective import Isotropic
-from certreg.problem import RegistrationProblem, exact_moments
+from certreg.objective import Isotropic, Springs
+from certreg.problem import RegistrationProblem, Scale, exact_moments, spring_moments
 from certreg.results import Limits
 
 LITTLE = Fraction(1, 10**30)  # far below the spacing of the doubles
@@ -97,6 +98,42 @@ def energy_of(problem: RegistrationProblem, pose: ExactPose) -> Fraction:
 
 
 POSE = ExactPose(quaternion=(9, 1, -2, 3), translation=(Fraction(1, 3), Fraction(-2), Fraction(5)))
+
+
+def springs() -> tuple[RegistrationProblem, Springs]:
+    x, y = instance().source, instance().target
+    factors = np.tile(np.diag([1.0, 2.0, 3.0]), (6, 1, 1))
+    problem = RegistrationProblem(x, y, factors=factors)
+    return problem, Springs(spring_moments(problem))
+
+
+def test_the_energy_of_general_springs_is_the_sum_of_their_squares():
+    problem, objective = springs()
+    R, norm = rotation_matrix(POSE.quaternion), squared_norm(POSE.quaternion)
+    total = Fraction(0)
+    for x, y in zip(problem.source.tolist(), problem.target.tolist(), strict=True):
+        for i in range(3):
+            turned = sum(Fraction(R[i][j]) * Fraction(x[j]) for j in range(3)) / norm
+            total += ((i + 1) * (Fraction(y[i]) - turned - POSE.translation[i])) ** 2
+
+    assert pose_energy(objective, POSE) == total
+
+
+def test_the_least_gap_of_a_symmetric_scale_is_below_the_exact_one():
+    made = instance()
+    problem = RegistrationProblem(
+        made.source, made.target, weights=made.weights, scale=Scale.SYMMETRIC
+    )
+    objective = Isotropic.of(problem)
+    scaling = objective.scaling
+    assert scaling is not None
+    certificate = produce_similarity(problem, objective, scaling)
+    assert certificate is not None
+    bounds = pose_bounds(objective, certificate.body, POSE)
+    above = pose_energy(objective, POSE) - objective.energy(certificate.body.quaternion)
+
+    assert bounds.least_gap == above - scaling.slack < above
+    assert bounds.greatest_gap == above + certificate.body.gap
 
 
 def certified(kind: str = "generic") -> tuple[RegistrationProblem, Isotropic, Any]:

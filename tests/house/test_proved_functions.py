@@ -10,8 +10,7 @@ import sys
 from importlib import import_module
 
 import pytest
-from equivalent_mutants import EQUIVALENT
-from function_mutants import changes, mutants_of
+from function_mutants import EQUIVALENT, changes, mutants_of
 from mutants import ROOT, functions
 from proved_functions import PROVED
 
