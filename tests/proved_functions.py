@@ -184,17 +184,17 @@ PROVED = (
     _of(
         "registration/robustness",
         "Robustness.of Robustness.with_scales",
-        "registration/test_robustness",
+        "registration/test_exact_ends registration/test_robustness",
     ),
     _of(
         "registration/rounding",
         "rounding_cost rounding_errors _lever _half",
-        "registration/test_rounding",
+        "registration/test_exact_ends",
     ),
     _of(
         "registration/scale_range",
         "proved_scales moved_scale moved_symmetric_scale",
-        "registration/test_scale_range",
+        "registration/test_exact_ends",
     ),
     _of("registration/weak_shifts", "weak_shifts", "registration/test_weak_shifts"),
     _of(
@@ -251,7 +251,7 @@ PROVED = (
     _of(
         "registration/scaled_poses",
         "GapParts.doubles scaled_rounding_cost _percent",
-        "registration/test_scaled_poses",
+        "registration/test_exact_ends",
     ),
     _of("registration/headlines", "at_most at_least", "registration/test_headlines"),
     _of(

@@ -37,7 +37,7 @@ def test_sines_are_below_those_of_the_angle_and_close(degrees: float):
     assert half <= exact <= half * WIDER
     low, high = roots(1 - half**2)
     assert sine <= 2 * half * high
-    assert sine * (1 + Fraction(1, 2**55)) >= 2 * half * low
+    assert sine * (1 + Fraction(3, 2**61)) >= 2 * half * low
 
 
 @pytest.mark.parametrize("degrees", [0.0, -1.0, 90.00000000000001, math.nan])
