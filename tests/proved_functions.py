@@ -60,7 +60,7 @@ PROVED = (
     _of(
         "certificate/springs_basin",
         "barrier_of basin_of_springs",
-        "registration/test_spring_simulation",
+        "registration/test_flags_enumerated",
     ),
     _of(
         "certificate/radius",
@@ -110,7 +110,7 @@ PROVED = (
     _of(
         "objective/classification",
         "Classification.unique Classification.finite Classification.unstable",
-        "objective/test_classification",
+        "registration/test_flags_enumerated",
     ),
     _of(
         "objective/isotropic",
@@ -136,15 +136,19 @@ PROVED = (
     _of(
         "equilibrium/eigenlines",
         "energy_is_at_least _splits _eigenline",
-        "equilibrium/test_breaking_springs",
+        "equilibrium/test_breaking_edges equilibrium/test_breaking_springs",
     ),
     _of(
         "equilibrium/breaking",
         "SpringSet.never_holds SpringSet._most SpringSet._labels "
         "_Residuals.between _Residuals._longest _roots",
-        "equilibrium/test_breaking_springs",
+        "equilibrium/test_breaking_edges equilibrium/test_breaking_springs",
     ),
-    _of("equilibrium/spring_sets", "label_sets _agree", "equilibrium/test_breaking_springs"),
+    _of(
+        "equilibrium/spring_sets",
+        "label_sets _agree",
+        "equilibrium/test_breaking_edges equilibrium/test_breaking_springs",
+    ),
     _of("equilibrium/krawczyk", "proved_root _krawczyk are_distinct", "equilibrium/test_krawczyk"),
     _of(
         "equilibrium/line_boxes",
@@ -167,19 +171,19 @@ PROVED = (
     _of(
         "equilibrium/presentation",
         "EquilibriumSet.narrow EquilibriumSet.nearly_ambiguous EquilibriumSet.count _margin",
-        "equilibrium/test_equilibria",
+        "registration/test_flags_enumerated equilibrium/test_equilibria",
     ),
     _of("equilibrium/stability", "_signed", "equilibrium/test_equilibria"),
     _of(
         "registration/breaking",
         "BreakingEquilibrium.stable BreakingEquilibria.complete "
         "equilibrium_of _fewest _held_at_rest _optimum_listed",
-        "registration/test_breaking_results",
+        "registration/test_flags_enumerated registration/test_breaking_results",
     ),
     _of(
         "registration/breaking_simulation",
         "SimulatedBreaking.self_consistent _end",
-        "registration/test_breaking_results",
+        "registration/test_flags_enumerated registration/test_breaking_results",
     ),
     _of(
         "registration/robustness",
@@ -207,45 +211,60 @@ PROVED = (
         "registration/consensus",
         "ConsensusRegistration.upper ConsensusRegistration.labels_unique "
         "ConsensusRegistration.exit_code",
-        "registration/test_consensus",
+        "registration/test_flags_enumerated",
     ),
     _of(
         "registration/scaled_consensus",
         "ScaledConsensusRegistration.scale_interval ranges_words",
-        "registration/test_scaled_consensus",
+        "registration/test_flags_enumerated",
     ),
     _of(
         "registration/truncated",
         "TruncatedRegistration.labels_unique TruncatedRegistration.unique "
-        "TruncatedRegistration.gap TruncatedRegistration.certified TruncatedRegistration.headline "
+        "TruncatedRegistration.gap TruncatedRegistration.certified "
         "TruncatedRegistration.exit_code",
+        "registration/test_flags_enumerated",
+    ),
+    _of(
+        "registration/truncated",
+        "TruncatedRegistration.headline",
         "registration/test_truncated_results",
     ),
     _of(
         "registration/truncated_labels",
-        "TruncatedLabels.differing TruncatedLabels.headline TruncatedLabels.exit_code",
+        "TruncatedLabels.differing TruncatedLabels.exit_code",
+        "registration/test_flags_enumerated",
+    ),
+    _of(
+        "registration/truncated_labels",
+        "TruncatedLabels.headline",
         "registration/test_truncated_labels",
     ),
     _of(
         "registration/kept_pairs",
         "KeptPairs.verdict KeptPairs.upper KeptPairs.unique",
-        "registration/test_kept_pairs",
+        "registration/test_flags_enumerated",
     ),
     _of(
         "registration/spring_equilibria",
         "SpringEquilibrium.stable SpringEquilibria.count "
         "SpringEquilibria.count_complex SpringEquilibria.unique SpringEquilibria.all_optimal "
         "_optimal _margin",
-        "equilibrium/test_spring_lists",
+        "registration/test_flags_enumerated",
     ),
     _of(
         "registration/spring_result",
         "SpringSolution.near_minima SpringSolution.unique_rotation SpringSolution.unique",
-        "registration/test_spring_results",
+        "registration/test_flags_enumerated",
     ),
     _of(
         "registration/spring_findings",
-        "SpringFindings.is_elsewhere SpringFindings.is_near _cost_of_rounding spring_verdict_of",
+        "SpringFindings.is_elsewhere SpringFindings.is_near",
+        "registration/test_flags_enumerated",
+    ),
+    _of(
+        "registration/spring_findings",
+        "_cost_of_rounding spring_verdict_of",
         "registration/test_spring_words registration/test_spring_results",
     ),
     _of(
@@ -257,15 +276,17 @@ PROVED = (
     _of(
         "registration/spring_simulation",
         "SimulatedSprings.as_good SimulatedSprings.converged SimulatedSprings.basin",
-        "registration/test_spring_simulation",
+        "registration/test_flags_enumerated registration/test_spring_simulation",
     ),
     _of(
         "registration/breathing",
         "ScaledEquilibria.finite ScaledEquilibria.count ScaledEquilibria.unique",
-        "equilibrium/test_breathing_equilibria",
+        "registration/test_flags_enumerated",
     ),
     _of(
-        "registration/any_registration", "AnyRegistration.status", "registration/test_certification"
+        "registration/any_registration",
+        "AnyRegistration.status",
+        "registration/test_flags_enumerated",
     ),
     _of("dynamics/basin", "certified_basin basin_gaps", "dynamics/test_simulation"),
     _of("dynamics/body", "clearly_thick", "dynamics/test_simulation"),

@@ -78,7 +78,7 @@ class Body:
 def springs(*, exact: bool = False) -> Springs:
     rng = np.random.default_rng(4)
     x = rng.integers(-9, 9, size=(5, 3)) / 2.0
-    y = x + (1.0, 2.0, 3.0) if exact else x + rng.integers(-2, 3, size=(5, 3)) / 8.0
+    y = x + np.array([1.0, 2.0, 3.0]) if exact else x + rng.integers(-2, 3, size=(5, 3)) / 8.0
     factors = np.tile(np.diag([1.0, 2.0, 3.0]), (5, 1, 1))
     return Springs(spring_moments(RegistrationProblem(x, y, factors=factors)))
 

@@ -197,11 +197,15 @@ def test_parts_are_doubles_above_and_lengths_doubles_below(double: float, beside
     assert claimed.angle == 60.0001  # six digits, rounded up
 
 
+SHARES = 0, 1, 99, 100, 99_900, 99_901, 10**5, 60_000
+
+
 def test_a_share_is_not_rounded_up_to_all_nor_down_to_nothing():
-    told = [_percent(Fraction(share, 100_000)) for share in (0, 1, 99, 100, 99_900, 99_901, 10**5)]
+    told = [_percent(Fraction(share, 100_000)) for share in SHARES]
 
     assert told[0].startswith("0")
     assert told[1] == told[2] == "under 0.1 %"
     assert told[3] == "0.1 %"
-    assert told[5] == "over 99.9 %"
+    assert told[4] == told[5] == "over 99.9 %"
+    assert told[7] == "60 %"
     assert told[6].startswith("100")
