@@ -67,46 +67,37 @@ PROVED = (
         "isotropic_radius growth_radius _weight_and_lever sines",
         "certificate/test_radius_bounds",
     ),
-    _of("certificate/shared_motion", "is_refuted", "registration/test_kept_pairs"),
+    _of("certificate/shared_motion", "is_refuted", "certificate/test_pair_edges"),
     _of(
         "certificate/consistency",
-        "ExactRows.agree ExactRows.met_by",
-        "certificate/test_consensus_file certificate/test_thinning",
+        "ExactRows.agree ExactRows._met_by",
+        "certificate/test_pair_edges",
     ),
     _of(
         "certificate/scaled_pairs",
         "ScaledPairs._agree ScaledPairs.met_by _at_most",
-        "certificate/test_scaled_pairs",
+        "certificate/test_pair_edges",
     ),
-    _of("certificate/thinning", "GraphThinning.closed transversal", "certificate/test_parting"),
+    _of("certificate/thinning", "GraphThinning.closed transversal", "certificate/test_pair_edges"),
+    _of("certificate/staging", "Stager.upper", "certificate/test_pair_edges"),
     _of(
-        "certificate/staging",
-        "Stager.upper",
-        "certificate/test_parting registration/test_kept_pairs",
-    ),
-    _of(
-        "certificate/cones",
-        "CappedMinimum.floor _curvature _width",
-        "certificate/test_cones_produced",
+        "certificate/cones", "CappedMinimum.floor _curvature _width", "certificate/test_pair_edges"
     ),
     _of(
-        "certificate/producing_consensus",
-        "Consensus.decided reach_of _reach",
-        "certificate/test_reach report/test_consensus_theorems",
+        "certificate/producing_consensus", "Consensus.decided", "registration/test_flags_enumerated"
     ),
     _of(
         "certificate/producing_scaled",
-        "ScaledConsensus.open_scales _bounded",
+        "ScaledConsensus.open_scales",
         "certificate/test_scaled_pairs",
     ),
     _of(
         "certificate/scaled_consensus",
         "ConsensusSimilarityBody.met_elsewhere",
-        "registration/test_scaled_consensus",
+        "certificate/test_pair_edges",
     ),
-    _of("certificate/producing_truncated", "_angle", "registration/test_truncated_results"),
-    _of("certificate/listing", "_below", "certificate/test_list_produced"),
-    _of("certificate/many", "_angles", "certificate/test_many"),
+    _of("certificate/listing", "_below", "certificate/test_pair_edges"),
+    _of("certificate/many", "_angles", "certificate/test_pair_edges"),
     _of(
         "objective/classification",
         "Classification.unique Classification.finite Classification.unstable",

@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from certreg.equilibrium.breaking import _Residuals, _roots
+from certreg.equilibrium import breaking
+from certreg.equilibrium.breaking import Labels, SpringSet, _Residuals, _roots
 from certreg.equilibrium.eigenlines import _eigenline, _splits, energy_is_at_least
 from certreg.equilibrium.spring_sets import _agree
 from certreg.errors import UndecidedError
@@ -167,3 +168,56 @@ def test_an_eigenspace_is_known_where_its_error_is_smaller_than_both_gaps():
         with pytest.raises(UndecidedError):
             _eigenline(fake(), q, 1, 0, ends)
     assert _eigenline(fake(), q, 1, 0, (7 + LITTLE, 3 - LITTLE)).sin2 is not None
+
+
+def labels(
+    monkeypatch, spans: list[tuple[int, int]], sin2: Any = Fraction(0), **fields: Any
+) -> Any:
+    """Of two springs that hold and one that is broken, all with the bound 5."""
+    given: list[Any] = []
+
+    def residuals(*arguments: Any) -> Any:
+        given.append(arguments[3])
+        return SimpleNamespace(between=lambda row: (*spans[row], 5))
+
+    monkeypatch.setattr(breaking, "_Residuals", residuals)
+    of: Any = SimpleNamespace(
+        problem=SimpleNamespace(rows=None, n=3),
+        unbroken=(0, 1),
+        objective=SimpleNamespace(energy=lambda _: fields.get("energy", Fraction(0))),
+        _most=Fraction(10),
+    )
+    line: Any = SimpleNamespace(quaternion=None, error=Fraction(1, 4), sin2=sin2)
+    found = SpringSet._labels(of, line)
+    assert given in ([], [fields.get("energy", Fraction(0)) + Fraction(1, 2)])
+    return found
+
+
+SPANS = [(low, high) for low in (4, 5, 6) for high in (4, 5, 6) if low <= high]
+
+
+@pytest.mark.parametrize("continuum", [False, True])
+def test_labels_are_proved_strictly_on_their_side_and_refuted_on_the_other(monkeypatch, continuum):
+    for spans in product(SPANS, repeat=3):
+        found = labels(monkeypatch, list(spans), None if continuum else Fraction(0))
+        right = [high < 5 for _, high in spans[:2]] + [spans[2][0] > 5]
+        wrong = [low > 5 for low, _ in spans[:2]] + [spans[2][1] < 5]
+        if any(wrong):
+            assert found is None
+            continue
+        doubtful = tuple(row for row in range(3) if not right[row])
+        near = any(spans[row][0] < spans[row][1] for row in doubtful)
+        open_verdict = Labels.TOO_NEAR if near else Labels.TIED
+        if continuum:
+            open_verdict = Labels.CONTINUUM
+
+        assert found.doubtful == doubtful
+        assert found.verdict is (open_verdict if doubtful else Labels.PROVED)
+
+
+def test_springs_hold_nowhere_with_all_the_energy_that_breaks_them(monkeypatch):
+    right, top = [(1, 2), (1, 2), (6, 7)], Fraction(21, 2)
+
+    assert labels(monkeypatch, right, energy=top) is None
+    assert labels(monkeypatch, right, energy=top + LITTLE) is None
+    assert labels(monkeypatch, right, energy=top - LITTLE) is not None
