@@ -51,6 +51,15 @@ def test_two_pairs_agree_where_their_lengths_differ_by_their_bounds_at_most():
         assert ExactRows.agree(exact_rows(pair(*case)), 0, 1) == (apart <= i + j), case
 
 
+@pytest.mark.parametrize("d", [0, 1, 2, 3])
+def test_two_pairs_agree_up_to_their_bounds_where_their_lengths_are_irrational(d: int):
+    for A, B in product([(0, 0, 0), (1, 1, 0), (2, 1, 1), (1, 1, 1), (3, 1, 0)], repeat=2):
+        rows = [(0,) * 7, (*A, *B, d)]
+        apart = abs(root(Fraction(sum(k * k for k in A))) - root(Fraction(sum(k * k for k in B))))
+
+        assert ExactRows.agree(exact_rows(rows), 0, 1) == (apart <= d), (A, B)
+
+
 def test_two_pairs_agree_between_two_scales():
     for case in LENGTHS:
         a, b, i, j, across = case
@@ -78,8 +87,8 @@ TURN = (1, 1, 0, 0)  # a quarter about x: (a, b, c) to (a, -c, b)
 
 @pytest.mark.parametrize(("exponent", "shift"), [(0, 0), (3, 1), (1, 3), (-2, -1)])
 def test_a_motion_meets_pairs_up_to_their_bounds(exponent: int, shift: int):
-    """(8, 16, 32) is turned to (8, -32, 16) and moved by (8, 0, 0): off by (3, 4, 0)."""
-    rows = exact_rows([(8, 16, 32, 19, -28, 16, bound) for bound in (4, 5, 6)], exponent)
+    """(8, 16, 32) is turned to (8, -32, 16) and moved by (8, 0, 0): off by (1, 2, 2)."""
+    rows = exact_rows([(8, 16, 32, 17, -30, 18, bound) for bound in (2, 3, 4)], exponent)
     witness: Any = SimpleNamespace(
         quaternion=TURN,
         shift=(int(8 * 2.0 ** (exponent - shift)), 0, 0, shift),
@@ -95,8 +104,8 @@ def test_a_motion_meets_pairs_up_to_their_bounds(exponent: int, shift: int):
 @pytest.mark.parametrize("factor", [Fraction(3), Fraction(1, 2), Fraction(5, 4)])
 def test_a_scaled_motion_meets_pairs_up_to_their_bounds(factor: Fraction):
     n, d = factor.numerator, factor.denominator
-    far = (8 * n // d + 3, -32 * n // d + 4, 16 * n // d)
-    rows = [(8, 16, 32, *far, bound) for bound in (4, 5, 6)]
+    far = (8 * n // d + 1, -32 * n // d + 2, 16 * n // d + 2)
+    rows = [(8, 16, 32, *far, bound) for bound in (2, 3, 4)]
     witness: Any = SimpleNamespace(
         quaternion=TURN,
         shift=(0, 0, 0, 0),
@@ -114,16 +123,16 @@ def test_two_pairs_are_refuted_by_weights_where_their_lengths_differ_by_more_tha
         assert is_refuted(rows, [3, 3]) == ((a - b) ** 2 > 4 * e * e)
 
 
-def test_three_pairs_are_refuted_where_the_best_fit_is_worse_than_their_bounds():
-    source = [(2, 0, 1), (-2, 1, 0), (0, 2, -1)]
-    target = [(5, 1, 0), (-4, 2, 2), (1, 5, 1)]
-    weights = [2, 3, 1]
+def test_four_pairs_are_refuted_where_the_best_fit_is_worse_than_their_bounds():
+    source = [(2, 0, 1), (-2, 1, 0), (0, 2, -1), (3, -3, 2)]
+    target = [(5, 1, 0), (-4, 2, 2), (1, 5, 1), (2, -3, 7)]
+    weights = [2, 3, 1, 1]
     x, y, w = (np.array(part, dtype=float) for part in (source, target, weights))
     x, y = (p - w @ p / w.sum() for p in (x, y))
     values = np.linalg.svd((y * w[:, None]).T @ x)
     d = values[1] * [1, 1, np.sign(np.linalg.det(values[0] @ values[2]))]
     least = (w[:, None] * (x * x + y * y)).sum() - 2 * d.sum()
-    for bounds in product(range(1, 5), repeat=3):
+    for bounds in product((1, 2, 4), repeat=4):
         rows = [(*p, *q, e) for p, q, e in zip(source, target, bounds, strict=True)]
         allowed = sum(k * e * e for k, e in zip(weights, bounds, strict=True))
 
