@@ -153,8 +153,10 @@ def _other_signs(node: ast.BinOp | ast.UnaryOp) -> Iterator[ast.expr]:
             yield ast.BinOp(node.left, ast.Add(), node.right)
         case ast.BinOp(op=ast.FloorDiv() | ast.RShift()):
             yield _negated(ast.BinOp(_negated(node.left), node.op, node.right))
-        case ast.UnaryOp(op=ast.USub(), operand=ast.BinOp(op=ast.FloorDiv() | ast.RShift())):
-            yield _rounded_down(node.operand)
+        case ast.UnaryOp(
+            op=ast.USub(), operand=ast.BinOp(op=ast.FloorDiv() | ast.RShift()) as quotient
+        ):
+            yield _rounded_down(quotient)
         case ast.UnaryOp(op=ast.USub() | ast.Not()):
             yield node.operand
         case _:

@@ -65,7 +65,12 @@ class Judge:
             self.reach |= apart(lambda chosen=chosen, named=named: self.survey(chosen, named)) or {}
             for mutant in asked:
                 self.judge(mutant, items)
+            self.keep()
         return True
+
+    def keep(self) -> None:
+        STORE.parent.mkdir(exist_ok=True)
+        STORE.write_text(json.dumps(self.known), "utf-8")
 
     def survey(self, items: Iterable[pytest.Item], named: set[str]) -> dict[str, Any]:
         """The tests that call these functions, as nothing is mutated, by their seconds."""
@@ -203,8 +208,6 @@ def judged(mutants: Sequence[Mutant]) -> dict[str, str | None]:
     files = sorted({test for mutant in mutants for test in mutant.claims})
     options = ["-q", "-q", "-s", "-p", "no:cacheprovider", "-m", "not long"]
     code = pytest.main([*options, *(str(ROOT / file) for file in files)], plugins=[judge])
-    STORE.parent.mkdir(exist_ok=True)
-    STORE.write_text(json.dumps(judge.known), "utf-8")
     if code != pytest.ExitCode.OK:
         raise RuntimeError(f"pytest ended with {code!r}")
     return found
@@ -212,7 +215,7 @@ def judged(mutants: Sequence[Mutant]) -> dict[str, str | None]:
 
 def main() -> int:
     """Judge, print a line, and write the result of a full run."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(description="Mutants of the functions that prove.")
     parser.add_argument("--every", type=int, default=1)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--only", default="")

@@ -11,12 +11,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from certreg.certificate import many
+from certreg.certificate import cones, many
 from certreg.certificate.cones import RANGES, CappedMinimum, _curvature, _width
 from certreg.certificate.consistency import ExactRows
 from certreg.certificate.listing import SECOND_BITS, _below
 from certreg.certificate.many import _angles
-from certreg.certificate.scaled_consensus import ConsensusSimilarityBody
+from certreg.certificate.scaled_consensus import ConsensusSimilarityBody, ScaleRange
 from certreg.certificate.scaled_pairs import ScaledPairs, _at_most
 from certreg.certificate.shared_motion import is_refuted
 from certreg.certificate.staging import Stager
@@ -69,9 +69,7 @@ def test_two_pairs_agree_between_two_scales():
             (Fraction(0), Fraction(1)),
             (Fraction(2), None),
         ):
-            agree = ScaledPairs._agree(
-                exact_rows(pair(*case)), 0, 1, SimpleNamespace(low=low, high=high)
-            )
+            agree = ScaledPairs._agree(exact_rows(pair(*case)), 0, 1, ScaleRange(low, high))
             over = high is None or b <= high * length + i + j
 
             assert agree == (low * length <= b + i + j and over), case
@@ -155,7 +153,8 @@ def test_a_transversal_is_found_where_there_is_one():
 def test_a_thinning_is_closed_without_open_rows_or_with_too_few():
     for alive, clique, least in product(range(8), range(8), range(4)):
         of: Any = SimpleNamespace(alive=alive, clique=clique, least=least)
-        closed = GraphThinning.closed.fget(of)  # pyright: ignore[reportAttributeAccessIssue]
+        flag: Any = GraphThinning.closed
+        closed = flag.fget(of)
 
         assert closed == (alive & ~clique == 0 or alive.bit_count() < least)
 
@@ -226,6 +225,17 @@ def test_a_curvature_is_proved_a_little_below_the_least_eigenvalue():
     assert curvature(3, 5, 4, width=Fraction(0)) is None
 
 
+def test_a_curvature_that_is_too_small_or_found_too_large_is_none(monkeypatch):
+    bend = [[3, 0, 0], [0, 5, 0], [0, 0, 4]]
+    least = 0.5 * (1 - 2.0**-10)
+    monkeypatch.setattr(cones, "LEAST_CURVATURE", least)
+    assert _curvature(bend, 2, Fraction(3)) is None
+    monkeypatch.setattr(cones, "LEAST_CURVATURE", math.nextafter(least, 0.0))
+    assert _curvature(bend, 2, Fraction(3)) is not None
+    monkeypatch.setattr(np.linalg, "eigvalsh", lambda _: np.array([0.51]))
+    assert _curvature(bend, 2, Fraction(3)) is None
+
+
 def piece(state: str, end: int | None) -> Any:
     return SimpleNamespace(
         state=state, end=None if end is None else Dyadic(mantissa=end, exponent=0)
@@ -248,6 +258,9 @@ def test_pairs_are_met_elsewhere_where_their_scales_are_in_no_open_range():
         last = piece(SAME, 3), piece(OPEN, None)
         assert elsewhere(low, high, *last) == (low < 3)
         assert not elsewhere(low, high, piece("x", 3), piece(OPEN, None))
+        two = piece(OPEN, 2), piece(SAME, 3), piece(OPEN, None)
+        assert elsewhere(low, high, *two) == (low < 3 and high > 2)
+        assert elsewhere(low, high, piece(SAME, None))
 
 
 def test_angles_of_many_are_those_of_one(monkeypatch):

@@ -84,7 +84,7 @@ def instance(kind: str = "generic") -> RegistrationProblem:
     return RegistrationProblem(source, target, weights=np.arange(1.0, 7.0))
 
 
-def energy_of(problem: RegistrationProblem, pose: ExactPose) -> Fraction:
+def energy_of(problem: RegistrationProblem, pose: ExactPose) -> Any:
     """The sum of w |y - s R x - t|^2, from the points."""
     R, norm = rotation_matrix(pose.quaternion), squared_norm(pose.quaternion)
     total = Fraction(0)
@@ -180,7 +180,8 @@ def test_the_shift_is_that_of_the_centroid_rounded_up():
         ]
         for cloud in (problem.source, problem.target)
     )
-    squared = sum((a - b) ** 2 for a, b in zip(POSE.moved(x), y, strict=True))
+    moved: Any = POSE.moved
+    squared = sum((a - b) ** 2 for a, b in zip(moved(x), y, strict=True))
     shift = pose_bounds(objective, body, POSE).shift_upper
 
     assert shift is not None

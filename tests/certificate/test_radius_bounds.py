@@ -136,7 +136,8 @@ def test_the_radius_of_general_springs_is_the_largest_that_is_proved(
 def test_no_radius_is_proved_without_growth_or_of_a_point(monkeypatch):
     lever = Fraction(9)
     monkeypatch.setattr(radius, "_weight_and_lever", lambda _: (Fraction(4), lever))
-    s, moments = sines(60.0)[0].value, Any
+    s = sines(60.0)[0].value
+    moments: Any = None
     numbers: dict[str, Any] = {"value": Fraction(1), "degrees": 60.0}
 
     def made(delta: Fraction) -> Any:

@@ -28,7 +28,7 @@ def objective_of(energy: Energy, symmetry: int = 0) -> Any:
 
 
 def test_the_range_is_that_from_the_best_to_the_worst_rotation_of_a_cube():
-    energies = dict(zip(FAR, map(Fraction, range(3, 99)), strict=False))
+    energies: dict[Any, Fraction] = dict(zip(FAR, map(Fraction, range(3, 99)), strict=False))
     top = max(energies.values())
 
     assert least_range(objective_of(lambda q: energies[q]), Fraction(1)) == top - 1
@@ -75,6 +75,10 @@ class Body:
     growth: Fraction = Fraction(0)
 
 
+def body(quaternion: tuple[int, int, int, int], gap: Fraction = Fraction(1, 8)) -> Any:
+    return Body(quaternion, gap=gap)
+
+
 def springs(*, exact: bool = False) -> Springs:
     rng = np.random.default_rng(4)
     x = rng.integers(-9, 9, size=(5, 3)) / 2.0
@@ -90,15 +94,15 @@ def at_best(objective: Springs, q: tuple[int, ...]) -> ExactPose:
 def test_no_pose_is_farther_above_the_minimum_than_its_own_energy_nor_below_it():
     objective, good, bad = springs(), (1, 0, 0, 0), (1, 1, 0, 0)
     low, high = objective.energy(good), objective.energy(bad)
-    above = spring_pose_bounds(objective, Body(good), at_best(objective, bad))
-    below = spring_pose_bounds(objective, Body(bad), at_best(objective, good))
-    same = spring_pose_bounds(objective, Body(good), at_best(objective, good))
+    above = spring_pose_bounds(objective, body(good), at_best(objective, bad))
+    below = spring_pose_bounds(objective, body(bad), at_best(objective, good))
+    same = spring_pose_bounds(objective, body(good), at_best(objective, good))
 
     assert low < high
     assert (above.least_gap, above.greatest_gap) == (high - low, high - low + Fraction(1, 8))
     assert (below.least_gap, below.greatest_gap) == (0, 0)
     assert (same.least_gap, same.greatest_gap) == (0, min(low, Fraction(1, 8)))
-    coarse = spring_pose_bounds(objective, Body(good, gap=2 * high), at_best(objective, bad))
+    coarse = spring_pose_bounds(objective, body(good, gap=2 * high), at_best(objective, bad))
     assert coarse.greatest_gap == high
     assert above.least_range_squared == least_range(objective, low) ** 2
     assert above.flat_energy == low
@@ -109,12 +113,12 @@ def test_the_energy_is_that_of_the_translation_too():
     best = objective.best_translation(q)
     pose = ExactPose(quaternion=q, translation=(best[0] + 1, *best[1:]))
 
-    assert spring_pose_bounds(objective, Body(q), pose).least_gap == 5
+    assert spring_pose_bounds(objective, body(q), pose).least_gap == 5
 
 
 def test_clouds_that_fit_exactly_are_measured_from_the_origin():
     objective, q = springs(exact=True), (1, 0, 0, 0)
-    bounds = spring_pose_bounds(objective, Body(q), at_best(objective, q))
+    bounds = spring_pose_bounds(objective, body(q), at_best(objective, q))
 
     assert objective.energy(q) == 0
     assert bounds.flat_energy == objective.translation_energy(q, (Fraction(0),) * 3)

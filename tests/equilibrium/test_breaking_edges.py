@@ -164,7 +164,7 @@ def test_an_eigenspace_is_known_where_its_error_is_smaller_than_both_gaps():
     assert _eigenline(fake(), q, 1, 1, (None, Fraction(2))).sin2 == Fraction(4, 9)
     assert _eigenline(fake(), q, 4, 0, (None, None)).sin2 is None
     for upper, lower in ((7, None), (None, 3), (9, 3), (7, 2)):
-        ends = tuple(None if end is None else Fraction(end) for end in (upper, lower))
+        ends: Any = tuple(None if end is None else Fraction(end) for end in (upper, lower))
         with pytest.raises(UndecidedError):
             _eigenline(fake(), q, 1, 0, ends)
     assert _eigenline(fake(), q, 1, 0, (7 + LITTLE, 3 - LITTLE)).sin2 is not None
