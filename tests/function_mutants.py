@@ -32,6 +32,7 @@ OPPOSITES = {
     "maximum": "minimum",
     "most": "least",
     "all": "any",
+    "CEILING": "FLOOR",
 }
 OPPOSITES |= {other: one for one, other in OPPOSITES.items()}
 ROUNDERS = frozenset(
@@ -39,7 +40,20 @@ ROUNDERS = frozenset(
     for what in ("dyadic", "double", "at", "angle", "root", "rational_root", "dyadic_root")
     for way in ("above", "below", "most", "least")
 )
-WORDS = frozenset({"ceil", "floor", "max", "min", "maximum", "minimum", "all", "any"})
+WORDS = frozenset(
+    {
+        "ROUND_CEILING",
+        "ROUND_FLOOR",
+        "ceil",
+        "floor",
+        "max",
+        "min",
+        "maximum",
+        "minimum",
+        "all",
+        "any",
+    }
+)
 DIRECTIONS = ROUNDERS | WORDS
 
 REASONS = tomllib.loads((ROOT / "tests" / "equivalent_mutants.toml").read_text("utf-8"))

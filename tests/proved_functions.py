@@ -35,6 +35,7 @@ PROVED = (
         "dyadic_root_above root_above half_angle_bound",
         "exact/test_dyadic",
     ),
+    _of("exact/decimals", "at_most at_least _rounded", "exact/test_decimals"),
     _of("exact/elimination", "is_positive_definite", "exact/test_matrices"),
     _of("exact/balls", "fixed_point radius_bits negative_eigenvalues", "exact/test_balls"),
     _of("exact/spaces", "_narrowest_gap", "exact/test_spaces"),
@@ -263,7 +264,6 @@ PROVED = (
         "GapParts.doubles scaled_rounding_cost _percent",
         "registration/test_exact_ends",
     ),
-    _of("registration/headlines", "at_most at_least", "registration/test_headlines"),
     _of(
         "registration/spring_simulation",
         "SimulatedSprings.as_good SimulatedSprings.converged SimulatedSprings.basin",

@@ -69,6 +69,7 @@ class Judge:
         return True
 
     def keep(self) -> None:
+        self.known = stored() | self.known
         STORE.parent.mkdir(exist_ok=True)
         STORE.write_text(json.dumps(self.known), "utf-8")
 
@@ -117,6 +118,11 @@ class Judge:
     def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
         if report.failed:
             self.failed = report.nodeid
+
+
+def stored() -> dict[str, str | None]:
+    """What was judged before, by runs of other functions, too."""
+    return json.loads(STORE.read_text("utf-8")) if STORE.exists() else {}
 
 
 def apart(ask: Callable[[], Any], *, seconds: float = 0.0) -> Any:
@@ -197,14 +203,13 @@ def chosen(every: int, seed: int, only: str) -> list[Mutant]:
 def judged(mutants: Sequence[Mutant]) -> dict[str, str | None]:
     """By which test each mutant was noticed; None for survivors."""
     found: dict[str, str | None] = {}
-    known = json.loads(STORE.read_text("utf-8")) if STORE.exists() else {}
 
     def said(name: str, test: str | None) -> None:
         found[name] = test
         if test is None and name not in EQUIVALENT:
             sys.stderr.write(f"survives: {name}\n")
 
-    judge = Judge(mutants, known, said)
+    judge = Judge(mutants, stored(), said)
     files = sorted({test for mutant in mutants for test in mutant.claims})
     options = ["-q", "-q", "-s", "-p", "no:cacheprovider", "-m", "not long"]
     code = pytest.main([*options, *(str(ROOT / file) for file in files)], plugins=[judge])

@@ -206,3 +206,14 @@ def test_bounds_of_nothing_are_written_with_exponent_0():
 
 def test_a_sine_too_small_for_a_double_has_an_angle_above_it():
     assert half_angle_bound(TINY) > 2e-162
+
+
+@pytest.mark.parametrize("less", [Fraction(1, 10**6), Fraction(1, 10**14), Fraction(1, 10**30)])
+def test_the_angle_bound_is_close_near_half_a_turn_and_pi_from_there_on(less: Fraction):
+    rest = 2.0 * math.sqrt(less)
+
+    assert math.pi - rest * (1 + 1e-5) - 1e-12 < half_angle_bound(1 - less)
+    assert half_angle_bound(1 - less) <= max(
+        math.pi - rest * (1 - 1e-5), math.nextafter(math.pi, 3.0)
+    )
+    assert half_angle_bound(1 + less) == half_angle_bound(Fraction(3, 2)) == math.pi
