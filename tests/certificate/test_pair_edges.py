@@ -85,8 +85,8 @@ TURN = (1, 1, 0, 0)  # a quarter about x: (a, b, c) to (a, -c, b)
 
 @pytest.mark.parametrize(("exponent", "shift"), [(0, 0), (3, 1), (1, 3), (-2, -1)])
 def test_a_motion_meets_pairs_up_to_their_bounds(exponent: int, shift: int):
-    """(8, 16, 32) is turned to (8, -32, 16) and moved by (8, 0, 0): off by (1, 2, 2)."""
-    rows = exact_rows([(8, 16, 32, 17, -30, 18, bound) for bound in (2, 3, 4)], exponent)
+    """(8, 16, 32) is turned to (8, -32, 16) and moved by (8, 0, 0): off by (2, 3, 6)."""
+    rows = exact_rows([(8, 16, 32, 18, -29, 22, bound) for bound in (6, 7, 8)], exponent)
     witness: Any = SimpleNamespace(
         quaternion=TURN,
         shift=(int(8 * 2.0 ** (exponent - shift)), 0, 0, shift),
@@ -102,8 +102,8 @@ def test_a_motion_meets_pairs_up_to_their_bounds(exponent: int, shift: int):
 @pytest.mark.parametrize("factor", [Fraction(3), Fraction(1, 2), Fraction(5, 4)])
 def test_a_scaled_motion_meets_pairs_up_to_their_bounds(factor: Fraction):
     n, d = factor.numerator, factor.denominator
-    far = (8 * n // d + 1, -32 * n // d + 2, 16 * n // d + 2)
-    rows = [(8, 16, 32, *far, bound) for bound in (2, 3, 4)]
+    far = (8 * n // d + 2, -32 * n // d + 3, 16 * n // d + 6)
+    rows = [(8, 16, 32, *far, bound) for bound in (6, 7, 8)]
     witness: Any = SimpleNamespace(
         quaternion=TURN,
         shift=(0, 0, 0, 0),
@@ -121,16 +121,17 @@ def test_two_pairs_are_refuted_by_weights_where_their_lengths_differ_by_more_tha
         assert is_refuted(rows, [3, 3]) == ((a - b) ** 2 > 4 * e * e)
 
 
-def test_four_pairs_are_refuted_where_the_best_fit_is_worse_than_their_bounds():
+@pytest.mark.parametrize("signs", [(1, 1, 1), (1, -1, -1), (-1, 1, -1), (-1, -1, 1)])
+def test_four_pairs_are_refuted_where_the_best_fit_is_worse_than_their_bounds(signs):
     source = [(2, 0, 1), (-2, 1, 0), (0, 2, -1), (3, -3, 2)]
-    target = [(5, 1, 0), (-4, 2, 2), (1, 5, 1), (2, -3, 7)]
+    target = (np.array([(5, 1, 0), (-4, 2, 2), (1, 5, 1), (2, -3, 7)]) * signs).tolist()
     weights = [2, 3, 1, 1]
     x, y, w = (np.array(part, dtype=float) for part in (source, target, weights))
     x, y = (p - w @ p / w.sum() for p in (x, y))
     values = np.linalg.svd((y * w[:, None]).T @ x)
     d = values[1] * [1, 1, np.sign(np.linalg.det(values[0] @ values[2]))]
     least = (w[:, None] * (x * x + y * y)).sum() - 2 * d.sum()
-    for bounds in product((1, 2, 4), repeat=4):
+    for bounds in product((1, 2, 3), repeat=4):
         rows = [(*p, *q, e) for p, q, e in zip(source, target, bounds, strict=True)]
         allowed = sum(k * e * e for k, e in zip(weights, bounds, strict=True))
 
