@@ -4,9 +4,10 @@
     ARGS="--only certificate/"  of the functions whose file and name hold these letters
 
 Each mutant is judged in a forked process by the tests that `tests/proved_functions.py` names and
-that call its function, the quickest first. A full run without survivors writes
+that call its function, the quickest first. A full run writes
 benchmarks/acceptance/mutants.json; with survivors, or with a reason for one that does not survive,
-the exit code is 1. What was judged before is not judged again, while functions and tests stay.
+the exit code is 1. What was judged before is not judged again, while its file and its tests stay;
+a sample is judged in any case.
 """
 
 from __future__ import annotations
@@ -51,12 +52,14 @@ class Judge:
     """
 
     mutants: Sequence[Mutant]
-    known: dict[str, str | None]
+    remembers: bool  # what was judged before, and what is now
     said: Callable[[str, str | None], None]
     reach: dict[str, list[tuple[float, str]]] = field(default_factory=dict)
+    known: dict[str, str | None] = field(default_factory=dict)
     failed: str | None = None
 
     def pytest_runtestloop(self, session: pytest.Session) -> bool:
+        self.known = stored() if self.remembers else {}
         items = {item.nodeid: item for item in session.items}
         for tests in sorted({mutant.claims for mutant in self.mutants}):
             asked = [m for m in self.mutants if m.claims == tests]
@@ -69,9 +72,13 @@ class Judge:
         return True
 
     def keep(self) -> None:
+        if not self.remembers:
+            return
         self.known = stored() | self.known
         STORE.parent.mkdir(exist_ok=True)
-        STORE.write_text(json.dumps(self.known), "utf-8")
+        new = STORE.with_suffix(f".{os.getpid()}")
+        new.write_text(json.dumps(self.known), "utf-8")
+        new.replace(STORE)
 
     def survey(self, items: Iterable[pytest.Item], named: set[str]) -> dict[str, Any]:
         """The tests that call these functions, as nothing is mutated, by their seconds."""
@@ -200,7 +207,7 @@ def chosen(every: int, seed: int, only: str) -> list[Mutant]:
     return random.Random(seed).sample(listed, count)
 
 
-def judged(mutants: Sequence[Mutant]) -> dict[str, str | None]:
+def judged(mutants: Sequence[Mutant], *, remembers: bool) -> dict[str, str | None]:
     """By which test each mutant was noticed; None for survivors."""
     found: dict[str, str | None] = {}
 
@@ -209,7 +216,7 @@ def judged(mutants: Sequence[Mutant]) -> dict[str, str | None]:
         if test is None and name not in EQUIVALENT:
             sys.stderr.write(f"survives: {name}\n")
 
-    judge = Judge(mutants, stored(), said)
+    judge = Judge(mutants, remembers, said)
     files = sorted({test for mutant in mutants for test in mutant.claims})
     options = ["-q", "-q", "-s", "-p", "no:cacheprovider", "-m", "not long"]
     code = pytest.main([*options, *(str(ROOT / file) for file in files)], plugins=[judge])
@@ -227,7 +234,7 @@ def main() -> int:
     arguments = parser.parse_args()
     mutants = chosen(arguments.every, arguments.seed, arguments.only)
     start = time.process_time()
-    found = judged(mutants)
+    found = judged(mutants, remembers=arguments.every == 1)
     survivors = [name for name, test in found.items() if test is None and name not in EQUIVALENT]
     noticed = [name for name, test in found.items() if test is not None and name in EQUIVALENT]
     result = {

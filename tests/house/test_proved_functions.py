@@ -80,7 +80,7 @@ def test_no_mutant_of_a_sample_goes_unnoticed_and_a_survivor_is_told():
         "--only",
         "certificate/bounds.py",
         "--every",
-        "4",
+        "3",
     ]
     path = {"PYTHONPATH": os.pathsep.join((str(ROOT), str(ROOT / "tests")))}
     run = subprocess.run(
