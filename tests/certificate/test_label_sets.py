@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from itertools import product
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 
+from certreg.certificate import label_sets
 from certreg.certificate.label_sets import disproves_labels
 from certreg.problem import RegistrationProblem, TruncatedProblem
+from certreg.verify import PRODUCTS, UNITS
 
 AXES = np.vstack([np.eye(3), -np.eye(3)]) * [3.0, 2.0, 1.0]
 
@@ -58,3 +62,38 @@ def test_labels_of_a_rotation_that_costs_as_much_are_not_disproved(bound: float,
     np.testing.assert_allclose(off[:2], 0.0, atol=1e-12)
     assert off[2] > bound
     assert disproves_labels(problem, [True, True, False], [1, 0, 0, 0]) is disproved
+
+
+ONE = 1 << UNITS
+IDENTITY = [1, 0, 0, 0]
+
+
+def disproved(monkeypatch, forms: list[list[int]], within: list[bool], q: list[int]) -> bool:
+    """For pairs whose costs are these forms, in units, by diagonals."""
+    full = [[d[i] * (i == j) for i, j in PRODUCTS] for d in forms]
+    rows = list(range(len(forms)))
+    monkeypatch.setattr(label_sets, "bounded_pairs", lambda *_: (rows, None))
+    monkeypatch.setattr(label_sets, "form_of", lambda row: (full[row], None))
+    fake: Any = SimpleNamespace(n=len(forms), data=b"")
+    return disproves_labels(fake, within, q)
+
+
+@pytest.mark.parametrize("least", [0, 1000])
+def test_a_cost_is_rounded_up_and_six_units_more(monkeypatch, least: int):
+    """At (1, 1, 0, 0) the first pair costs least + 1/2: with both roundings least + 7."""
+    first = [least, least + 1, least, least]
+
+    def at(second: int) -> bool:
+        return disproved(monkeypatch, [first, [second] * 4], [True, False], [1, 1, 0, 0])
+
+    assert at(ONE - 14)
+    assert not at(ONE - 13)
+
+
+def test_where_all_pairs_are_left_out_a_rotation_that_saves_one_unit_disproves(monkeypatch):
+    def at(cost: int) -> bool:
+        return disproved(monkeypatch, [[cost] * 4, [ONE] * 4], [False, False], IDENTITY)
+
+    assert at(ONE - 7)
+    assert not at(ONE - 6)
+    assert not at(2 * ONE)

@@ -2,10 +2,20 @@
 
 from __future__ import annotations
 
-import pytest
-from flint import arb, ctx
+from itertools import product
 
-from certreg.exact.balls import BEYOND, _changes, fixed_point, radius_bits, sign
+import numpy as np
+import pytest
+from flint import arb, arb_mat, ctx
+
+from certreg.exact.balls import (
+    BEYOND,
+    _changes,
+    fixed_point,
+    negative_eigenvalues,
+    radius_bits,
+    sign,
+)
 
 
 @pytest.mark.parametrize("exponent", [-300, -1, 0, 1, 77])
@@ -50,3 +60,22 @@ def test_a_sign_is_only_what_the_ball_tells():
 )
 def test_changes_of_sign_are_counted_where_no_zero_could_hide_one(signs, changes):
     assert _changes(signs) == changes
+
+
+def symmetric(entries: tuple[int, ...]) -> list[list[int]]:
+    a, b, c, d, e, f = entries
+    return [[a, b, c], [b, d, e], [c, e, f]]
+
+
+def test_negative_eigenvalues_are_counted_for_all_small_matrices():
+    entries = [(*diagonal, *off) for diagonal in product((-1, 0, 2), repeat=3) for off in OFF]
+    matrices = [symmetric((a, x, y, b, z, c)) for a, b, c, x, y, z in entries]
+    for rows, values in zip(matrices, np.linalg.eigvalsh(np.array(matrices)), strict=True):
+        zeros = int((abs(values) < 1e-9).sum())
+        matrix = arb_mat(rows)
+
+        assert negative_eigenvalues(matrix, zeros=zeros) == (values < -1e-9).sum()
+        assert zeros == 0 or negative_eigenvalues(matrix) is None
+
+
+OFF = ((0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1), (1, 1, 1), (1, -1, 2), (2, 1, 0))

@@ -66,3 +66,8 @@ def test_degrees_are_no_fewer_than_radians_say(angle: float):
     with ctx.workprec(200):
         exact = arb(angle) * 180 / arb.pi()
         assert exact < arb(degrees_above(angle)) < exact * (1 + 2e-15)
+
+
+def test_small_numbers_have_an_exponent_and_nothing_and_negative_ones_have_none():
+    assert (at_most(0.0), at_least(-0.5), at_most(-0.00025)) == ("0", "-0.5", "-0.000250")
+    assert (at_most(1e-7), at_least(1.2345e-5)) == ("1.00e-7", "1.23e-5")

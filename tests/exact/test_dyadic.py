@@ -9,10 +9,12 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from certreg.exact.dyadic import (
+    Dyadic,
     double_above,
     double_below,
     dyadic_above,
     dyadic_below,
+    dyadic_root_above,
     half_angle_bound,
     nearest_double,
     nearest_or_zero,
@@ -150,3 +152,68 @@ def test_the_angle_bound_of_nearly_half_a_turn_is_above_the_angle():
 
 def test_the_angle_bound_never_exceeds_half_a_turn():
     assert half_angle_bound(Fraction(10**400)) == math.pi
+
+
+TINY = Fraction(1, 10**400)  # below the least double
+ENDS = [1.0, 0.1, 3.0, 2.0**60, 5e-324, 1.7976931348623157e308]
+
+
+@pytest.mark.parametrize("double", ENDS)
+def test_values_just_beside_a_double_are_rounded_to_its_neighbour(double: float):
+    exact = Fraction(double)
+    beside = exact * Fraction(1, 10**30)
+
+    assert double_above(exact) == double_below(exact) == double
+    assert double_above(exact - beside) == double
+    assert double_below(exact + beside) == double
+    assert double_above(exact + beside) == math.nextafter(double, math.inf)
+    assert double_below(exact - beside) == math.nextafter(double, 0.0)
+
+
+@pytest.mark.parametrize("value", [Fraction(1, 10), Fraction(3), Fraction(10**50, 7), TINY])
+@pytest.mark.parametrize("bits", [3, 17, 53])
+def test_a_dyadic_bound_is_the_nearest_of_its_exponent_on_its_side(value: Fraction, bits: int):
+    for bound, rounded in (
+        (dyadic_above(value, bits), math.ceil),
+        (dyadic_below(value, bits), math.floor),
+    ):
+        mantissa = value / Fraction(2) ** bound.exponent
+
+        assert bound.mantissa == rounded(mantissa)
+        assert bits - 1 <= math.floor(mantissa).bit_length() <= bits
+
+
+@pytest.mark.parametrize("exponent", [0, 1, 2, 3, 128, 129, 130, 131, -128, -130, -131, 700])
+@pytest.mark.parametrize("odd", [1, 5])
+def test_a_root_above_is_the_least_integer_of_65_bits_that_is_not_below(exponent: int, odd: int):
+    value = odd * Fraction(2) ** exponent
+    for beside in (value, value * (1 + TINY), value * (1 - TINY)):
+        root = dyadic_root_above(beside)
+        squared = beside / Fraction(4) ** root.exponent
+
+        assert (root.mantissa - 1) ** 2 < squared <= root.mantissa**2
+    assert dyadic_root_above(Fraction(1)) == Dyadic(mantissa=1 << 64, exponent=-64)
+    assert dyadic_root_above(Fraction(2)).exponent == -64
+    assert dyadic_root_above(Fraction(4)) == Dyadic(mantissa=1 << 64, exponent=-63)
+
+
+def test_bounds_of_nothing_are_written_with_exponent_0():
+    nothing = Dyadic(mantissa=0, exponent=0)
+
+    assert dyadic_root_above(Fraction(0)) == nothing
+    assert dyadic_above(Fraction(0), 9) == dyadic_below(Fraction(0), 9) == nothing
+
+
+def test_a_sine_too_small_for_a_double_has_an_angle_above_it():
+    assert half_angle_bound(TINY) > 2e-162
+
+
+@pytest.mark.parametrize("less", [Fraction(1, 10**6), Fraction(1, 10**14), Fraction(1, 10**30)])
+def test_the_angle_bound_is_close_near_half_a_turn_and_pi_from_there_on(less: Fraction):
+    rest = 2.0 * math.sqrt(less)
+
+    assert math.pi - rest * (1 + 1e-5) - 1e-12 < half_angle_bound(1 - less)
+    assert half_angle_bound(1 - less) <= max(
+        math.pi - rest * (1 - 1e-5), math.nextafter(math.pi, 3.0)
+    )
+    assert half_angle_bound(1 + less) == half_angle_bound(Fraction(3, 2)) == math.pi

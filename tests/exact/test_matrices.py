@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -88,3 +89,10 @@ def test_an_orthonormal_basis_is_taken_from_the_longest_that_remain():
     assert abs(float(one[1].mid()) - 1.0) < 1e-11
     assert abs(float(other[0].mid())) == pytest.approx(1.0)
     assert abs(float(dot(one, other).mid())) < 1e-11
+
+
+def test_small_matrices_are_definite_as_sylvester_says():
+    for a, b, c in product(range(-1, 4), repeat=3):
+        assert is_positive_definite([[a, b], [b, c]]) == (a > 0 and a * c > b * b)
+        bordered = [[1, 0, 0], [0, a, b], [0, b, c]]
+        assert is_positive_definite(bordered) == (a > 0 and a * c > b * b)

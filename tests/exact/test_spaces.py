@@ -6,7 +6,14 @@ from math import isqrt
 
 import pytest
 
-from certreg.exact.spaces import MAX_BITS, START_BITS, Resolution, Space, resolved
+from certreg.exact.spaces import (
+    MAX_BITS,
+    START_BITS,
+    Resolution,
+    Space,
+    _narrowest_gap,
+    resolved,
+)
 from certreg.verify import DIGITS_MAX
 
 SPARE = 32  # bits: the rounding of all the rotations of a run takes 20
@@ -64,3 +71,12 @@ def test_what_cannot_be_told_apart_ends_within_the_integers_that_the_checker_tak
     for quaternion in found.quaternions:
         assert all(len(str(abs(entry))) <= DIGITS_MAX for entry in quaternion)
     assert len(str(1 << MAX_BITS + 2)) <= DIGITS_MAX
+
+
+def test_the_narrowest_gap_is_that_of_neighbours_and_a_space_alone_fills_the_scale():
+    def gap(*values: int) -> int:
+        return _narrowest_gap(tuple(Space(values=(v,), vectors=((1,),)) for v in values), 5)
+
+    assert gap(10, 7, 1) == gap(20, 14, 11) == 3
+    assert gap(4, 4) == 1
+    assert gap(4) == 32

@@ -1,0 +1,272 @@
+"""Pairs with bounds: each exact inequality on both sides of equality, in small integers."""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+from itertools import product
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from certreg.certificate import cones, many
+from certreg.certificate.cones import RANGES, CappedMinimum, _curvature, _width
+from certreg.certificate.consistency import ExactRows
+from certreg.certificate.listing import SECOND_BITS, _below
+from certreg.certificate.many import _angles
+from certreg.certificate.scaled_consensus import ConsensusSimilarityBody, ScaleRange
+from certreg.certificate.scaled_pairs import ScaledPairs, _at_most
+from certreg.certificate.shared_motion import is_refuted
+from certreg.certificate.staging import Stager
+from certreg.certificate.thinning import GraphThinning, transversal
+from certreg.exact import Dyadic, dyadic_above, dyadic_below, half_angle_bound
+from certreg.objective.levelling import MONOMIALS, levelled_exactly
+from certreg.verify import OPEN, SAME
+
+LITTLE = Fraction(1, 10**30)
+PLACES = 10**40
+LENGTHS = list(product(range(5), range(5), range(3), range(3), (0, 1)))
+
+
+def root(square: Fraction) -> Fraction:
+    """Within 1e-40, and exact of perfect squares."""
+    return Fraction(math.isqrt(square.numerator * PLACES**2 // square.denominator), PLACES)
+
+
+def pair(a: int, b: int, i: int, j: int, across: int) -> list[tuple[int, ...]]:
+    return [(1, 2, 3, -1, 0, 0, i), (1 + a, 2 + across, 3, -1, b, 0, j)]
+
+
+def exact_rows(rows: list[tuple[int, ...]], exponent: int = 0) -> Any:
+    return SimpleNamespace(rows=rows, _rows=rows, exponent=exponent, _low=exponent)
+
+
+def test_two_pairs_agree_where_their_lengths_differ_by_their_bounds_at_most():
+    for case in LENGTHS:
+        a, b, i, j, across = case
+        apart = abs(root(Fraction(a * a + across)) - b)
+
+        assert ExactRows.agree(exact_rows(pair(*case)), 0, 1) == (apart <= i + j), case
+
+
+@pytest.mark.parametrize("d", [0, 1, 2, 3])
+def test_two_pairs_agree_up_to_their_bounds_where_their_lengths_are_irrational(d: int):
+    for A, B in product([(0, 0, 0), (1, 1, 0), (2, 1, 1), (1, 1, 1), (3, 1, 0)], repeat=2):
+        rows = [(0,) * 7, (*A, *B, d)]
+        apart = abs(root(Fraction(sum(k * k for k in A))) - root(Fraction(sum(k * k for k in B))))
+
+        assert ExactRows.agree(exact_rows(rows), 0, 1) == (apart <= d), (A, B)
+
+
+def test_two_pairs_agree_between_two_scales():
+    for case in LENGTHS:
+        a, b, i, j, across = case
+        length = root(Fraction(a * a + across))
+        for low, high in (
+            (Fraction(1, 2), Fraction(2)),
+            (Fraction(0), Fraction(1)),
+            (Fraction(2), None),
+        ):
+            agree = ScaledPairs._agree(exact_rows(pair(*case)), 0, 1, ScaleRange(low, high))
+            over = high is None or b <= high * length + i + j
+
+            assert agree == (low * length <= b + i + j and over), case
+
+
+def test_a_root_is_at_most_another_and_a_length():
+    for A, B, d in product(range(12), range(12), range(4)):
+        assert _at_most(Fraction(A), Fraction(B), d) == (root(Fraction(A)) <= root(Fraction(B)) + d)
+
+
+TURN = (1, 1, 0, 0)  # a quarter about x: (a, b, c) to (a, -c, b)
+
+
+@pytest.mark.parametrize(("exponent", "shift"), [(0, 0), (3, 1), (1, 3), (-2, -1)])
+def test_a_motion_meets_pairs_up_to_their_bounds(exponent: int, shift: int):
+    """(8, 16, 32) is turned to (8, -32, 16) and moved by (8, 0, 0): off by (2, 3, 6)."""
+    rows = exact_rows([(8, 16, 32, 18, -29, 22, bound) for bound in (6, 7, 8)], exponent)
+    witness: Any = SimpleNamespace(
+        quaternion=TURN,
+        shift=(int(8 * 2.0 ** (exponent - shift)), 0, 0, shift),
+        factor=Dyadic(mantissa=1, exponent=0),
+    )
+
+    assert ExactRows._met_by(rows, witness, [0, 1, 2]) == [1, 2]
+    assert ExactRows._met_by(rows, witness, [2, 0]) == [2]
+    assert ExactRows._met_by(rows, witness, []) == []
+    assert ScaledPairs.met_by(rows, witness) == [1, 2]
+
+
+@pytest.mark.parametrize("factor", [Fraction(3), Fraction(1, 2), Fraction(5, 4)])
+def test_a_scaled_motion_meets_pairs_up_to_their_bounds(factor: Fraction):
+    n, d = factor.numerator, factor.denominator
+    far = (8 * n // d + 2, -32 * n // d + 3, 16 * n // d + 6)
+    rows = [(8, 16, 32, *far, bound) for bound in (6, 7, 8)]
+    witness: Any = SimpleNamespace(
+        quaternion=TURN,
+        shift=(0, 0, 0, 0),
+        factor=Dyadic(mantissa=n, exponent=1 - d.bit_length()),
+    )
+
+    assert ScaledPairs.met_by(exact_rows(rows), witness) == [1, 2]
+
+
+def test_two_pairs_are_refuted_by_weights_where_their_lengths_differ_by_more_than_both_bounds():
+    """Of lengths a and b and equal weights: (a - b)^2 / 2 > 2 e^2."""
+    for a, b, e in product(range(7), range(7), range(1, 4)):
+        rows = [(0, 0, 0, 5, 1, 0, e), (a, 0, 0, 5, 1 + b, 0, e)]
+        assert is_refuted(rows, [1, 1]) == ((a - b) ** 2 > 4 * e * e), (a, b, e)
+        assert is_refuted(rows, [3, 3]) == ((a - b) ** 2 > 4 * e * e)
+
+
+@pytest.mark.parametrize("signs", [(1, 1, 1), (1, -1, -1), (-1, 1, -1), (-1, -1, 1)])
+def test_four_pairs_are_refuted_where_the_best_fit_is_worse_than_their_bounds(signs):
+    source = [(2, 0, 1), (-2, 1, 0), (0, 2, -1), (3, -3, 2)]
+    target = (np.array([(5, 1, 0), (-4, 2, 2), (1, 5, 1), (2, -3, 7)]) * signs).tolist()
+    weights = [2, 3, 1, 1]
+    x, y, w = (np.array(part, dtype=float) for part in (source, target, weights))
+    x, y = (p - w @ p / w.sum() for p in (x, y))
+    values = np.linalg.svd((y * w[:, None]).T @ x)
+    d = values[1] * [1, 1, np.sign(np.linalg.det(values[0] @ values[2]))]
+    least = (w[:, None] * (x * x + y * y)).sum() - 2 * d.sum()
+    for bounds in product((1, 2, 3), repeat=4):
+        rows = [(*p, *q, e) for p, q, e in zip(source, target, bounds, strict=True)]
+        allowed = sum(k * e * e for k, e in zip(weights, bounds, strict=True))
+
+        assert is_refuted(rows, weights) == (least > allowed), bounds
+
+
+def test_a_transversal_is_found_where_there_is_one():
+    masks = [1, 2, 3, 5, 6, 9]
+    for count in range(4):
+        for sets in product(masks, repeat=count):
+            sizes = [row.bit_count() for row in range(16) if all(row & mask for mask in sets)]
+            for most in range(4):
+                found = transversal(list(sets), most)
+
+                assert (found is not None) == (min(sizes) <= most)
+                assert found is None or all(found & mask for mask in sets)
+                assert found is None or found.bit_count() <= most
+
+
+def test_a_thinning_is_closed_without_open_rows_or_with_too_few():
+    for alive, clique, least in product(range(8), range(8), range(4)):
+        of: Any = SimpleNamespace(alive=alive, clique=clique, least=least)
+        flag: Any = GraphThinning.closed
+        closed = flag.fget(of)
+
+        assert closed == (alive & ~clique == 0 or alive.bit_count() < least)
+
+
+@pytest.mark.parametrize("whole", [False, True])
+def test_no_motion_meets_more_than_the_least_number_with_too_few_rows_left(whole):
+    for met, proves_from, rows in product((1, 2, 3), range(1, 8), (3, 5, 6)):
+        asked = list[int]()
+
+        def stage(
+            stages: list[Any], _: int, least: int, __: int, most: int = proves_from, asked=asked
+        ) -> int:
+            asked.append(least)
+            stages.append(least)
+            return (1 << least - (least > most)) - 1
+
+        stager: Any = SimpleNamespace(met=list(range(met)), stage=stage)
+        stages: list[Any] = [0]
+        alive = (1 << rows) - 1
+        upper = Stager.upper(stager, stages, alive, whole=whole)
+        true = max(met, min(proves_from, rows))
+        first = met if met >= proves_from else rows
+
+        assert upper == (true if whole else min(first, rows))
+        assert stages == ([0] if upper == rows else [0, upper + 1])
+        assert not asked or asked[0] == met + 1
+
+
+def test_a_number_below_is_below_for_either_sign():
+    for value in (Fraction(1, 3), Fraction(5), Fraction(2, 7) * 10**30):
+        assert _below(value) == dyadic_below(value, SECOND_BITS)
+        assert -_below(-value).value == dyadic_above(value, SECOND_BITS).value
+        assert _below(-value).value <= -value
+    assert _below(Fraction(0)).pair == [0, 0]
+
+
+@pytest.mark.parametrize("curvature", [None, Fraction(0), Fraction(2)])
+def test_a_minimum_in_a_cap_is_lower_by_slope_over_curvature(curvature: Any):
+    minimum = CappedMinimum(
+        quaternion=(1, 0, 0, 0), value=Fraction(7), slope=Fraction(3), curvature=curvature
+    )
+
+    assert minimum.floor == (Fraction(11, 2) if curvature else 7)
+
+
+def test_the_width_of_a_quartic_is_above_its_range():
+    rng = np.random.default_rng(1)
+    for _ in range(3):
+        quartic = rng.integers(-9, 10, size=35).tolist()
+        integers = levelled_exactly(quartic).integers
+        sizes = [
+            RANGES[tuple(sorted((m.count(k) for k in range(4)), reverse=True))] for m in MONOMIALS
+        ]
+
+        expected = sum(abs(e) * s for e, s in zip(integers, sizes, strict=True)) / 24
+        assert _width(quartic) == expected
+
+
+def test_a_curvature_is_proved_a_little_below_the_least_eigenvalue():
+    def curvature(*diagonal: int, over: int = 2, width: Fraction = Fraction(3)) -> Any:
+        bend = [[k * (i == j) for j in range(3)] for i, k in enumerate(diagonal)]
+        return _curvature(bend, over, width)
+
+    found = curvature(3, 5, 4)
+    assert Fraction(3, 2) * (1 - Fraction(2, 2**10)) < found < Fraction(3, 2)
+    assert found == Fraction(0.5 * (1 - 2.0**-10)) * 3
+    assert curvature(0, 5, 4) is curvature(-3, 5, 4) is None
+    assert curvature(3, 5, 4, width=Fraction(0)) is None
+
+
+def test_a_curvature_that_is_too_small_or_found_too_large_is_none(monkeypatch):
+    bend = [[3, 0, 0], [0, 5, 0], [0, 0, 4]]
+    least = 0.5 * (1 - 2.0**-10)
+    monkeypatch.setattr(cones, "LEAST_CURVATURE", least)
+    assert _curvature(bend, 2, Fraction(3)) is None
+    monkeypatch.setattr(cones, "LEAST_CURVATURE", math.nextafter(least, 0.0))
+    assert _curvature(bend, 2, Fraction(3)) is not None
+    monkeypatch.setattr(np.linalg, "eigvalsh", lambda _: np.array([0.51]))
+    assert _curvature(bend, 2, Fraction(3)) is None
+
+
+def piece(state: str, end: int | None) -> Any:
+    return SimpleNamespace(
+        state=state, end=None if end is None else Dyadic(mantissa=end, exponent=0)
+    )
+
+
+def test_pairs_are_met_elsewhere_where_their_scales_are_in_no_open_range():
+    def elsewhere(low: int, high: int, *pieces: Any) -> bool:
+        body = SimpleNamespace(
+            scale_lower=Dyadic(mantissa=low, exponent=0),
+            scale_upper=Dyadic(mantissa=high, exponent=0),
+            pieces=pieces,
+        )
+        kind: Any = ConsensusSimilarityBody.met_elsewhere
+        return kind.fget(body)
+
+    pieces = piece(SAME, 2), piece(OPEN, 5), piece(SAME, None)
+    for low, high in product(range(1, 7), repeat=2):
+        assert elsewhere(low, high, *pieces) == (not (low >= 2 and high <= 5))
+        last = piece(SAME, 3), piece(OPEN, None)
+        assert elsewhere(low, high, *last) == (low < 3)
+        assert not elsewhere(low, high, piece("x", 3), piece(OPEN, None))
+        two = piece(OPEN, 2), piece(SAME, 3), piece(OPEN, None)
+        assert elsewhere(low, high, *two) == (low < 3 and high > 2)
+        assert elsewhere(low, high, piece(SAME, None))
+
+
+def test_angles_of_many_are_those_of_one(monkeypatch):
+    values = [0.0, 1e-300, 0.25, 0.5, 1.0, 2.0]
+    monkeypatch.setattr(many, "_doubles", np.array)
+    optima: Any = SimpleNamespace(sine=values)
+
+    assert _angles(optima).tolist() == [half_angle_bound(Fraction(sine)) for sine in values]

@@ -1,0 +1,99 @@
+"""Every function that proves is on the list, exists, and no mutant of it goes unnoticed."""
+
+from __future__ import annotations
+
+import ast
+import json
+import os
+import subprocess
+import sys
+from importlib import import_module
+
+import pytest
+from function_mutants import EQUIVALENT, changes, mutants_of
+from mutants import ROOT, functions
+from proved_functions import PROVED
+
+
+def test_every_proved_function_and_each_module_of_its_tests_exists():
+    for row in PROVED:
+        module = import_module(row.file.removesuffix(".py").replace("/", "."))
+
+        assert set(row.functions) <= functions(module).keys(), row.module
+        assert row.tests, row.module
+        assert [t for t in row.tests if not (ROOT / "tests" / f"{t}.py").is_file()] == []
+
+
+def test_no_function_is_listed_twice():
+    names = [(row.module, name) for row in PROVED for name in row.functions]
+
+    assert len(names) == len(set(names)) > 150
+
+
+def test_every_equivalent_mutant_is_a_mutant_and_has_its_reason():
+    files = {name.rsplit(":", 2)[0] for name in EQUIVALENT if name.count(":") == 2}
+    named = {tuple(name.split(":")[:2]) for name in EQUIVALENT}
+    mutants = {mutant.says for file, name in named for mutant in mutants_of(file, name)}
+
+    assert files <= {row.file for row in PROVED}
+    assert [name for name in EQUIVALENT if name not in mutants] == []
+    assert all(len(reason) > 20 for reason in EQUIVALENT.values())
+
+
+OPERATORS = """
+def f(a, b, bits):
+    "A docstring of 3 words."
+    if not (a < b and b >= bits):
+        raise ValueError(f"{a + 1} is not below {b - 1}")
+    width: Final[3] = min(a[2], -(-b // bits))
+    return nextafter(dyadic_above(width + b, bits), math.inf)
+"""
+
+
+def test_each_operator_changes_what_decides_and_no_message_annotation_or_column():
+    (function,) = ast.parse(OPERATORS).body
+
+    assert isinstance(function, ast.FunctionDef)
+    assert [change.says for change in changes(function)] == [
+        "not (a < b and b >= bits) -> a < b and b >= bits",
+        "a < b and b >= bits -> a < b or b >= bits",
+        "a < b and b >= bits -> b >= bits",
+        "a < b and b >= bits -> a < b",
+        "a < b -> a <= b",
+        "b >= bits -> b > bits",
+        "min -> max",
+        "-(-b // bits) -> b // bits",
+        "-b // bits -> -(b // bits)",
+        "-b -> b",
+        "dyadic_above -> dyadic_below",
+        "width + b -> width - b",
+        "math.inf -> -math.inf",
+    ]
+
+
+@pytest.mark.slow
+def test_no_mutant_of_a_sample_goes_unnoticed_and_a_survivor_is_told():
+    """One in a hundred of all; where no test may notice, the exit code is 1."""
+    arguments = [
+        "-m",
+        "benchmarks.rates.mutants",
+        "--only",
+        "certificate/bounds.py",
+        "--every",
+        "3",
+    ]
+    path = {"PYTHONPATH": os.pathsep.join((str(ROOT), str(ROOT / "tests")))}
+    run = subprocess.run(
+        [sys.executable, *arguments],
+        capture_output=True,
+        text=True,
+        encoding="utf-8",
+        env=os.environ | path,
+        cwd=ROOT,
+        check=False,
+    )
+
+    assert run.returncode == 0, run.stderr
+    found = json.loads(run.stdout[run.stdout.index("{") :])
+    assert found["survivors"] == []
+    assert found["mutants"] >= 12

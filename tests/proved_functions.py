@@ -1,0 +1,289 @@
+"""The functions that return a proved bound or a proof flag, by name, and the tests that judge them.
+
+A function joins this list when it is written. `make rates NAME=mutants` changes each of them in
+every place that an operator of `function_mutants.py` knows; some test named here must fail then.
+Searches that only propose are not listed: exact arithmetic decides after them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class Proved:
+    """Functions of a module of `certreg/`, and the modules of `tests/` that judge them."""
+
+    module: str
+    functions: tuple[str, ...]
+    tests: tuple[str, ...]
+
+    @property
+    def file(self) -> str:
+        """The path from the root."""
+        return f"certreg/{self.module}.py"
+
+
+def _of(module: str, functions: str, tests: str) -> Proved:
+    return Proved(module, tuple(functions.split()), tuple(tests.split()))
+
+
+PROVED = (
+    _of(
+        "exact/dyadic",
+        "dyadic_above dyadic_below double_above double_below rational_root_above "
+        "dyadic_root_above root_above half_angle_bound",
+        "exact/test_dyadic",
+    ),
+    _of("exact/decimals", "at_most at_least _rounded", "exact/test_decimals"),
+    _of("exact/elimination", "is_positive_definite", "exact/test_matrices"),
+    _of("exact/balls", "fixed_point radius_bits negative_eigenvalues", "exact/test_balls"),
+    _of("exact/spaces", "_narrowest_gap", "exact/test_spaces"),
+    _of(
+        "certificate/bounds",
+        "PoseBounds.share_upper PoseBounds.meet PoseBounds.covers_range PoseBounds.gap_lower "
+        "PoseBounds.gap_upper ExactPose.moved pose_bounds flat_energy pose_energy "
+        "sin2_half_angle_between angle_from",
+        "certificate/test_pose_bounds",
+    ),
+    _of("certificate/label_sets", "disproves_labels", "certificate/test_label_sets"),
+    _of(
+        "certificate/producing",
+        "proves_optimality _bits_tell proves_basin proved_multiplier proves_multiplier "
+        "multiplier_gap _radius",
+        "certificate/test_optimality_edges",
+    ),
+    _of(
+        "certificate/spring_bounds",
+        "spring_pose_bounds _shift least_range _differences",
+        "certificate/test_spring_bound_edges certificate/test_shift_bounds",
+    ),
+    _of(
+        "certificate/springs_basin",
+        "barrier_of basin_of_springs",
+        "registration/test_flags_enumerated",
+    ),
+    _of(
+        "certificate/radius",
+        "isotropic_radius growth_radius _weight_and_lever sines",
+        "certificate/test_radius_bounds",
+    ),
+    _of("certificate/shared_motion", "is_refuted", "certificate/test_pair_edges"),
+    _of(
+        "certificate/consistency",
+        "ExactRows.agree ExactRows._met_by",
+        "certificate/test_pair_edges",
+    ),
+    _of(
+        "certificate/scaled_pairs",
+        "ScaledPairs._agree ScaledPairs.met_by _at_most",
+        "certificate/test_pair_edges",
+    ),
+    _of("certificate/thinning", "GraphThinning.closed transversal", "certificate/test_pair_edges"),
+    _of("certificate/staging", "Stager.upper", "certificate/test_pair_edges"),
+    _of(
+        "certificate/cones", "CappedMinimum.floor _curvature _width", "certificate/test_pair_edges"
+    ),
+    _of(
+        "certificate/producing_consensus", "Consensus.decided", "registration/test_flags_enumerated"
+    ),
+    _of(
+        "certificate/producing_scaled",
+        "ScaledConsensus.open_scales",
+        "certificate/test_scaled_pairs",
+    ),
+    _of(
+        "certificate/scaled_consensus",
+        "ConsensusSimilarityBody.met_elsewhere",
+        "certificate/test_pair_edges",
+    ),
+    _of("certificate/listing", "_below", "certificate/test_pair_edges"),
+    _of("certificate/many", "_angles", "certificate/test_pair_edges"),
+    _of(
+        "objective/classification",
+        "Classification.unique Classification.finite Classification.unstable",
+        "registration/test_flags_enumerated",
+    ),
+    _of(
+        "objective/isotropic",
+        "Isotropic.least_range_squared Isotropic.energy",
+        "objective/test_objective",
+    ),
+    _of(
+        "objective/scaling",
+        "Scaling.slack Scaling.best Scaling.energy Scaling.energy_at "
+        "Scaling.least_range Scaling.gap Scaling.interval root_bounds",
+        "objective/test_scaling_bounds",
+    ),
+    _of(
+        "objective/springs",
+        "Springs.energy Springs.oscillation Springs.isotropic_like",
+        "objective/test_springs",
+    ),
+    _of(
+        "objective/levelling",
+        "LevelledExactly.is_constant levelled_exactly",
+        "objective/test_springs",
+    ),
+    _of(
+        "equilibrium/eigenlines",
+        "energy_is_at_least _splits _eigenline",
+        "equilibrium/test_breaking_edges equilibrium/test_breaking_springs",
+    ),
+    _of(
+        "equilibrium/breaking",
+        "SpringSet.never_holds SpringSet._most SpringSet._labels "
+        "_Residuals.between _Residuals._longest _roots",
+        "equilibrium/test_breaking_edges equilibrium/test_breaking_springs",
+    ),
+    _of(
+        "equilibrium/spring_sets",
+        "label_sets _agree",
+        "equilibrium/test_breaking_edges equilibrium/test_breaking_springs",
+    ),
+    _of("equilibrium/krawczyk", "proved_root _krawczyk are_distinct", "equilibrium/test_krawczyk"),
+    _of(
+        "equilibrium/line_boxes",
+        "BoxedLine.is_real all_different index_of",
+        "equilibrium/test_spring_lists",
+    ),
+    _of(
+        "equilibrium/line_ranks",
+        "at_most_forty infinitely_many _misses _rank_is_below",
+        "equilibrium/test_spring_lists",
+    ),
+    _of("equilibrium/line_set", "LineSet.separated finiteness_of", "equilibrium/test_spring_lists"),
+    _of("equilibrium/spring_homotopy", "_tied proved_lines", "equilibrium/test_spring_lists"),
+    _of("equilibrium/counting", "at_most_four", "certificate/test_count_certificate"),
+    _of(
+        "equilibrium/critical_set",
+        "CriticalSet.complete CriticalSet.guarantee",
+        "equilibrium/test_equilibria",
+    ),
+    _of(
+        "equilibrium/presentation",
+        "EquilibriumSet.narrow EquilibriumSet.nearly_ambiguous EquilibriumSet.count _margin",
+        "registration/test_flags_enumerated equilibrium/test_equilibria",
+    ),
+    _of("equilibrium/stability", "_signed", "equilibrium/test_equilibria"),
+    _of(
+        "registration/breaking",
+        "BreakingEquilibrium.stable BreakingEquilibria.complete "
+        "equilibrium_of _fewest _held_at_rest _optimum_listed",
+        "registration/test_flags_enumerated registration/test_breaking_results",
+    ),
+    _of(
+        "registration/breaking_simulation",
+        "SimulatedBreaking.self_consistent _end",
+        "registration/test_flags_enumerated registration/test_breaking_results",
+    ),
+    _of(
+        "registration/robustness",
+        "Robustness.of Robustness.with_scales",
+        "registration/test_exact_ends registration/test_robustness",
+    ),
+    _of(
+        "registration/rounding",
+        "rounding_cost rounding_errors _lever _half",
+        "registration/test_exact_ends",
+    ),
+    _of(
+        "registration/scale_range",
+        "proved_scales moved_scale moved_symmetric_scale",
+        "registration/test_exact_ends",
+    ),
+    _of("registration/weak_shifts", "weak_shifts", "registration/test_weak_shifts"),
+    _of(
+        "registration/freedom",
+        "Freedom.of Freedom.flat Freedom.moves_optimum Freedom.target_axis "
+        "Freedom.source_axis Freedom._alone",
+        "registration/test_spring_results",
+    ),
+    _of(
+        "registration/consensus",
+        "ConsensusRegistration.upper ConsensusRegistration.labels_unique "
+        "ConsensusRegistration.exit_code",
+        "registration/test_flags_enumerated",
+    ),
+    _of(
+        "registration/scaled_consensus",
+        "ScaledConsensusRegistration.scale_interval ranges_words",
+        "registration/test_flags_enumerated",
+    ),
+    _of(
+        "registration/truncated",
+        "TruncatedRegistration.labels_unique TruncatedRegistration.unique "
+        "TruncatedRegistration.gap TruncatedRegistration.certified "
+        "TruncatedRegistration.exit_code",
+        "registration/test_flags_enumerated",
+    ),
+    _of(
+        "registration/truncated",
+        "TruncatedRegistration.headline",
+        "registration/test_truncated_results",
+    ),
+    _of(
+        "registration/truncated_labels",
+        "TruncatedLabels.differing TruncatedLabels.exit_code",
+        "registration/test_flags_enumerated",
+    ),
+    _of(
+        "registration/truncated_labels",
+        "TruncatedLabels.headline",
+        "registration/test_truncated_labels",
+    ),
+    _of(
+        "registration/kept_pairs",
+        "KeptPairs.verdict KeptPairs.upper KeptPairs.unique",
+        "registration/test_flags_enumerated",
+    ),
+    _of(
+        "registration/spring_equilibria",
+        "SpringEquilibrium.stable SpringEquilibria.count "
+        "SpringEquilibria.count_complex SpringEquilibria.unique SpringEquilibria.all_optimal "
+        "_optimal _margin",
+        "registration/test_flags_enumerated",
+    ),
+    _of(
+        "registration/spring_result",
+        "SpringSolution.near_minima SpringSolution.unique_rotation SpringSolution.unique",
+        "registration/test_flags_enumerated",
+    ),
+    _of(
+        "registration/spring_findings",
+        "SpringFindings.is_elsewhere SpringFindings.is_near",
+        "registration/test_flags_enumerated",
+    ),
+    _of(
+        "registration/spring_findings",
+        "_cost_of_rounding spring_verdict_of",
+        "registration/test_spring_words registration/test_spring_results",
+    ),
+    _of(
+        "registration/scaled_poses",
+        "GapParts.doubles scaled_rounding_cost _percent",
+        "registration/test_exact_ends",
+    ),
+    _of(
+        "registration/spring_simulation",
+        "SimulatedSprings.as_good SimulatedSprings.converged SimulatedSprings.basin",
+        "registration/test_flags_enumerated registration/test_spring_simulation",
+    ),
+    _of(
+        "registration/breathing",
+        "ScaledEquilibria.finite ScaledEquilibria.count ScaledEquilibria.unique",
+        "registration/test_flags_enumerated",
+    ),
+    _of(
+        "registration/any_registration",
+        "AnyRegistration.status",
+        "registration/test_flags_enumerated",
+    ),
+    _of("dynamics/basin", "certified_basin basin_gaps", "dynamics/test_simulation"),
+    _of("dynamics/body", "clearly_thick", "dynamics/test_simulation"),
+    _of("dynamics/breathing", "never_collapses", "dynamics/test_breathing"),
+    _of("problem/breaking", "BreakingProblem.broken_energy", "equilibrium/test_breaking_springs"),
+    _of("problem/truncated", "_require_narrow", "problem/test_truncated_problem"),
+    _of("problem/consensus", "_require_narrow", "registration/test_bounds_at_the_ends"),
+    _of("problem/moments", "rounding_of davenport_error", "problem/test_moments"),
+)
