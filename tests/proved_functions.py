@@ -153,7 +153,7 @@ PROVED = (
         "equilibrium/test_spring_lists",
     ),
     _of("equilibrium/line_set", "LineSet.separated finiteness_of", "equilibrium/test_spring_lists"),
-    _of("equilibrium/spring_homotopy", "_tied proved_lines", "equilibrium/test_spring_lists"),
+    _of("equilibrium/spring_homotopy", "_least proved_lines", "equilibrium/test_spring_lists"),
     _of("equilibrium/counting", "at_most_four", "certificate/test_count_certificate"),
     _of(
         "equilibrium/critical_set",
