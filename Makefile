@@ -102,7 +102,7 @@ test-checker: $(READY)
 	@CERTREG_PROOFS=1 $(RUN) -m pytest -q tests/certificate/test_coq.py
 
 same: kernels  ## 600 problems of all kinds give the same now and at a commit: make same BASE=<commit>, QUICK=1 for a tenth, MEANT='<field> ...' for what may differ (two minutes)
-	@PYTHONPATH=tests $(RUN) -m same.run $(BASE) $(if $(QUICK),--quick) $(foreach name,$(MEANT),--meant '$(name)')
+	@PYTHONPATH=tests $(RUN) -m same.compare $(BASE) $(if $(QUICK),--quick) $(foreach name,$(MEANT),--meant '$(name)')
 
 golden: kernels  ## compare what users see now and at a commit: make golden BASE=<commit>; WORDS=counted: fields decide (ten minutes)
 	@PYTHONPATH=tests $(RUN) tests/golden/run.py $(BASE) $(ONLY) $(if $(filter counted,$(WORDS)),--count-words)

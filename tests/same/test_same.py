@@ -11,10 +11,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+from same.compare import MEANT, compared, lines
 from same.fields import Bounds, Stated, read_bounds
 from same.problems import KINDS, problems
 from same.recorded import Recorder, plain
-from same.run import MEANT, compared, lines
 
 HERE = Path(__file__).resolve().parent
 GOLDEN = HERE.parent / "golden"
