@@ -28,7 +28,7 @@ from certreg import __version__
 from certreg._loading import library
 from certreg.campaign.arithmetic import arithmetic
 from certreg.errors import CampaignError, InvalidFileError
-from certreg.io import TEMPORARY, write_atomically
+from certreg.io import TEMPORARY, require_ending, write_atomically
 from certreg.verify import shown
 
 if TYPE_CHECKING:
@@ -93,6 +93,7 @@ def require_same(path: Path, manifest: Manifest) -> None:
     So results of two seeds, settings or versions are never mixed in one folder.
     """
     try:
+        require_ending(path)
         with path.open("rb") as stream:
             content = stream.read(MAX_MANIFEST_BYTES)
         kept: dict[str, Any] = flat(json.loads(content))
