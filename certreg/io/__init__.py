@@ -8,7 +8,9 @@ from certreg._loading import lazy_face
 
 if TYPE_CHECKING:
     from certreg.io.atomic import TEMPORARY as TEMPORARY
+    from certreg.io.atomic import remedy_of as remedy_of
     from certreg.io.atomic import require_vacant as require_vacant
+    from certreg.io.atomic import sync_files as sync_files
     from certreg.io.atomic import write_atomically as write_atomically
     from certreg.io.atomic import write_files as write_files
     from certreg.io.atomic import write_together as write_together
@@ -45,7 +47,9 @@ __getattr__ = lazy_face(
     {
         "atomic": (
             "TEMPORARY",
+            "remedy_of",
             "require_vacant",
+            "sync_files",
             "write_atomically",
             "write_files",
             "write_together",
