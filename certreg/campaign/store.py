@@ -181,12 +181,11 @@ def _locked(folder: Path) -> Generator[None]:
     there is no such lock (some network disks) two runs may do the same work, and every file is
     still whole.
     """
-    locks = library("filelock", "a campaign")
-    handle = _lockable(folder)
+    handle = lockable(folder)
     try:
         free = True
         with suppress(OSError):  # this disk has no locks
-            free = locks.lock_descriptor(handle, blocking=False)
+            free = try_lock(handle)
         if not free:
             message = f"{shown(folder)}: another process is at work there: wait for it, or stop it"
             raise CampaignError(message, path=folder)
@@ -195,7 +194,12 @@ def _locked(folder: Path) -> Generator[None]:
         os.close(handle)
 
 
-def _lockable(folder: Path) -> int:
+def try_lock(handle: int) -> bool:
+    """Lock a descriptor until it is closed, if nobody holds it. Raises OSError without locks."""
+    return bool(library("filelock", "a campaign").lock_descriptor(handle, blocking=False))
+
+
+def lockable(folder: Path) -> int:
     """A descriptor to lock: of the folder or, on Windows, which opens none, of a file in it."""
     if os.name == "nt":
         return os.open(folder / LOCK, os.O_RDWR | os.O_CREAT)

@@ -23,7 +23,7 @@ def calls(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     honest, rename = os.fsync, Path.replace
 
     def fsync(handle: int) -> None:
-        place = Path(os.readlink(f"/proc/self/fd/{handle}"))
+        place = Path(f"/proc/self/fd/{handle}").readlink()
         told.append("sync folder" if place.is_dir() else f"sync {place.read_bytes().decode()}")
         honest(handle)
 
