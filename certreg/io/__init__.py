@@ -10,7 +10,6 @@ if TYPE_CHECKING:
     from certreg.io.atomic import TEMPORARY as TEMPORARY
     from certreg.io.atomic import remedy_of as remedy_of
     from certreg.io.atomic import require_vacant as require_vacant
-    from certreg.io.atomic import sync_files as sync_files
     from certreg.io.atomic import write_atomically as write_atomically
     from certreg.io.atomic import write_files as write_files
     from certreg.io.atomic import write_together as write_together
@@ -49,7 +48,6 @@ __getattr__ = lazy_face(
             "TEMPORARY",
             "remedy_of",
             "require_vacant",
-            "sync_files",
             "write_atomically",
             "write_files",
             "write_together",

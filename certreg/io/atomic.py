@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, BinaryIO
 from certreg.errors import InvalidFileError
 
 if TYPE_CHECKING:
-    from collections.abc import Generator, Iterable, Mapping, Sequence
+    from collections.abc import Generator, Iterable, Mapping
 
 BINARY: int = getattr(os, "O_BINARY", 0)  # Windows alone tells text from bytes
 TEMPORARY = ".certreg-"  # how names of files begin that are not yet whole
@@ -25,7 +25,6 @@ STALE = 86400.0  # seconds without a write: whoever wrote was killed
 TOO_MANY = "close files, or raise the limit (ulimit -n)"
 REMEDIES = {errno.EMFILE: TOO_MANY, errno.ENFILE: TOO_MANY}
 FULL = {errno.ENOSPC, getattr(errno, "EDQUOT", errno.ENOSPC)}  # Windows has no quota
-SYNCED_AT_ONCE = 32  # files: the disk settles them together, in a twentieth of the time
 SWEPT_FOLDERS = 256  # that a process remembers; one that it forgets is looked at again
 
 
@@ -42,7 +41,7 @@ def write_atomically(
     """Write a file, whole or in pieces, under a temporary name beside it, then rename.
 
     A symbolic link stays one: the file that it names is written. Raises InvalidFileError.
-    sync: whether it is on the disk thereafter; else `sync_files` sees to it, of many at once.
+    sync: whether it is on the disk thereafter; else a power failure may leave it empty.
     """
     with written_atomically(path, sync=sync) as stream:
         stream.writelines([content] if isinstance(content, bytes) else content)
@@ -98,19 +97,6 @@ def write_together(
         for path in former:
             path.unlink(missing_ok=True)
     _sync_folders({path.parent for path in contents})
-
-
-def sync_files(paths: Sequence[Path]) -> None:
-    """Have the disk keep files that were written with `sync=False`. Raises InvalidFileError."""
-    for first in range(0, len(paths), SYNCED_AT_ONCE):
-        some = paths[first : first + SYNCED_AT_ONCE]
-        with contextlib.ExitStack() as stack:
-            try:
-                _sync_handles([stack.enter_context(path.open("rb+")).fileno() for path in some])
-            except OSError as error:
-                message = f"{some[0].parent}: cannot be written ({error.strerror}): "
-                raise InvalidFileError(message + remedy_of(error), path=some[0].parent) from error
-    _sync_folders({path.parent for path in paths})
 
 
 def _sync_handles(handles: list[int]) -> None:

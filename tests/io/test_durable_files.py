@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from certreg.errors import InvalidFileError
-from certreg.io import reading, sync_files, write_atomically, write_together
+from certreg.io import reading, write_atomically, write_together
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -59,18 +59,10 @@ def test_files_that_belong_together_are_all_synced_before_one_is_renamed(
 
 
 @needs_proc
-def test_many_files_are_synced_at_once_and_their_folder_thereafter(
-    tmp_path: Path, calls: list[str]
-):
-    paths = [tmp_path / name for name in "abc"]
-    for path in paths:
-        write_atomically(path, path.name.encode(), sync=False)
-    assert calls == ["rename a", "rename b", "rename c"]
-    calls.clear()
-    sync_files(paths)
+def test_a_file_is_left_to_the_system_where_that_is_asked(tmp_path: Path, calls: list[str]):
+    write_atomically(tmp_path / "a", b"content", sync=False)
 
-    assert sorted(calls[:3]) == ["sync a", "sync b", "sync c"]
-    assert calls[3:] == ["sync folder"]
+    assert calls == ["rename a"]
 
 
 def refusing(number: int) -> Callable[..., Any]:
