@@ -264,8 +264,8 @@ def run(kind: Kind, folder: Path, workers: Workers, observer: Observer) -> dict[
     observer.begun(sum(len(manifest.items(shard)) for shard in done))
     timings: Counter[str] = Counter()
     for task, result in completed(kind.tasks(done), workers, manifest.versions):
-        for name, content in result.files.items():
-            write_atomically(folder / CERTIFICATES / name, content)
+        for name, content in result.files.items():  # not synced: `_kept` sees one that is lost
+            write_atomically(folder / CERTIFICATES / name, content, sync=False)
         for name in kept.files.get(task.shard, set()) - result.files.keys():
             (folder / CERTIFICATES / name).unlink(missing_ok=True)
         shards.replace(task.shard, result.content, former.get(task.shard, ()))

@@ -28,7 +28,7 @@ from certreg import __version__
 from certreg._loading import library
 from certreg.campaign.arithmetic import arithmetic
 from certreg.errors import CampaignError, InvalidFileError
-from certreg.io import TEMPORARY, write_atomically
+from certreg.io import TEMPORARY, require_ending, write_atomically
 from certreg.verify import shown
 
 if TYPE_CHECKING:
@@ -93,6 +93,7 @@ def require_same(path: Path, manifest: Manifest) -> None:
     So results of two seeds, settings or versions are never mixed in one folder.
     """
     try:
+        require_ending(path)
         with path.open("rb") as stream:
             content = stream.read(MAX_MANIFEST_BYTES)
         kept: dict[str, Any] = flat(json.loads(content))
@@ -180,12 +181,11 @@ def _locked(folder: Path) -> Generator[None]:
     there is no such lock (some network disks) two runs may do the same work, and every file is
     still whole.
     """
-    locks = library("filelock", "a campaign")
-    handle = _lockable(folder)
+    handle = lockable(folder)
     try:
         free = True
         with suppress(OSError):  # this disk has no locks
-            free = locks.lock_descriptor(handle, blocking=False)
+            free = try_lock(handle)
         if not free:
             message = f"{shown(folder)}: another process is at work there: wait for it, or stop it"
             raise CampaignError(message, path=folder)
@@ -194,7 +194,12 @@ def _locked(folder: Path) -> Generator[None]:
         os.close(handle)
 
 
-def _lockable(folder: Path) -> int:
+def try_lock(handle: int) -> bool:
+    """Lock a descriptor until it is closed, if nobody holds it. Raises OSError without locks."""
+    return bool(library("filelock", "a campaign").lock_descriptor(handle, blocking=False))
+
+
+def lockable(folder: Path) -> int:
     """A descriptor to lock: of the folder or, on Windows, which opens none, of a file in it."""
     if os.name == "nt":
         return os.open(folder / LOCK, os.O_RDWR | os.O_CREAT)

@@ -21,6 +21,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
 from certreg._loading import library
+from certreg.campaign.store import lockable, try_lock
+from certreg.certificate import sweep
 from certreg.errors import CampaignError
 from certreg.verify import shown
 
@@ -30,6 +32,7 @@ if TYPE_CHECKING:
 
 LOG = logging.getLogger(__name__)
 CONNECTING = 15.0  # seconds for a scheduler to answer
+RESULTS = "certreg-results-"  # how names of folders begin in which workers leave results
 PATIENCE = 60.0  # seconds without any worker
 
 
@@ -70,8 +73,12 @@ class LocalWorkers:
     def _open(self) -> None:
         context = multiprocessing.get_context("spawn")  # a fork would inherit locks of our threads
         self._reader, self._lifeline = context.Pipe(duplex=False)
-        self._folder = tempfile.TemporaryDirectory(prefix="certreg-results-")
+        sweep(Path(tempfile.gettempdir()), RESULTS, _is_abandoned)
+        self._folder = tempfile.TemporaryDirectory(prefix=RESULTS)
         self.place: Path | None = Path(self._folder.name)
+        self._held = lockable(self.place)
+        with suppress(OSError):  # this disk has no locks
+            try_lock(self._held)
         self.executor: Executor = ProcessPoolExecutor(
             self.count, mp_context=context, initializer=_end_with, initargs=(self._reader,)
         )
@@ -89,6 +96,7 @@ class LocalWorkers:
         self._lifeline.close()
         self.executor.shutdown(wait=True, cancel_futures=True)
         self._reader.close()
+        os.close(self._held)
         self._folder.cleanup()
 
     def __enter__(self) -> Self:
@@ -172,6 +180,15 @@ def _connected(address: str, timeout: float) -> Any:
 def _killed_worker() -> type[BaseException]:
     killed: type[BaseException] = library("distributed", "--scheduler").KilledWorker
     return killed
+
+
+def _is_abandoned(folder: Path) -> bool:
+    """Whether no process holds the results of workers. Raises OSError where there are no locks."""
+    handle = lockable(folder)
+    try:
+        return try_lock(handle)
+    finally:
+        os.close(handle)
 
 
 def _processors() -> int:

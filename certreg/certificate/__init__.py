@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from certreg.certificate.listing import list_body as list_body
     from certreg.certificate.many import Certificates as Certificates
     from certreg.certificate.many import certificates_of as certificates_of
+    from certreg.certificate.private_folder import sweep as sweep
     from certreg.certificate.producing import count_certificate as count_certificate
     from certreg.certificate.producing import produce as produce
     from certreg.certificate.producing import produce_similarity as produce_similarity
@@ -126,6 +127,7 @@ __getattr__ = lazy_face(
             "Certificates",
             "certificates_of",
         ),
+        "private_folder": ("sweep",),
         "producing": (
             "count_certificate",
             "produce",

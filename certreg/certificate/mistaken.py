@@ -34,6 +34,8 @@ def why_no_certificate(reason: str, content: bytes) -> str:
 def why_no_certificates(path: str | os.PathLike[str]) -> str | None:
     """Why no line of a file is a certificate, where its first is a result; else None."""
     try:
+        if not Path(path).is_file():  # of a pipe nothing is taken away, for one nobody waits
+            return None
         with Path(path).open("rb") as file:
             found = RESULT.match(file.read(HEAD))
     except (OSError, ValueError):  # which the checker tells

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING
 from certreg.errors import CertregError
 
 if TYPE_CHECKING:
-    from collections.abc import Generator
+    from collections.abc import Callable, Generator
 
 
 STALE = 86400.0  # seconds: nothing is compiled for a day
@@ -30,11 +30,17 @@ class UnusableFolderError(CertregError):
     """A folder cannot be used to keep compiled proofs; the message says why."""
 
 
-def sweep(folder: Path, prefix: str) -> None:
-    """Remove folders for the time of a compilation that a killed process left, a day old or older.
+def anything(_: Path) -> bool:
+    """That a folder so old is abandoned, whatever it is."""
+    return True
+
+
+def sweep(folder: Path, prefix: str, abandoned: Callable[[Path], bool] = anything) -> None:
+    """Remove folders for a time only that a killed process left, a day old or older.
 
     prefix: of the names that `tempfile` completes with eight characters. Folders of other users
     and of other names are left alone, and so is what cannot be removed.
+    abandoned: asked last of a folder; where it raises OSError the folder stays.
     """
     name = re.compile(rf"{re.escape(prefix)}[a-z0-9_]{{8}}")
     with contextlib.suppress(OSError):
@@ -42,7 +48,8 @@ def sweep(folder: Path, prefix: str) -> None:
             with contextlib.suppress(OSError):
                 status = entry.stat(follow_symlinks=False)
                 old = time.time() - status.st_mtime > STALE
-                if old and stat.S_ISDIR(status.st_mode) and status.st_uid == _user(status):
+                own = stat.S_ISDIR(status.st_mode) and status.st_uid == _user(status)
+                if old and own and abandoned(Path(entry.path)):
                     shutil.rmtree(entry.path, ignore_errors=True)
 
 

@@ -28,11 +28,12 @@ ATTRIBUTES = (  # a method or an array, in this order
     "matrix",  # Sophus, GTSAM, pycolmap
     "params",  # scikit-image
 )
+NUMBERS = ("__array__", "__array_interface__", "__len__", "__float__")  # one of them, if any
 ROTATIONS = {(3, 3), (4,)}
 VECTORS = {(3,), (3, 1), (1, 3)}  # a column, as OpenCV has it
 FORMS = (
     "give a matrix (4, 4) or (3, 4), (R, t), (R, t, s), a rotation (3, 3), a quaternion (4,) with "
-    "the scalar first, or an object with .as_matrix()"
+    "the scalar first, or an object with .as_matrix() or with .rotation and .translation"
 )
 
 
@@ -94,7 +95,8 @@ def given_pose(pose: Any, translation: Any = None) -> GivenPose:
     pose: a matrix (4, 4) or (3, 4); a rotation, as a matrix (3, 3) or a quaternion (4,) with the
         scalar first; a pair (R, t), or (R, t, s) of y = s R x + t, as evo has it; a `Pose` or
         `Similarity`, or what has one as `.pose`; anything with `.T_target_source`,
-        `.transformation`, `.as_matrix`, `.matrix` or `.params`, a method or an array.
+        `.transformation`, `.as_matrix`, `.matrix` or `.params`, a method or an array; or with
+        `.rotation` and `.translation`, as KISS-Matcher has it.
     translation: (3,), a column or a row, beside a rotation alone.
     Raises InvalidProblemError for anything else, and for values that are not finite.
     """
@@ -106,6 +108,8 @@ def given_pose(pose: Any, translation: Any = None) -> GivenPose:
         given = given_pose(*parts)
     elif len(parts) == 3 and np.ndim(parts[0]) > 0 and np.ndim(parts[2]) == 0:  # else 3 rows
         given = replace(given_pose(*parts[:2]), scale=_scale(parts[2]))
+    elif (own_parts := _attributed(pose)) is not None:
+        given = given_pose(*own_parts)
     else:
         given = _from_array(pose)
     if translation is None:
@@ -124,6 +128,9 @@ def _from_array(pose: Any) -> GivenPose:
         )
         raise InvalidProblemError(message, array="pose", value=pose)
     name, values = _values(pose)
+    if isinstance(values, type) or not any(hasattr(values, each) for each in NUMBERS):
+        message = f"{name} is of type {shown(type(values).__name__)}: {FORMS}"
+        raise InvalidProblemError(message, array=name, value=values)
     array = doubles_of(values, name)
     if array.shape in ROTATIONS:
         return GivenPose(turn=_finite(array, "rotation"), translation=None)
@@ -143,6 +150,14 @@ def _values(pose: Any) -> tuple[str, Any]:
         if value is not None:
             return f"pose.{name}", value() if callable(value) else value
     return "pose", pose
+
+
+def _attributed(pose: object) -> tuple[Any, Any] | None:
+    """Rotation and translation of an object that has them as attributes and no whole matrix."""
+    if _is_plain(pose) or any(getattr(pose, name, None) is not None for name in ATTRIBUTES):
+        return None
+    parts = getattr(pose, "rotation", None), getattr(pose, "translation", None)
+    return None if any(part is None or callable(part) for part in parts) else parts
 
 
 def _parts(pose: object) -> Sequence[Any]:

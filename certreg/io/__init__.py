@@ -8,6 +8,7 @@ from certreg._loading import lazy_face
 
 if TYPE_CHECKING:
     from certreg.io.atomic import TEMPORARY as TEMPORARY
+    from certreg.io.atomic import remedy_of as remedy_of
     from certreg.io.atomic import require_vacant as require_vacant
     from certreg.io.atomic import write_atomically as write_atomically
     from certreg.io.atomic import write_files as write_files
@@ -45,6 +46,7 @@ __getattr__ = lazy_face(
     {
         "atomic": (
             "TEMPORARY",
+            "remedy_of",
             "require_vacant",
             "write_atomically",
             "write_files",

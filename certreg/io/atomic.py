@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import errno
 import os
 import re
 import secrets
@@ -21,15 +22,28 @@ BINARY: int = getattr(os, "O_BINARY", 0)  # Windows alone tells text from bytes
 TEMPORARY = ".certreg-"  # how names of files begin that are not yet whole
 UNFINISHED = re.compile(re.escape(TEMPORARY) + "[0-9a-f]{16}")
 STALE = 86400.0  # seconds without a write: whoever wrote was killed
+TOO_MANY = "close files, or raise the limit (ulimit -n)"
+REMEDIES = {errno.EMFILE: TOO_MANY, errno.ENFILE: TOO_MANY}
+FULL = {errno.ENOSPC, getattr(errno, "EDQUOT", errno.ENOSPC)}  # Windows has no quota
 SWEPT_FOLDERS = 256  # that a process remembers; one that it forgets is looked at again
 
 
-def write_atomically(path: str | os.PathLike[str], content: bytes | Iterable[bytes]) -> None:
+def remedy_of(error: OSError, otherwise: str = "choose another place") -> str:
+    """What to do about what the system refuses, to end a message."""
+    if error.errno in FULL:
+        return f"free space, or {otherwise}"
+    return REMEDIES.get(error.errno or 0, otherwise)
+
+
+def write_atomically(
+    path: str | os.PathLike[str], content: bytes | Iterable[bytes], *, sync: bool = True
+) -> None:
     """Write a file, whole or in pieces, under a temporary name beside it, then rename.
 
     A symbolic link stays one: the file that it names is written. Raises InvalidFileError.
+    sync: whether it is on the disk thereafter; else a power failure may leave it empty.
     """
-    with written_atomically(path) as stream:
+    with written_atomically(path, sync=sync) as stream:
         stream.writelines([content] if isinstance(content, bytes) else content)
 
 
@@ -73,19 +87,47 @@ def write_together(
             message = f"{path}: is a folder where a file is to be: move it, or choose another place"
             raise InvalidFileError(message, path=path)
     with contextlib.ExitStack() as stack:  # which renames in the opposite order
+        handles: list[int] = []
         for path, content in contents.items():
-            stream = stack.enter_context(written_atomically(path, follow=False))
+            stream = stack.enter_context(written_atomically(path, follow=False, sync=False))
             stream.writelines([content] if isinstance(content, bytes) else content)
             stream.flush()
+            handles.append(stream.fileno())
+        _sync_handles(handles)
         for path in former:
             path.unlink(missing_ok=True)
+    _sync_folders({path.parent for path in contents})
+
+
+def _sync_handles(handles: list[int]) -> None:
+    if len(handles) == 1:
+        os.fsync(handles[0])
+    elif handles:
+        from concurrent.futures import ThreadPoolExecutor  # loads for 5 ms
+
+        with ThreadPoolExecutor(len(handles)) as threads:
+            list(threads.map(os.fsync, handles))
+
+
+def _sync_folders(folders: Iterable[Path]) -> None:
+    """Have the disk keep the names in folders, where the system can: Windows opens no folder."""
+    for folder in folders:
+        with contextlib.suppress(OSError):
+            handle = os.open(folder, os.O_RDONLY)
+            try:
+                os.fsync(handle)
+            finally:
+                os.close(handle)
 
 
 @contextlib.contextmanager
-def written_atomically(path: str | os.PathLike[str], *, follow: bool = True) -> Generator[BinaryIO]:
+def written_atomically(
+    path: str | os.PathLike[str], *, follow: bool = True, sync: bool = True
+) -> Generator[BinaryIO]:
     """As `write_atomically`, for what is written bit by bit; nothing stands there if it fails.
 
     follow: whether a symbolic link stays one, and the file that it names is written.
+    sync: whether the disk keeps it thereafter: the file before it is renamed, then its folder.
     """
     target = Path(os.path.realpath(path)) if follow else Path(path)
     _sweep(target.parent)
@@ -95,9 +137,14 @@ def written_atomically(path: str | os.PathLike[str], *, follow: bool = True) -> 
         handle = os.open(temporary, os.O_WRONLY | os.O_CREAT | os.O_EXCL | BINARY, 0o666)
         with os.fdopen(handle, "wb") as stream:
             yield stream
+            if sync:
+                stream.flush()
+                os.fsync(stream.fileno())
         temporary.replace(target)
+        if sync:
+            _sync_folders([target.parent])
     except OSError as error:
-        message = f"{target}: cannot be written ({error.strerror}): choose another place"
+        message = f"{target}: cannot be written ({error.strerror}): {remedy_of(error)}"
         raise InvalidFileError(message, path=target) from error
     finally:
         with contextlib.suppress(OSError):  # gone, or held by another program: swept some day

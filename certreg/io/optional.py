@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from certreg._loading import library
 from certreg.errors import InvalidFileError
-from certreg.verify import shown
+from certreg.verify import PIPES, shown
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -44,6 +44,8 @@ def unknown_format(file: Path, formats: tuple[str, ...]) -> InvalidFileError:
     suffix = file.suffix.lower()
     what = f"the format {shown(file.suffix) or '(none)'} is not known"
     remedy = f"use one of {' '.join(formats)}"
+    if str(file).startswith(PIPES):
+        remedy = "pipe the cloud into the command and give - in its place"
     if suffix in WORDS:
         remedy = f"convert it: {converter(file, WORDS[suffix])}"
     message = f"{shown(file)}: {what}: {remedy}"

@@ -179,9 +179,11 @@ def _from_text(
     held = 0
     for place, words in rows_of_words(stream, file, line):
         held += 1
-        if len(words) != width or held > declared.points:
-            what = f"{len(words)} numbers, the header declares {width}"
-            what += f", in {declared.points} rows: mend the row or the header"
+        if held > declared.points:
+            what = f"row {held}, the header declares {declared.points} rows: mend the header"
+            raise place.refusal(what, value=held, limit=declared.points)
+        if len(words) != width:
+            what = f"{len(words)} numbers, the header declares {width}: mend the row or the header"
             raise place.refusal(what, value=len(words), limit=width)
         for axis, column in columns.items():
             try:

@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from certreg.errors import InvalidFileError
+from certreg.io.atomic import remedy_of
 from certreg.verify import PIPES, shown
 
 if TYPE_CHECKING:
@@ -94,7 +95,7 @@ def reading(path: str | os.PathLike[str]) -> Generator[BinaryIO]:
             yield stream
     except OSError as error:
         what = f"cannot be read ({error.strerror or error})"
-        message = f"{shown(path)}: {what}: give a readable file"
+        message = f"{shown(path)}: {what}: {remedy_of(error, 'give a readable file')}"
         raise InvalidFileError(message, path=Path(path)) from error
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from certreg.errors import InvalidFileError
-from certreg.io import write_atomically
+from certreg.io import remedy_of, write_atomically
 from certreg.paper.documents import (
     CERTIFICATES,
     CERTIFICATES_EXPLAINED,
@@ -65,7 +65,7 @@ def make_folder(folder: Path) -> None:
         for name in (FIGURES, CERTIFICATES):
             (folder / name).mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        message = f"{folder}: cannot be made a folder ({error.strerror}): choose another place"
+        message = f"{folder}: cannot be made a folder ({error.strerror}): {remedy_of(error)}"
         raise InvalidFileError(message, path=folder) from error
 
 

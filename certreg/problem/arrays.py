@@ -38,6 +38,8 @@ def cloud_array(cloud: Any, name: str) -> NDArray[Any]:
 
 def remedy_of_shape(shape: tuple[int, ...], name: str) -> str:
     """What makes points (N, 3) of an array that is none, to end a message; empty where unknown."""
+    if len(shape) == 2 and shape[1] == 2:
+        return f"; of points in the plane give np.pad({name}, ((0, 0), (0, 1)))"
     if len(shape) == 2 and shape[0] == 3:
         return f"; transpose it: {name}.T"
     if len(shape) == 2 and shape[1] == 4:

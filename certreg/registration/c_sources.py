@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from certreg.dynamics import EULER_STEP, SimulationSettings, body_of, start_at_rest
 from certreg.errors import InvalidFileError
-from certreg.io import write_atomically
+from certreg.io import remedy_of, write_atomically
 from certreg.native import C_FILE, GENERATED, HEADER_FILE, HERE
 from certreg.problem import exact_moments
 from certreg.registration.examples import STORIES, stated
@@ -27,7 +27,7 @@ def write_sources(folder: Path) -> list[Path]:
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        message = f"{folder}: cannot be made a folder ({error.strerror}): choose another place"
+        message = f"{folder}: cannot be made a folder ({error.strerror}): {remedy_of(error)}"
         raise InvalidFileError(message, path=folder) from error
     contents = {
         C_FILE: (GENERATED / C_FILE).read_bytes(),

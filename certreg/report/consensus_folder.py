@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from certreg.errors import InvalidFileError
-from certreg.io import PAIR_COLUMNS, csv_field, write_together
+from certreg.io import PAIR_COLUMNS, csv_field, remedy_of, write_together
 from certreg.registration import TruncatedRegistration
 from certreg.report.consensus_fields import consensus_document
 from certreg.report.document import dumps, pose_document
@@ -53,7 +53,7 @@ def write_wrong_pairs(
     try:
         place.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        message = f"{place}: cannot be made a folder ({error.strerror}): choose another place"
+        message = f"{place}: cannot be made a folder ({error.strerror}): {remedy_of(error)}"
         raise InvalidFileError(message, path=place) from error
     path = place / CERTIFICATE
     proof = result.certificate

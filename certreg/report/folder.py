@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from certreg.dynamics import Record
 from certreg.errors import InvalidFileError
-from certreg.io import write_together
+from certreg.io import remedy_of, write_together
 from certreg.report.document import dumps, pose_document, result_document
 from certreg.report.file_names import (
     CERTIFICATE,
@@ -44,7 +44,7 @@ def write_folder(
     try:
         place.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        message = f"{place}: cannot be made a folder ({error.strerror}): choose another place"
+        message = f"{place}: cannot be made a folder ({error.strerror}): {remedy_of(error)}"
         raise InvalidFileError(message, path=place) from error
     path = place / CERTIFICATE if registration.certificate is not None else None
     document = result_document(registration, None if path is None else str(path), notes=notes)

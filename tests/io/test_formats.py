@@ -498,6 +498,16 @@ REFUSED: dict[str, tuple[str, bytes, str]] = {
     "one more point": ("pcd", pcd(F4, POINTS, WIDTH="5", POINTS="5"), "declares 60 bytes"),
     "truncated pcd": ("pcd", PCD[:-1], "the file holds 47"),
     "a byte behind pcd": ("pcd", PCD + b"\0", "the file holds 49"),
+    "a row more than pcd declares": (
+        "pcd",
+        pcd(F4, POINTS[:2], "ascii") + b"7 8 9\n",
+        "line 14: row 3, the header declares 2 rows: ",
+    ),
+    "a number more than pcd declares": (
+        "pcd",
+        pcd(F4, POINTS[:2], "ascii")[:-1] + b" 9\n",
+        "line 13: 4 numbers, the header declares 3: ",
+    ),
     "unknown data": ("pcd", pcd(F4, POINTS, DATA="binary_zipped"), "line 11: unknown data"),
     "unknown entry": ("pcd", b"COLOUR 1\n" + PCD, "line 1: 'COLOUR'"),
     "an entry again": ("pcd", b"WIDTH 4\n" + PCD, "line 8: 'WIDTH'"),
@@ -542,6 +552,11 @@ REFUSED: dict[str, tuple[str, bytes, str]] = {
     ),
     # npz
     "empty npz": ("npz", b"", "is not an .npz file"),
+    "npy of a plane": (
+        "npy",
+        npy(ARRAY[:3, :2]),
+        "N >= 1; of points in the plane give np.pad(array",
+    ),
     "transposed npy": ("npy", npy(ARRAY.T), "expected (N, 3) with N >= 1; transpose it: array.T"),
     "homogeneous npy": (
         "npy",

@@ -66,7 +66,10 @@ def test_the_shape_says_what_to_type():
         ((3, 4), "; transpose it: source.T"),
         ((5, 4), "; of homogeneous coordinates give source[:, :3] / source[:, 3:]"),
         ((4, 4), "; of homogeneous coordinates give source[:, :3] / source[:, 3:]"),
-        ((5, 2), ""),
+        ((5, 2), "; of points in the plane give np.pad(source, ((0, 0), (0, 1)))"),
+        ((3, 2), "; of points in the plane give np.pad(source, ((0, 0), (0, 1)))"),
+        ((2, 2), "; of points in the plane give np.pad(source, ((0, 0), (0, 1)))"),
+        ((2, 5), ""),
         ((5, 3, 1), ""),
     ):
         with pytest.raises(InvalidProblemError) as caught:

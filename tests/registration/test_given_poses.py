@@ -47,6 +47,8 @@ WHOLE: dict[str, Callable[[], Any]] = {
     "matrix() of Sophus and GTSAM": lambda: Tool(matrix=lambda: MATRIX),
     "matrix() 3x4 of pycolmap": lambda: Tool(matrix=lambda: MATRIX[:3]),
     "matrix": lambda: Tool(matrix=MATRIX),
+    "rotation and translation of KISS-Matcher": lambda: Tool(rotation=R, translation=T, valid=True),
+    "rotation and translation in lists": lambda: Tool(rotation=R.tolist(), translation=T.tolist()),
     "Pose": lambda: POSE,
     "Registration": lambda: RESULT,
     "what has a Pose": lambda: Tool(pose=POSE),
@@ -113,9 +115,14 @@ REFUSED: dict[str, tuple[Any, str]] = {
         "pose.txt",
         r"pose is a path or a text, pose\.txt: give what is in the file, .*np\.loadtxt",
     ),
-    "nothing": (None, "all must be|pose has shape"),
-    "a class": (Pose, "pose is not an array of real numbers"),
-    "another object": (Tool(scale=2.0), "pose is not an array of real numbers"),
+    "nothing": (None, "pose is of type NoneType: give a matrix"),
+    "an object of no numbers": (object(), r"pose is of type object: give a matrix \(4, 4\)"),
+    "an object with parts of no numbers": (
+        SimpleNamespace(rotation=object(), translation=T),
+        "pose is of type object: give a matrix",
+    ),
+    "a class": (Pose, "pose is of type type: give a matrix"),
+    "another object": (Tool(scale=2.0), "pose is of type Tool: give a matrix"),
     "two translations": ((MATRIX, T), "a translation of its own: give no other"),
 }
 
