@@ -32,6 +32,7 @@ from certreg.registration.spring_equilibria import (
     _optimal,
 )
 from certreg.registration.spring_findings import SpringFindings
+from certreg.registration.spring_headlines import _meets_usual
 from certreg.registration.spring_result import SpringSolution
 from certreg.registration.spring_simulation import SimulatedSprings
 from certreg.registration.truncated import TruncatedRegistration
@@ -410,3 +411,27 @@ def test_a_basin_is_proved_below_the_barrier_and_refuted_from_its_top_on(
     assert basin(lower, upper, size=1) is Ruling.INCONCLUSIVE
     above = Ruling.PROVED if energy < 6 else Ruling.INCONCLUSIVE
     assert basin(lower, None) is above
+
+
+def test_a_card_is_good_where_all_that_it_says_is_proved_and_nothing_is_against_it():
+    for sure, against in product(BOTH, (None, "THE POSE IS NOT UNIQUE")):
+        good = asked(ConsensusRegistration, "good", labels_unique=sure, against=against)
+        assert good == (sure and against is None)
+
+
+def test_springs_meet_the_usual_limits_by_the_angle_too_where_one_rotation_is_optimal():
+    for turned, met in product((None, False, True), BOTH):
+        asked_of: list[tuple[Limits, bool]] = []
+
+        def meet(limits: Limits, *, unique: bool, asked_of: Any = asked_of, met: bool = met) -> bool:
+            asked_of.append((limits, unique))
+            return met
+
+        bounds = SimpleNamespace(meet=meet)
+        solution = SimpleNamespace(unique_rotation=turned)
+        registration: Any = SimpleNamespace(bounds=bounds, solution=solution)
+
+        assert _meets_usual(registration) == met
+        assert asked_of == [(Limits(), turned is True)]
+    unproved: Any = SimpleNamespace(bounds=None, solution=SimpleNamespace(unique_rotation=True))
+    assert not _meets_usual(unproved)
