@@ -421,10 +421,10 @@ def test_a_card_is_good_where_all_that_it_says_is_proved_and_nothing_is_against_
 
 def test_springs_meet_the_usual_limits_by_the_angle_too_where_one_rotation_is_optimal():
     for turned, met in product((None, False, True), BOTH):
-        asked_of: list[tuple[Limits, bool]] = []
+        seen: list[tuple[Limits, bool]] = []
 
-        def meet(limits: Limits, *, unique: bool, asked_of: Any = asked_of, met: bool = met) -> bool:
-            asked_of.append((limits, unique))
+        def meet(limits: Limits, *, unique: bool, seen: Any = seen, met: bool = met) -> bool:
+            seen.append((limits, unique))
             return met
 
         bounds = SimpleNamespace(meet=meet)
@@ -432,6 +432,6 @@ def test_springs_meet_the_usual_limits_by_the_angle_too_where_one_rotation_is_op
         registration: Any = SimpleNamespace(bounds=bounds, solution=solution)
 
         assert _meets_usual(registration) == met
-        assert asked_of == [(Limits(), turned is True)]
+        assert seen == [(Limits(), turned is True)]
     unproved: Any = SimpleNamespace(bounds=None, solution=SimpleNamespace(unique_rotation=True))
     assert not _meets_usual(unproved)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from fractions import Fraction
 from types import SimpleNamespace
 from typing import Any
@@ -14,9 +15,10 @@ from flint import arb, ctx
 from certreg.geometry import Pose
 from certreg.registration import Robustness
 from certreg.report.consensus_reach import degrees_from
-from certreg.report.judged_pose import _proved_angle
+from certreg.report.judged_pose import _proved_angle, _shift_words
 from certreg.report.overview import robustness_facts
 from certreg.report.robustness import robustness_words
+from certreg.report.spring_words import _growth
 from certreg.report.summary import step_words
 from certreg.report.truncated_summary import optimum_degrees
 
@@ -115,3 +117,25 @@ def test_a_scale_stays_between_the_printed_numbers():
 def test_steps_are_at_most_as_long_as_printed():
     assert step_words(0.1) == "each at most 0.1 long"
     assert step_words(0.12345612) == "each at most 0.123457 long"
+
+
+@pytest.mark.parametrize("apart", [Fraction(-1, 10**20), Fraction(0), Fraction(1, 10**20)])
+def test_the_growth_that_is_told_is_no_more_than_the_proved_one(apart: Fraction):
+    """At least mu, rounded down, less delta, rounded up."""
+    body = SimpleNamespace(growth=Fraction(1, 2) + apart, gap=Fraction(1, 4) + apart)
+    registration: Any = SimpleNamespace(certificate=SimpleNamespace(body=body))
+    (told,) = _growth(registration)
+    found = re.search(r"costs at least (\S+) sin²\(a/2\) - (\S+) more", told.words)
+    assert found is not None
+    mu, delta = map(Fraction, found.groups())
+
+    assert body.growth - Fraction(1, 500) < mu <= body.growth
+    assert body.gap <= delta < body.gap + Fraction(1, 500)
+
+
+@pytest.mark.parametrize("shift", [math.nextafter(0.5, 0.0), 0.5, math.nextafter(0.5, 1.0)])
+def test_a_centre_is_no_farther_off_than_printed(shift: float):
+    judged: Any = SimpleNamespace(stated=lambda _: shift)
+    number = Fraction(_shift_words(judged).removeprefix("within ").removesuffix(" (proved)"))
+
+    assert Fraction(shift) <= number <= Fraction(501, 1000)
