@@ -13,14 +13,17 @@ import pytest
 from flint import arb, ctx
 
 from certreg.geometry import Pose
-from certreg.registration import Robustness
+from certreg.registration import Method, Robustness
+from certreg.report import similarity_words, spring_summary, spring_words
+from certreg.report import words as page_words
 from certreg.report.consensus_reach import degrees_from
 from certreg.report.judged_pose import _proved_angle, _shift_words
-from certreg.report.overview import robustness_facts
+from certreg.report.overview import bound_facts, robustness_facts
 from certreg.report.robustness import robustness_words
 from certreg.report.spring_words import _growth
 from certreg.report.summary import step_words
 from certreg.report.truncated_summary import optimum_degrees
+from certreg.results import Optimality
 
 DIGITS = 7
 
@@ -139,3 +142,34 @@ def test_a_centre_is_no_farther_off_than_printed(shift: float):
     number = Fraction(_shift_words(judged).removeprefix("within ").removesuffix(" (proved)"))
 
     assert Fraction(shift) <= number <= Fraction(501, 1000)
+
+
+NEAR_HALF = [Fraction(1, 2) + Fraction(k, 10**20) for k in (-1, 0, 1)]
+
+
+@pytest.mark.parametrize("gap", NEAR_HALF)
+def test_a_gap_is_printed_as_no_less_than_it_is_wherever_it_is_told(gap: Fraction):
+    registration: Any = SimpleNamespace(
+        bounds=SimpleNamespace(greatest_gap=gap, least_range_squared=0, angle_upper=None),
+        method=Method.ENERGY,
+        problem=SimpleNamespace(rotation_only=False, scaled=False, scale=None),
+        equilibria=SimpleNamespace(classification=SimpleNamespace(unique=False)),
+        status=Optimality.CERTIFIED,
+        robustness=None,
+        solution=SimpleNamespace(unique_rotation=None),
+    )
+    told = [
+        *(one.words for one in page_words._optimality(registration)),
+        page_words.weak_words(registration),
+        *(one.words for one in similarity_words._gap(registration)),
+        *(one.words for one in spring_words._optimality(registration)),
+        spring_summary._proved_lines(registration)[0],
+        *(fact.value for fact in bound_facts(registration, None)),
+    ]
+    printed = "0.5" if gap == Fraction(1, 2) else "0.501" if gap > Fraction(1, 2) else "0.500"
+
+    assert len(told) == 6
+    for line in told:
+        found = re.search(r"(?:by at most|<=|≤) (0\.5\d*)", line)
+        assert found is not None, line
+        assert found[1] == printed
