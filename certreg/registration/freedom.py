@@ -104,8 +104,8 @@ class Freedom(Brief):
 
     def _name(self, axis: Sequence[int]) -> str:
         """The normal, where all springs are planes of one direction: the only one they resist."""
-        normal = len(self.translations) == 2 and not any(dot(t, axis) for t in self.translations)
-        return f"the {'normal' if normal else AXIS} {axis_words(_unit(axis))}"
+        kind = "normal" if len(self.translations) == 2 else AXIS
+        return f"the {kind} {axis_words(_unit(axis))}"
 
     def words(self) -> str:
         """All that is free; empty where nothing is known to be."""

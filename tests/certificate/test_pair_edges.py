@@ -13,6 +13,7 @@ import pytest
 
 from certreg.certificate import cones, many
 from certreg.certificate.cones import RANGES, CappedMinimum, _curvature, _width
+from certreg.certificate.consensus import Witness
 from certreg.certificate.consistency import ExactRows
 from certreg.certificate.listing import SECOND_BITS, _below
 from certreg.certificate.many import _angles
@@ -22,7 +23,9 @@ from certreg.certificate.shared_motion import is_refuted
 from certreg.certificate.staging import Stager
 from certreg.certificate.thinning import GraphThinning, transversal
 from certreg.exact import Dyadic, dyadic_above, dyadic_below, half_angle_bound
+from certreg.geometry import rotation_matrix
 from certreg.objective.levelling import MONOMIALS, levelled_exactly
+from certreg.problem import ConsensusProblem, RegistrationProblem
 from certreg.verify import OPEN, SAME
 
 LITTLE = Fraction(1, 10**30)
@@ -270,3 +273,17 @@ def test_angles_of_many_are_those_of_one(monkeypatch):
     optima: Any = SimpleNamespace(sine=values)
 
     assert _angles(optima).tolist() == [half_angle_bound(Fraction(sine)) for sine in values]
+
+
+def test_a_motion_meets_exactly_the_pairs_up_to_their_bounds_whatever_doubles_say():
+    """Each is off by (2, 3, 6), of length 7; doubles are off by 1e-11 of the rotated points."""
+    q = (1, 2, 3, 4)
+    source = 30 * np.random.default_rng(5).integers(-9999, 9999, (40, 3))
+    turn = np.array(rotation_matrix(q))
+    target = source @ turn.T // 30 + [2, 3, 6]
+    bounds = np.array([7.0, math.nextafter(7.0, 0.0)] * 20)
+    problem = ConsensusProblem.of(RegistrationProblem(source, target), bounds)
+    witness = Witness(quaternion=q, shift=(0, 0, 0, 0))
+
+    assert (source @ turn.T % 30 == 0).all()
+    assert ExactRows(problem).met_by(witness) == list(range(0, 40, 2))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 import pytest
@@ -80,6 +81,24 @@ def test_a_stage_has_the_energy_of_its_bounds_and_that_of_those_given(width: flo
     assert stage.energy == pytest.approx(clipped, rel=1e-6)
     assert stage.given_energy == pytest.approx(given, rel=1e-6)
     assert (given < clipped) == (width > 1.0)
+
+
+def test_steps_and_time_are_those_of_all_motions_so_far(monkeypatch):
+    runs = list[Any]()
+    simulate = breaking.simulate
+
+    def watched(*given: Any, **options: Any) -> Any:
+        runs.append(simulate(*given, **options))
+        return runs[-1]
+
+    monkeypatch.setattr(breaking, "simulate", watched)
+    stages = run_breaking(made(3), Integrator.MIDPOINT).stages
+    ends = np.cumsum([stage.rounds for stage in stages])
+
+    assert len(runs) == ends[-1] > 2
+    for stage, end in zip(stages, ends.tolist(), strict=True):
+        assert stage.steps == sum(run.steps for run in runs[:end])
+        assert stage.time == pytest.approx(sum(float(run.times[-1]) for run in runs[:end]))
 
 
 def test_springs_may_mend():

@@ -76,6 +76,13 @@ def test_a_continuum_has_no_count():
     assert not breathing_equilibria(of_axes([0, 0, 0])).upright
 
 
+def test_a_continuum_inside_out_leaves_the_count_of_the_others():
+    found = breathing_equilibria(of_axes([1, 1, 1]))  # 3, -1, -1, -1
+
+    assert found.count == 1
+    assert [each.kind.dimension for each in found.inside_out] == [2]
+
+
 def test_a_source_in_one_point_has_no_scale():
     problem = RegistrationProblem(np.ones((4, 3)), np.arange(12.0).reshape(4, 3))
     with pytest.raises(DegenerateProblemError, match="coincide"):

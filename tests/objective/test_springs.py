@@ -167,6 +167,19 @@ def test_the_oscillation_holds_where_energies_have_no_linear_part():
     assert 16 <= springs.oscillation <= 32
 
 
+def test_the_oscillation_holds_where_both_parts_add_up():
+    """Two points, W = diag(1, 0, 4): over all rotations 20, of one part alone 17 at most."""
+    points = np.array([[1.0, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0]])
+    factors = np.tile([1.0, 0.0, 0.0, 0.0, 0.0, 2.0], (4, 1))
+    springs = Springs(spring_moments(problem_of(points, 1.5 * points, factors)))
+    energies = [springs.energy(q) for q in product((-1, 0, 1), repeat=4) if any(q)]
+    linear, even = springs.part_sizes
+
+    assert max(energies) - min(energies) == 20
+    assert max(8 * linear, Fraction(25, 2) * even) < 17**2
+    assert 20 <= springs.oscillation <= 34
+
+
 AXES = np.eye(3)
 CLOUD = np.array(
     [[1.0, 2, 0], [-2, 1, 3], [0, -1, 2], [3, 0, -1], [1, 1, 1], [-1, 2, -3], [2, -3, 1]]

@@ -17,6 +17,7 @@ from certreg.equilibrium.breaking import Labels
 from certreg.equilibrium.line_set import Finiteness, LineSet
 from certreg.equilibrium.presentation import WEAK_MARGIN, EquilibriumSet
 from certreg.objective.classification import Classification
+from certreg.registration import headlines
 from certreg.registration.any_registration import AnyRegistration
 from certreg.registration.breaking import BreakingEquilibria, BreakingEquilibrium
 from certreg.registration.breaking_simulation import SimulatedBreaking
@@ -32,6 +33,7 @@ from certreg.registration.spring_equilibria import (
     _optimal,
 )
 from certreg.registration.spring_findings import SpringFindings
+from certreg.registration.spring_headlines import _meets_usual
 from certreg.registration.spring_result import SpringSolution
 from certreg.registration.spring_simulation import SimulatedSprings
 from certreg.registration.truncated import TruncatedRegistration
@@ -410,3 +412,31 @@ def test_a_basin_is_proved_below_the_barrier_and_refuted_from_its_top_on(
     assert basin(lower, upper, size=1) is Ruling.INCONCLUSIVE
     above = Ruling.PROVED if energy < 6 else Ruling.INCONCLUSIVE
     assert basin(lower, None) is above
+
+
+def test_a_card_is_good_where_all_that_it_says_is_proved_and_nothing_is_against_it():
+    for sure, against in product(BOTH, (None, "THE POSE IS NOT UNIQUE")):
+        good = asked(ConsensusRegistration, "good", labels_unique=sure, against=against)
+        assert good == (sure and against is None)
+        for code in (0, 3, 4):
+            good = asked(TruncatedRegistration, "good", exit_code=code, against=against)
+            assert good == (code == 0 and against is None)
+
+
+def test_the_usual_limits_are_met_by_the_angle_too_where_one_rotation_is_optimal():
+    for turned, met in product((None, False, True), BOTH):
+        seen: list[tuple[Limits, bool]] = []
+
+        def meet(limits: Limits, *, unique: bool, seen: Any = seen, met: bool = met) -> bool:
+            seen.append((limits, unique))
+            return met
+
+        bounds = SimpleNamespace(meet=meet)
+        solution = SimpleNamespace(unique_rotation=turned)
+        equilibria = SimpleNamespace(classification=SimpleNamespace(unique=turned is True))
+        registration: Any = SimpleNamespace(bounds=bounds, solution=solution, equilibria=equilibria)
+
+        assert _meets_usual(registration) == headlines._meets_usual(registration) == met
+        assert seen == [(Limits(), turned is True)] * 2
+    unproved: Any = SimpleNamespace(bounds=None, solution=SimpleNamespace(unique_rotation=True))
+    assert not _meets_usual(unproved)

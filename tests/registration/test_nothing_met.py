@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,7 @@ import pytest
 import certreg
 from certreg.errors import InvalidProblemError, UndecidedError
 from certreg.exact import at_least, at_most
+from certreg.registration.nothing_met import nothing_turned
 
 RNG = np.random.default_rng(4)
 CLOUD = RNG.uniform(-1.0, 1.0, (12, 3))
@@ -113,3 +115,20 @@ def test_where_only_rounding_hides_a_rotation_none_is_said_to_be_ruled_out():
         "no rotation was found that brings a pair within its bound: give more --effort, or "
         "wider bounds if right pairs may be farther off"
     )
+
+
+def test_where_one_pair_may_be_within_its_bound_it_is_not_said_that_none_is():
+    """Of lengths 1 and 2 beside 1.5: off by 0.5 each, and bounds on both sides of that."""
+    for bounds, said in (
+        ((0.6, 0.4), "no rotation was found that"),
+        ((0.4, 0.6), "no rotation was found that"),
+        ((0.5, 0.4), "no rotation was found that"),
+        ((0.4, 0.49), "no rotation brings a pair within its bound"),
+    ):
+        problem: Any = SimpleNamespace(
+            source=np.array([[1.0, 0.0, 0.0], [0.0, 2.0, 0.0]]),
+            target=np.array([[0.0, 0.0, 1.5], [1.5, 0.0, 0.0]]),
+            bounds=np.array(bounds),
+        )
+
+        assert nothing_turned(problem).startswith(said), bounds

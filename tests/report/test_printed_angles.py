@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from fractions import Fraction
 from types import SimpleNamespace
 from typing import Any
@@ -12,13 +13,17 @@ import pytest
 from flint import arb, ctx
 
 from certreg.geometry import Pose
-from certreg.registration import Robustness
+from certreg.registration import Method, Robustness
+from certreg.report import similarity_words, spring_summary, spring_words
+from certreg.report import words as page_words
 from certreg.report.consensus_reach import degrees_from
-from certreg.report.judged_pose import _proved_angle
-from certreg.report.overview import robustness_facts
+from certreg.report.judged_pose import _proved_angle, _shift_words
+from certreg.report.overview import bound_facts, robustness_facts
 from certreg.report.robustness import robustness_words
+from certreg.report.spring_words import _growth
 from certreg.report.summary import step_words
 from certreg.report.truncated_summary import optimum_degrees
+from certreg.results import Optimality
 
 DIGITS = 7
 
@@ -115,3 +120,56 @@ def test_a_scale_stays_between_the_printed_numbers():
 def test_steps_are_at_most_as_long_as_printed():
     assert step_words(0.1) == "each at most 0.1 long"
     assert step_words(0.12345612) == "each at most 0.123457 long"
+
+
+@pytest.mark.parametrize("apart", [Fraction(-1, 10**20), Fraction(0), Fraction(1, 10**20)])
+def test_the_growth_that_is_told_is_no_more_than_the_proved_one(apart: Fraction):
+    """At least mu, rounded down, less delta, rounded up."""
+    body = SimpleNamespace(growth=Fraction(1, 2) + apart, gap=Fraction(1, 4) + apart)
+    registration: Any = SimpleNamespace(certificate=SimpleNamespace(body=body))
+    (told,) = _growth(registration)
+    found = re.search(r"costs at least (\S+) sin²\(a/2\) - (\S+) more", told.words)
+    assert found is not None
+    mu, delta = map(Fraction, found.groups())
+
+    assert body.growth - Fraction(1, 500) < mu <= body.growth
+    assert body.gap <= delta < body.gap + Fraction(1, 500)
+
+
+@pytest.mark.parametrize("shift", [math.nextafter(0.5, 0.0), 0.5, math.nextafter(0.5, 1.0)])
+def test_a_centre_is_no_farther_off_than_printed(shift: float):
+    judged: Any = SimpleNamespace(stated=lambda _: shift)
+    number = Fraction(_shift_words(judged).removeprefix("within ").removesuffix(" (proved)"))
+
+    assert Fraction(shift) <= number <= Fraction(501, 1000)
+
+
+NEAR_HALF = [Fraction(1, 2) + Fraction(k, 10**20) for k in (-1, 0, 1)]
+
+
+@pytest.mark.parametrize("gap", NEAR_HALF)
+def test_a_gap_is_printed_as_no_less_than_it_is_wherever_it_is_told(gap: Fraction):
+    registration: Any = SimpleNamespace(
+        bounds=SimpleNamespace(greatest_gap=gap, least_range_squared=0, angle_upper=None),
+        method=Method.ENERGY,
+        problem=SimpleNamespace(rotation_only=False, scaled=False, scale=None),
+        equilibria=SimpleNamespace(classification=SimpleNamespace(unique=False)),
+        status=Optimality.CERTIFIED,
+        robustness=None,
+        solution=SimpleNamespace(unique_rotation=None),
+    )
+    told = [
+        *(one.words for one in page_words._optimality(registration)),
+        page_words.weak_words(registration),
+        *(one.words for one in similarity_words._gap(registration)),
+        *(one.words for one in spring_words._optimality(registration)),
+        spring_summary._proved_lines(registration)[0],
+        *(fact.value for fact in bound_facts(registration, None)),
+    ]
+    printed = "0.5" if gap == Fraction(1, 2) else "0.501" if gap > Fraction(1, 2) else "0.500"
+
+    assert len(told) == 6
+    for line in told:
+        found = re.search(r"(?:by at most|<=|≤) (0\.5\d*)", line)
+        assert found is not None, line
+        assert found[1] == printed

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import cache
-from typing import TYPE_CHECKING, cast
+from itertools import product
+from types import SimpleNamespace
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 import pytest
@@ -16,11 +18,12 @@ from certreg.cli import dynamics
 from certreg.registration.spring_enumeration import certified_list, enumerated_springs
 from certreg.registration.spring_equilibria import spring_equilibria
 from certreg.report.spring_equilibria import (
+    _road,
     spring_enumeration_summary,
     spring_equilibria_document,
     spring_equilibria_words,
 )
-from certreg.results import Absent
+from certreg.results import Absent, Guarantee
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -234,3 +237,14 @@ def _clouds(folder: Path, count: int) -> tuple[Path, Path]:
     points = np.random.default_rng(7).normal(size=(count, 3))
     np.save(folder / "n.npy", np.tile(LEVEL, (count, 1)))
     return write_csv(folder / "a.csv", points.tolist()), folder / "n.npy"
+
+
+def test_a_method_is_known_as_well_as_the_least_known_of_its_equilibria():
+    for one, other in product(Guarantee, repeat=2):
+        parts = [SimpleNamespace(guarantee=kind) for kind in (one, other)]
+        for complete in (False, True):
+            critical: Any = SimpleNamespace(components=parts, indices=(0, 1), complete=complete)
+            search: Any = SimpleNamespace(method="paths", seconds=0.5, critical=critical)
+            doubt = "" if complete else ", in doubt"
+
+            assert _road(search)[-1] == f"{min(one, other).label}{doubt}"

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import cache
+from itertools import product
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -205,3 +207,23 @@ def test_springs_on_collinear_points_have_no_motion_and_nothing_is_said_of_it():
     part = parts_of(eighteen())[0]
 
     assert spring_release.returns(found.problem, found.solution.objective, part) is None
+
+
+def test_a_trap_is_a_stable_equilibrium_that_is_proved_not_to_be_optimal(monkeypatch):
+    monkeypatch.setattr(spring_listed, "magnitude", lambda *_: "")
+    for stable, optimal in product((None, False, True), repeat=2):
+        part: Any = SimpleNamespace(
+            stable=stable,
+            optimal=optimal,
+            morse_index=None,
+            energy=None,
+            rmse=None,
+            angle_to_first=0.0,
+            separated=True,
+        )
+        row = spring_listed._row(part, returned=None)
+        wrong = stable is True and optimal is False
+
+        assert row.trap == wrong
+        assert ("wrong" in row.words) == wrong
+        assert ("may be optimal" in row.words) == (optimal is None)
