@@ -36,6 +36,7 @@ PROVED = (
         "exact/test_dyadic",
     ),
     _of("exact/decimals", "at_most at_least _rounded", "exact/test_decimals"),
+    _of("exact/dyadic", "degrees_above", "exact/test_decimals"),
     _of("exact/elimination", "is_positive_definite", "exact/test_matrices"),
     _of("exact/balls", "fixed_point radius_bits negative_eigenvalues", "exact/test_balls"),
     _of("exact/spaces", "_narrowest_gap", "exact/test_spaces"),
