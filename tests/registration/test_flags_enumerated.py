@@ -27,6 +27,7 @@ from certreg.registration.kept_pairs import KeptPairs, LabelsVerdict
 from certreg.registration.scaled_consensus import ScaledConsensusRegistration, ranges_words
 from certreg.registration.spring_equilibria import (
     SAME_ENERGY,
+    TIED,
     SpringEquilibria,
     SpringEquilibrium,
     _margin,
@@ -197,6 +198,7 @@ def test_an_equilibrium_is_the_best_where_the_whole_list_says_so():
 
     assert optimal(line_set(part())) is True
     assert isinstance(optimal(line_set(part(), tied=2)), Absent)
+    assert isinstance(optimal(line_set(part(), tied=0)), Absent)
     assert isinstance(optimal(line_set(part(), complete=False)), Absent)
     assert optimal(line_set(part(index=1))) is False
     assert optimal(line_set(part()), edge) is True
@@ -204,6 +206,9 @@ def test_an_equilibrium_is_the_best_where_the_whole_list_says_so():
     unsure = line_set(part(proved=False), complete=False)
     assert optimal(unsure) != optimal(line_set(part(), complete=False))
     assert isinstance(optimal(unsure, most), Absent)
+    for tied, second in ((1, False), (2, TIED), (3, TIED)):
+        pair = line_set(part(), part(), tied=tied)
+        assert _optimal(pair, 1, least, most) is second
 
 
 def test_the_margin_of_springs_is_the_share_between_the_best_and_the_second():
@@ -211,6 +216,7 @@ def test_the_margin_of_springs_is_the_share_between_the_best_and_the_second():
     assert _margin(line_set(part(1), part(5))) == 1.0
     assert _margin(line_set(part(1), part(2), tied=2)) is None
     assert _margin(line_set(part(1))) is None
+    assert _margin(line_set(part(2), part(1), part(3))) == 0.0  # equal in the digits of the list
     found = [part(proved=False), part(), part(proved=False), part()]
     assert asked(LineSet, "separated", components=found) == 2
 
