@@ -39,7 +39,14 @@ from certreg.registration.spring_result import SpringSolution
 from certreg.registration.spring_simulation import SimulatedSprings
 from certreg.registration.truncated import TruncatedRegistration
 from certreg.registration.truncated_labels import TruncatedLabels
-from certreg.results import Absent, ComponentKind, Guarantee, Limits, Optimality, Ruling
+from certreg.results import (
+    Absent,
+    ComponentKind,
+    Guarantee,
+    Limits,
+    Optimality,
+    Ruling,
+)
 
 LITTLE = Fraction(1, 10**30)
 BOTH = (False, True)
