@@ -247,7 +247,7 @@ PROVED = (
     _of(
         "registration/spring_result",
         "SpringSolution.near_minima SpringSolution.unique_rotation SpringSolution.unique",
-        "registration/test_flags_enumerated",
+        "registration/test_flags_enumerated registration/test_spring_flags",
     ),
     _of(
         "registration/spring_findings",

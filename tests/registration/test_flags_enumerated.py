@@ -228,24 +228,6 @@ def test_the_margin_of_springs_is_the_share_between_the_best_and_the_second():
     assert asked(LineSet, "separated", components=found) == 2
 
 
-@pytest.mark.parametrize("beside", [-LITTLE, Fraction(0), LITTLE])
-def test_minima_are_near_up_to_the_proved_gap(beside: Fraction):
-    energies = {"best": Fraction(2), "next": Fraction(5, 2) + beside, "far": Fraction(9)}
-    certificate = SimpleNamespace(body=SimpleNamespace(gap=Fraction(1, 2)))
-    fields: dict[str, Any] = {
-        "least": Fraction(2),
-        "objective": SimpleNamespace(energy=energies.__getitem__),
-    }
-
-    def near(minima: list[str], certificate: Any = certificate) -> int:
-        found = SimpleNamespace(minima=minima)
-        return asked(SpringSolution, "near_minima", certificate=certificate, found=found, **fields)
-
-    assert near(["best", "next", "far"]) == (1 if beside > 0 else 2)
-    assert near(["far"]) == 1
-    assert near(["best", "next"], None) == 1
-
-
 def test_one_rotation_is_optimal_as_far_as_a_certificate_says():
     for claimed, moves in product((None, False, True), BOTH):
         certificate = SimpleNamespace(body=SimpleNamespace(claims=SimpleNamespace(unique=claimed)))

@@ -7,13 +7,21 @@ from fractions import Fraction
 from types import SimpleNamespace
 from typing import Any
 
+import pytest
+
 from certreg.registration import spring_simulation
 from certreg.registration.spring_findings import FINE_PROOF, spring_verdict_of
+from certreg.registration.spring_result import SpringSolution
 from certreg.registration.spring_simulation import LEVEL, NEAR, TIE, SimulatedSprings
 from certreg.results import PoseVerdict
 
 LITTLE = Fraction(1, 10**30)
 SAME, TINY = Fraction(0), Fraction(1, 10**25)
+
+
+def asked(kind: type, name: str, /, **fields: Any) -> Any:
+    """A property of something with these fields."""
+    return getattr(kind, name).fget(SimpleNamespace(**fields))
 
 
 def test_a_rest_of_springs_is_as_good_at_the_best_or_level_with_it_or_tied(monkeypatch: Any):
@@ -77,3 +85,21 @@ def test_a_pose_on_springs_is_judged_by_each_bound_on_both_sides():
     worse: dict[str, Any] = {"critical": (), "is_elsewhere": True}
     assert verdict(quarter, least=LITTLE, **worse) is PoseVerdict.SPURIOUS_EQUILIBRIUM
     assert verdict(quarter, least=SAME, **worse) is PoseVerdict.NOT_AN_EQUILIBRIUM
+
+
+@pytest.mark.parametrize("beside", [-LITTLE, Fraction(0), LITTLE])
+def test_minima_are_near_up_to_the_proved_gap(beside: Fraction):
+    energies = {"best": Fraction(2), "next": Fraction(5, 2) + beside, "far": Fraction(9)}
+    certificate = SimpleNamespace(body=SimpleNamespace(gap=Fraction(1, 2)))
+    fields: dict[str, Any] = {
+        "least": Fraction(2),
+        "objective": SimpleNamespace(energy=energies.__getitem__),
+    }
+
+    def near(minima: list[str], certificate: Any = certificate) -> int:
+        found = SimpleNamespace(minima=minima)
+        return asked(SpringSolution, "near_minima", certificate=certificate, found=found, **fields)
+
+    assert near(["best", "next", "far"]) == (1 if beside > 0 else 2)
+    assert near(["far"]) == 1
+    assert near(["best", "next"], None) == 1
