@@ -233,6 +233,8 @@ def main() -> int:
     parser.add_argument("--only", default="")
     arguments = parser.parse_args()
     mutants = chosen(arguments.every, arguments.seed, arguments.only)
+    if not mutants:
+        parser.error(f"no listed function has {arguments.only!r} in its file and name")
     start = time.process_time()
     found = judged(mutants, remembers=arguments.every == 1)
     survivors = [name for name, test in found.items() if test is None and name not in EQUIVALENT]

@@ -1,7 +1,9 @@
 from __future__ import annotations
 
 import itertools
+import math
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -14,7 +16,7 @@ import certreg
 from certreg import RegistrationProblem
 from certreg.equilibrium import presentation
 from certreg.equilibrium.spectral import by_eigenspaces
-from certreg.equilibrium.stability import Curvature, _oscillator, spring_ratios
+from certreg.equilibrium.stability import DIGITS, Curvature, _oscillator, _signed, spring_ratios
 from certreg.exact.eigenbasis import integer_eigenbasis
 from certreg.geometry.so3 import (
     angle_between,
@@ -372,3 +374,19 @@ def test_the_working_precision_grows_only_where_it_must():
     generic = exact_moments(strategies.random_problem(np.random.default_rng(0)))
 
     assert Isotropic(generic).eigenspaces.bits == 192
+
+
+def test_signs_are_told_where_no_ratio_is_within_rounding_of_zero():
+    least = 4.0 * (2.0**-20) * DIGITS
+
+    def signed(*ratios: float) -> list[float] | None:
+        gaps = np.sign(np.array(ratios))
+        return _signed(list(ratios), SimpleNamespace(values=gaps), 2.0**-20)  # pyright: ignore[reportArgumentType]
+
+    past = math.nextafter(least, 1e9)
+    assert signed(-4.0, -past, past) == [-4.0, -past, past]
+    assert signed(-4.0, -past, 0.0) == [-4.0, -past, 0.0]
+    assert signed(-4.0, -least, past) is None
+    assert signed(-4.0, -past, least) is None
+    assert signed(-past, least, 4.0) is None
+    assert signed(-4.0, -3.0, -least) is None

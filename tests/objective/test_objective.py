@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from fractions import Fraction
 from importlib import import_module
+from operator import mul
 from typing import Any
 
 import casadi
@@ -28,6 +29,8 @@ from certreg.geometry.so3 import (
     squared_norm,
 )
 from certreg.objective.isotropic import Isotropic
+from certreg.objective.scaling import Scaling
+from certreg.problem import Scale
 from certreg.problem.moments import exact_moments
 
 checker_module = import_module("certreg.verify")  # the name of the function, too
@@ -105,6 +108,21 @@ def test_the_size_is_the_largest_entry_or_the_spread_or_a_unit(problem):
     largest = moments.cross_unit * max(abs(e) for row in objective.davenport for e in row)
 
     assert objective.size == (largest or moments.spread or moments.cross_unit) > 0
+
+
+@pytest.mark.parametrize("unit", [2.0**-9, 3.0, 2.0**9])
+def test_the_least_range_is_that_of_the_cross_covariance_of_the_clouds(unit: float):
+    """|K|^2 = 4 |C|^2: so (2 F)^2 is 16 |C|^2, and a free scale is told the square of K's norm."""
+    source = np.array([(0, 0, 0), (1, 0, 0), (0, 2, 0), (0, 1, 3), (1, 1, 1)]) * unit
+    target = np.array([(0, 1, 0), (2, 0, 1), (0, 2, 5), (1, 1, 3), (0, 0, 1)]) * unit
+    moments = exact_moments(certreg.RegistrationProblem(source, target))
+    x, y = ([[Fraction(e) for e in row] for row in cloud.T.tolist()] for cloud in (source, target))
+    cross = [sum(map(mul, a, b)) - sum(a) * sum(b) / 5 for a in x for b in y]
+    squares = sum(entry**2 for entry in cross)
+    free = Isotropic(moments, Scaling(Scale.SYMMETRIC, Fraction(4), Fraction(9)))
+
+    assert Isotropic(moments).least_range_squared == 16 * squares
+    assert free.least_range_squared == 4 * (4 * squares)
 
 
 @pytest.mark.one_in(4)

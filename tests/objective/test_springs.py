@@ -13,6 +13,8 @@ from certreg.geometry.constraints import homogeneous
 from certreg.geometry.so3 import dot, quadratic_form, rotation_matrix, squared_norm
 from certreg.objective import quartics
 from certreg.objective.isotropic import Isotropic
+from certreg.objective.levelling import levelled_exactly, norm_fourth
+from certreg.objective.quartics import MONOMIALS
 from certreg.objective.springs import Springs
 from certreg.problem.moments import exact_moments
 from certreg.problem.moments_of_springs import spring_moments
@@ -248,3 +250,28 @@ def test_derivatives_are_those_of_the_value():
         assert image == 3 * gradient[k]
         by = [Fraction(a) + (i == k) * Fraction(1, 1 << 400) for i, a in enumerate(q)]
         assert abs((springs.value(by) - springs.value(q)) * 2**400 / gradient[k] - 1) < 2**-300
+
+
+def test_a_levelled_quartic_is_the_quartic_less_its_mean():
+    """Means over unit quaternions: 3/24 of w^4, 1/24 of w^2 x^2, 0 of all other monomials."""
+    quartic = [7 * k * k % 23 - 11 for k in range(35)]
+    even = {m: 3 if len(set(m)) == 1 else 1 for m in MONOMIALS if m[0] == m[1] and m[2] == m[3]}
+    level = Fraction(sum(e * even.get(m, 0) for m, e in zip(MONOMIALS, quartic, strict=True)), 24)
+    found = levelled_exactly(quartic)
+
+    assert found.level == level
+    for q in QUATERNIONS:
+        less = quartics.value(quartic, q) - level * squared_norm(q) ** 2
+        assert found.value(q) == 24 * less
+        assert found.scale * quartics.value([Fraction(e) for e in found.rest], q) == less
+    assert 0.5 <= max(abs(found.rest)) < 1.0
+
+
+def test_a_quartic_is_constant_where_it_is_its_mean_and_nowhere_near():
+    constant = [int(times) for times in norm_fourth()]
+
+    assert levelled_exactly(constant).is_constant
+    assert levelled_exactly([10**30 * times for times in constant]).is_constant
+    for place in range(35):
+        near = [10**30 * times + (k == place) for k, times in enumerate(constant)]
+        assert not levelled_exactly(near).is_constant

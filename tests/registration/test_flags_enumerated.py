@@ -27,6 +27,7 @@ from certreg.registration.kept_pairs import KeptPairs, LabelsVerdict
 from certreg.registration.scaled_consensus import ScaledConsensusRegistration, ranges_words
 from certreg.registration.spring_equilibria import (
     SAME_ENERGY,
+    TIED,
     SpringEquilibria,
     SpringEquilibrium,
     _margin,
@@ -38,7 +39,14 @@ from certreg.registration.spring_result import SpringSolution
 from certreg.registration.spring_simulation import SimulatedSprings
 from certreg.registration.truncated import TruncatedRegistration
 from certreg.registration.truncated_labels import TruncatedLabels
-from certreg.results import Absent, ComponentKind, Guarantee, Limits, Optimality, Ruling
+from certreg.results import (
+    Absent,
+    ComponentKind,
+    Guarantee,
+    Limits,
+    Optimality,
+    Ruling,
+)
 
 LITTLE = Fraction(1, 10**30)
 BOTH = (False, True)
@@ -197,6 +205,7 @@ def test_an_equilibrium_is_the_best_where_the_whole_list_says_so():
 
     assert optimal(line_set(part())) is True
     assert isinstance(optimal(line_set(part(), tied=2)), Absent)
+    assert isinstance(optimal(line_set(part(), tied=0)), Absent)
     assert isinstance(optimal(line_set(part(), complete=False)), Absent)
     assert optimal(line_set(part(index=1))) is False
     assert optimal(line_set(part()), edge) is True
@@ -204,6 +213,9 @@ def test_an_equilibrium_is_the_best_where_the_whole_list_says_so():
     unsure = line_set(part(proved=False), complete=False)
     assert optimal(unsure) != optimal(line_set(part(), complete=False))
     assert isinstance(optimal(unsure, most), Absent)
+    for tied, second in ((1, False), (2, TIED), (3, TIED)):
+        pair = line_set(part(), part(), tied=tied)
+        assert _optimal(pair, 1, least, most) is second
 
 
 def test_the_margin_of_springs_is_the_share_between_the_best_and_the_second():
@@ -211,26 +223,9 @@ def test_the_margin_of_springs_is_the_share_between_the_best_and_the_second():
     assert _margin(line_set(part(1), part(5))) == 1.0
     assert _margin(line_set(part(1), part(2), tied=2)) is None
     assert _margin(line_set(part(1))) is None
+    assert _margin(line_set(part(2), part(1), part(3))) == 0.0  # equal in the digits of the list
     found = [part(proved=False), part(), part(proved=False), part()]
     assert asked(LineSet, "separated", components=found) == 2
-
-
-@pytest.mark.parametrize("beside", [-LITTLE, Fraction(0), LITTLE])
-def test_minima_are_near_up_to_the_proved_gap(beside: Fraction):
-    energies = {"best": Fraction(2), "next": Fraction(5, 2) + beside, "far": Fraction(9)}
-    certificate = SimpleNamespace(body=SimpleNamespace(gap=Fraction(1, 2)))
-    fields: dict[str, Any] = {
-        "least": Fraction(2),
-        "objective": SimpleNamespace(energy=energies.__getitem__),
-    }
-
-    def near(minima: list[str], certificate: Any = certificate) -> int:
-        found = SimpleNamespace(minima=minima)
-        return asked(SpringSolution, "near_minima", certificate=certificate, found=found, **fields)
-
-    assert near(["best", "next", "far"]) == (1 if beside > 0 else 2)
-    assert near(["far"]) == 1
-    assert near(["best", "next"], None) == 1
 
 
 def test_one_rotation_is_optimal_as_far_as_a_certificate_says():

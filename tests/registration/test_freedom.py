@@ -36,6 +36,8 @@ def test_the_optimum_moves_where_some_free_turn_has_two_rates(symmetry: tuple[Tu
         ((SPIN,), None, None),
         (((1, 2, 0, 0, 0, 0),), (1, 2, 0), None),
         (((0, 0, 0, 0, 3, 0),), None, (0, 3, 0)),
+        (((0, 0, 5, 0, 0, 0),), (0, 0, 5), None),
+        (((0, 0, 0, 5, 0, 0),), None, (5, 0, 0)),
         (FIXING, None, None),
         (ALL, None, None),
     ],

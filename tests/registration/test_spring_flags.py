@@ -1,0 +1,105 @@
+"""What is called as good, optimal or near on general springs: each bound on both sides."""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from certreg.registration import spring_simulation
+from certreg.registration.spring_findings import FINE_PROOF, spring_verdict_of
+from certreg.registration.spring_result import SpringSolution
+from certreg.registration.spring_simulation import LEVEL, NEAR, TIE, SimulatedSprings
+from certreg.results import PoseVerdict
+
+LITTLE = Fraction(1, 10**30)
+SAME, TINY = Fraction(0), Fraction(1, 10**25)
+
+
+def asked(kind: type, name: str, /, **fields: Any) -> Any:
+    """A property of something with these fields."""
+    return getattr(kind, name).fget(SimpleNamespace(**fields))
+
+
+def test_a_rest_of_springs_is_as_good_at_the_best_or_level_with_it_or_tied(monkeypatch: Any):
+    def as_good(near: Any = None, *, symmetry: tuple[int, ...] = (), **fields: Any) -> Any:
+        monkeypatch.setattr(spring_simulation, "equilibrium_near", lambda *_: near)
+        objective = SimpleNamespace(
+            oscillation=fields.pop("oscillation", 1), symmetry=symmetry, energy=lambda _: 0
+        )
+        found = SimpleNamespace(quaternion=None, levelled=None)
+        run = {"at_best": False, "excess": 1.0, "_quaternion": None, "found": found} | fields
+        prop = vars(SimulatedSprings)["as_good"]
+        return prop.func(SimpleNamespace(objective=objective, **run))
+
+    def near(angle: float, *, ties: bool = False, is_worse: bool = False) -> Any:
+        return SimpleNamespace(angle=angle, ties=ties, is_worse=is_worse)
+
+    at, past = NEAR, math.nextafter(NEAR, 1.0)
+    assert as_good(at_best=True) is True
+    assert as_good(oscillation=0) is True
+    for symmetry, level in (((), TIE), ((1,), LEVEL)):
+        assert as_good(near(1.0), excess=level, symmetry=symmetry) is True
+        above = math.nextafter(level, 1.0)
+        assert as_good(near(1.0), excess=above, symmetry=symmetry) is None
+    assert as_good(near(at, ties=True)) is True
+    assert as_good(near(past, ties=True)) is None
+    assert as_good(near(at, is_worse=True)) is False
+    assert as_good(near(at)) is None
+
+
+def test_a_pose_on_springs_is_judged_by_each_bound_on_both_sides():
+    settings: Any = SimpleNamespace(near_optimal_gap=0.25, near_optimal_angle=0.125)
+
+    def verdict(
+        gap: Fraction,
+        own: Fraction = SAME,
+        *,
+        least: Fraction = SAME,
+        within: bool = True,
+        **more: Any,
+    ) -> PoseVerdict:
+        bounds = SimpleNamespace(greatest_gap=gap, least_gap=least, meet=lambda *_, **__: within)
+        fields = {"away": None, "is_elsewhere": False, "critical": None, "rounding_cost": TINY}
+        fields |= {"energy_range": 1, "is_near": lambda _: True} | more
+        return spring_verdict_of(
+            SimpleNamespace(bounds=bounds, proof_gap=own, **fields),  # pyright: ignore[reportArgumentType]
+            settings,
+        )
+
+    fine, quarter = Fraction(FINE_PROOF), Fraction(1, 4)
+    assert verdict(TINY) is PoseVerdict.OPTIMAL
+    assert verdict(TINY + LITTLE**2) is PoseVerdict.NEAR_OPTIMAL
+    assert verdict(fine, fine) is PoseVerdict.OPTIMAL
+    assert verdict(fine + LITTLE, fine + LITTLE) is PoseVerdict.NEAR_OPTIMAL
+    assert verdict(TINY, within=False) is PoseVerdict.NEAR_OPTIMAL
+    assert verdict(quarter) is PoseVerdict.NEAR_OPTIMAL
+    assert verdict(quarter, is_near=lambda _: False) is PoseVerdict.BOUNDED
+    assert verdict(quarter + LITTLE) is PoseVerdict.NOT_AN_EQUILIBRIUM
+    assert verdict(quarter, is_elsewhere=True) is PoseVerdict.NOT_AN_EQUILIBRIUM
+    assert verdict(quarter, away=0.125) is PoseVerdict.NEAR_OPTIMAL
+    assert verdict(quarter, away=math.nextafter(0.125, 1)) is PoseVerdict.NOT_AN_EQUILIBRIUM
+    worse: dict[str, Any] = {"critical": (), "is_elsewhere": True}
+    assert verdict(quarter, least=LITTLE, **worse) is PoseVerdict.SPURIOUS_EQUILIBRIUM
+    assert verdict(quarter, least=SAME, **worse) is PoseVerdict.NOT_AN_EQUILIBRIUM
+
+
+@pytest.mark.parametrize("beside", [-LITTLE, Fraction(0), LITTLE])
+def test_minima_are_near_up_to_the_proved_gap(beside: Fraction):
+    energies = {"best": Fraction(2), "next": Fraction(5, 2) + beside, "far": Fraction(9)}
+    certificate = SimpleNamespace(body=SimpleNamespace(gap=Fraction(1, 2)))
+    fields: dict[str, Any] = {
+        "least": Fraction(2),
+        "objective": SimpleNamespace(energy=energies.__getitem__),
+    }
+
+    def near(minima: list[str], certificate: Any = certificate) -> int:
+        found = SimpleNamespace(minima=minima)
+        return asked(SpringSolution, "near_minima", certificate=certificate, found=found, **fields)
+
+    assert near(["best", "next", "far"]) == (1 if beside > 0 else 2)
+    assert near(["far"]) == 1
+    assert near(["best", "next"], None) == 1
