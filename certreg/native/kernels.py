@@ -117,7 +117,7 @@ class Built:
     """What the build left.
 
     digest: of the sources. checkout: whether it stands beside them, where they may be changed.
-    compiler: its own words. asked: what $CC said, empty where it said nothing. variants: file
+    compiler: its own words. asked: what CC said, empty where it said nothing. variants: file
     names, by the names in `LEVELS`. processor: the file name of the library that tells the level.
     why: there is no library; empty where there is one.
     """

@@ -77,7 +77,7 @@ WEAKER = 1e3  # times the bounds that certreg proves: the page warns of such a c
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Motion:
+class MotionOptions:
     """How the body is simulated, and a sentence on it. integrator: None for not at all.
 
     damping: None for that of the fastest decay.
@@ -88,7 +88,7 @@ class Motion:
     words: str
 
     @classmethod
-    def of(cls, about: dict[str, Any], problem: RegistrationProblem) -> Motion:
+    def of(cls, about: dict[str, Any], problem: RegistrationProblem) -> MotionOptions:
         """As the `about` of a certificate says; where it does not, as usual, and it is told."""
         damping, integrator = about.get("damping"), about.get("integrator", "")
         known, usual = [one.value for one in Integrator], CROSS_CHECK.value
@@ -143,7 +143,7 @@ def report_of(
     stated = points if isinstance(points, RegistrationProblem) else _problem(loaded, points)
     if stated.factors is not None:
         return _spring_report(stated, replace(loaded, body=body), content, verdict, file.name)
-    motion = Motion.of(loaded.about, stated)
+    motion = MotionOptions.of(loaded.about, stated)
     if noted is not None:
         noted(motion.words)
     registration = certified(

@@ -36,7 +36,7 @@ from certreg.report.any_report import EMBEDDED_BYTES
 from certreg.report.markup import asset, coded, environment_of, inert, inert_json
 from certreg.report.page import Report
 from certreg.report.pages import html_page
-from certreg.report.reload import Motion, _problem, report_of
+from certreg.report.reload import MotionOptions, _problem, report_of
 from certreg.report.thinning import simulated_escapes, thinned
 from certreg.report.viewer import Names
 from certreg.report.words import THEOREMS, MethodAngles, sentences
@@ -328,7 +328,7 @@ def test_a_motion_by_another_integrator_is_shown_again(tmp_path: Path):
     ],
 )
 def test_a_certificate_that_names_no_usable_motion_gets_the_usual_one(about: dict[str, Any]):
-    motion = Motion.of(about, RegistrationProblem([[1.0, 0.0, 0.0]], [[1.0, 0.0, 0.0]]))
+    motion = MotionOptions.of(about, RegistrationProblem([[1.0, 0.0, 0.0]], [[1.0, 0.0, 0.0]]))
 
     assert (motion.damping, motion.integrator) == (None, "splitting")
     assert "computed anew with the defaults, optimal damping and splitting" in motion.words

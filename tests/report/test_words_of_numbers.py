@@ -32,7 +32,7 @@ from certreg.report import (
 from certreg.report.cards import assessment_card, registration_card
 from certreg.report.document import NOT_A_BOUND
 from certreg.report.page import Report
-from certreg.report.reload import Motion
+from certreg.report.reload import MotionOptions
 from certreg.report.thinning import FRAMES, thinned
 from certreg.report.uncertainty import uncertainty_rows
 from certreg.report.viewer import sample_of
@@ -193,7 +193,7 @@ def test_what_is_told_apart_is_counted_by_its_kind():
 )
 def test_a_damping_is_taken_from_a_certificate_up_to_its_limits(damping: Any, *, kept: bool):
     point = RegistrationProblem([[1.0, 0.0, 0.0]], [[1.0, 0.0, 0.0]])
-    motion = Motion.of({"damping": damping, "integrator": "euler"}, point)
+    motion = MotionOptions.of({"damping": damping, "integrator": "euler"}, point)
     assert (motion.damping, motion.integrator) == (
         (damping, "euler") if kept else (None, CROSS_CHECK.value)
     )
