@@ -3,6 +3,7 @@ from __future__ import annotations
 import itertools
 import math
 from dataclasses import replace
+from fractions import Fraction
 from types import SimpleNamespace
 
 import numpy as np
@@ -15,6 +16,7 @@ from rotations import turned
 import certreg
 from certreg import RegistrationProblem
 from certreg.equilibrium import presentation
+from certreg.equilibrium.critical_set import Completeness, Critical, CriticalSet
 from certreg.equilibrium.spectral import by_eigenspaces
 from certreg.equilibrium.stability import DIGITS, Curvature, _oscillator, _signed, spring_ratios
 from certreg.exact.eigenbasis import integer_eigenbasis
@@ -29,6 +31,7 @@ from certreg.geometry.so3 import (
 from certreg.objective.isotropic import Isotropic
 from certreg.problem.moments import exact_moments, floating_moments
 from certreg.registration.closed_form import arun, horn
+from certreg.results import Guarantee
 
 PATTERNS = sorted({s.pattern for s in strategies.ZOO})
 
@@ -390,3 +393,18 @@ def test_signs_are_told_where_no_ratio_is_within_rounding_of_zero():
     assert signed(-4.0, -past, least) is None
     assert signed(-past, least, 4.0) is None
     assert signed(-4.0, -3.0, -least) is None
+
+
+@pytest.mark.parametrize("parts", [*itertools.permutations(Guarantee)])
+def test_a_set_is_as_sure_as_its_least_sure_component(parts: tuple[Guarantee, ...]):
+    components = tuple(
+        Critical(
+            quaternion=(1, 0, 0, 0), span=(), value=Fraction(0), index=None, guarantee=guarantee
+        )
+        for guarantee in parts
+    )
+    for some in (components, components[:2]):
+        found = CriticalSet(
+            method="any", components=some, bits=0, completeness=Completeness.CONSTANT
+        )
+        assert found.guarantee is Guarantee(min(part.guarantee.value for part in some))

@@ -262,3 +262,55 @@ def test_lines_are_different_where_a_minor_is_not_zero_for_certain():
         assert are_distinct([one, other]) is distinct
     twice = RootBox(coordinates=tuple(map(arb, (2, 4, 6, 8))), bits=53)
     assert not are_distinct([one, twice])
+
+
+class Half:
+    """Functions whose slope is 1/2 each: about a point the image is half as wide as the box."""
+
+    def values(self, x: Any) -> Any:
+        return x / 2
+
+    def jacobian(self, x: Any) -> Any:
+        return arb_mat(x.nrows(), x.nrows(), 1) / 2
+
+
+@pytest.mark.parametrize(
+    ("x", "step", "bits", "half"),
+    [
+        ((40, None), (None, None), 128, 40 - 64 - 1),  # beside the largest coordinate
+        ((-300, None), (None, None), 128, -300 - 64 - 1),
+        ((None, None), (None, None), 128, -64 - 1),  # beside 1 at zero
+        ((None, None), (None, None), 127, -63 - 1),
+        ((None, None), (-20, None), 128, -18 - 1),  # four times the largest step
+    ],
+)
+def test_a_box_is_as_wide_as_its_largest_step_and_the_last_half_of_its_bits(x, step, bits, half):
+    def column(exponents: tuple[int | None, ...]) -> arb_mat:
+        return arb_mat(2, 1, [0 if e is None else arb(2) ** e for e in exponents])
+
+    with ctx.workprec(bits):
+        one = arb_mat(2, 2, 1)
+        image = krawczyk._krawczyk(Half(), column(x), one, column(step))
+        for ball in checked(image).entries():
+            assert float(ball.rad() / arb(2) ** half) == pytest.approx(1.0, rel=1e-6)
+
+
+@pytest.mark.parametrize(("most", "tried"), [(128, 1), (255, 1), (256, 2), (1024, 4)])
+def test_the_bits_are_doubled_up_to_the_most_and_no_further(most: int, tried: int):
+    asked = list[int]()
+
+    class Flat(Square):
+        def jacobian(self, x: Any) -> Any:
+            asked.append(ctx.prec)
+            return arb_mat([[0]])
+
+    assert proved_root(Flat(2), arb_mat([[1]]), start_bits=128, max_bits=most) is None
+    assert asked == [128 << k for k in range(tried)]
+
+
+@pytest.mark.parametrize(("root", "start"), [(3, 2.9), (-3, -3.2), (0.5, 0.4), (-0.5, -0.6)])
+def test_a_box_holds_the_rational_root_beside_it_and_not_the_other(root: float, start: float):
+    (ball,) = checked(proved_root(Square(root * root), arb_mat([[start]]))).coordinates
+
+    assert ball.contains(arb(root))
+    assert not ball.contains(arb(-root))

@@ -220,6 +220,18 @@ def test_a_rank_that_is_lost_modulo_the_first_prime_is_not_lost_over_q(monkeypat
     assert at_most_forty(quartic) is None
 
 
+def test_dimensions_are_asked_for_up_to_the_highest_degree(monkeypatch):
+    degrees = list[int]()
+
+    def forty(_: Any, degree: int, __: int) -> int:
+        degrees.append(degree)
+        return 40
+
+    monkeypatch.setattr(RANKS, "_dimension", forty)
+    assert infinitely_many(fourth_powers((10, 9, 7, 6))) is None
+    assert degrees == [7, 8, 9, 10]
+
+
 def test_a_double_line_is_never_boxed():
     """w^4 + 2 x^4 has none with y or z, where it is flat: the line e_3 is critical and multiple."""
     levelled = levelled_exactly(fourth_powers((1, 2, 0, 0)))

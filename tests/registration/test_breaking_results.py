@@ -15,7 +15,8 @@ from certreg.dynamics import BreakingStatus, SimulationSettings
 from certreg.equilibrium import Labels, SpringSet
 from certreg.errors import InvalidProblemError, UndecidedError
 from certreg.problem import BreakingProblem, RegistrationProblem
-from certreg.registration.breaking import _optimum_listed
+from certreg.registration import breaking
+from certreg.registration.breaking import _fewest, _optimum_listed
 from certreg.registration.breaking_simulation import _end
 from certreg.registration.examples import TWIN_MOTIONS as TWINS
 from certreg.results import OUT_OF_RANGE, ComponentKind
@@ -27,6 +28,38 @@ if TYPE_CHECKING:
 def clouds(seed: int, n: int, wrong: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     made = wrong_pairs(np.random.default_rng(seed), n, wrong)
     return made.source, made.target, made.true
+
+
+def few(n: int) -> BreakingProblem:
+    x = np.arange(3.0 * n).reshape(n, 3) ** 2
+    return BreakingProblem.of(RegistrationProblem(x, x), 1.0)
+
+
+def test_as_many_springs_hold_as_are_asked_for_from_three_to_all():
+    for least in range(3, 8):
+        assert _fewest(few(7), least) == least
+    for least in (-1, 0, 1, 2, 8, 9):
+        with pytest.raises(InvalidProblemError) as caught:
+            _fewest(few(7), least)
+        assert (caught.value.value, caught.value.limit) == (least, 7)
+
+
+@pytest.mark.parametrize(("n", "held", "fewest"), [(12, 9, 3), (13, 9, 9), (13, 3, 3), (13, 2, 3)])
+def test_of_more_than_twelve_as_many_as_a_pose_holds_and_three_at_least(
+    monkeypatch: pytest.MonkeyPatch, n: int, held: int, fewest: int
+):
+    """Of several poses the last, which holds the most."""
+    poses = [SimpleNamespace(inliers=np.arange(k)) for k in (1, held)]
+    monkeypatch.setattr(breaking, "candidates", lambda *_: iter(poses))
+    monkeypatch.setattr(breaking, "_held_at_rest", lambda _, rows: len(rows))
+
+    assert _fewest(few(n), None) == fewest
+
+
+def test_where_no_pose_is_found_three_are_looked_for(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(breaking, "candidates", lambda *_: iter(()))
+
+    assert _fewest(few(13), None) == 3
 
 
 # Equilibria ---------------------------------------------------------------------------------------

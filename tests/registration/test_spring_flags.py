@@ -7,10 +7,16 @@ from fractions import Fraction
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 
-from certreg.registration import spring_simulation
-from certreg.registration.spring_findings import FINE_PROOF, spring_verdict_of
+from certreg.registration import spring_findings, spring_simulation
+from certreg.registration.spring_findings import (
+    FINE_PROOF,
+    SLACK,
+    _cost_of_rounding,
+    spring_verdict_of,
+)
 from certreg.registration.spring_result import SpringSolution
 from certreg.registration.spring_simulation import LEVEL, NEAR, TIE, SimulatedSprings
 from certreg.results import PoseVerdict
@@ -103,3 +109,56 @@ def test_minima_are_near_up_to_the_proved_gap(beside: Fraction):
     assert near(["best", "next", "far"]) == (1 if beside > 0 else 2)
     assert near(["far"]) == 1
     assert near(["best", "next"], None) == 1
+
+
+def cost_of(monkeypatch: Any, half: Any, sine: Fraction, away: Fraction) -> Fraction:
+    """Of a turn and a shift of these sizes, squared, beside half a Hessian."""
+    for name, value in (
+        ("source_centre", np.zeros(3)),
+        ("half_hessian", np.asarray(half, dtype=float)),
+        ("rounding_errors", (sine, away)),
+    ):
+        monkeypatch.setattr(spring_findings, name, lambda *_, value=value: value)
+    registration: Any = SimpleNamespace(
+        pose=SimpleNamespace(rotation=None, quaternion_wxyz=None, translation=None), problem=None
+    )
+    given: Any = SimpleNamespace(is_matrix=True, translation=())
+    return _cost_of_rounding(registration, given)
+
+
+@pytest.mark.parametrize("k", range(6))
+def test_a_rounding_costs_its_turn_and_its_shift_by_the_stiffest_of_either(monkeypatch: Any, k):
+    """(2 sqrt(S) + 2 pi/6 sqrt(T))^2, where |d| = 2 and sin(a/2) = 1/2."""
+    sizes = [1.0] * 6
+    sizes[k] = 9.0
+    shift, turn = (6.0, 1.0) if k < 3 else (2.0, 3.0)
+    cost = cost_of(monkeypatch, np.diag(sizes), Fraction(1, 4), Fraction(4))
+
+    assert float(cost) == pytest.approx(SLACK * (shift + turn * math.pi / 3) ** 2, rel=1e-14)
+
+
+def test_the_stiffest_direction_may_be_any_mix(monkeypatch: Any):
+    """((1, 2), (2, 4)) takes (1, 2) to 5 times itself."""
+    block = np.diag([0.0, 0.0, 1.0])
+    block[:2, :2] = [[1.0, 2.0], [2.0, 4.0]]
+    half = np.kron(np.eye(2), block)
+
+    cost = cost_of(monkeypatch, half, Fraction(0), Fraction(1))
+    assert float(cost) == pytest.approx(SLACK * 5.0, rel=1e-14)
+    cost = cost_of(monkeypatch, half, Fraction(1, 2), Fraction(0))
+    assert float(cost) == pytest.approx(SLACK * 5.0 * (math.pi / 2) ** 2, rel=1e-14)
+
+
+@pytest.mark.parametrize("sine", [Fraction(1), Fraction(4)])
+def test_a_turn_is_half_a_turn_at_most(monkeypatch: Any, sine: Fraction):
+    cost = cost_of(monkeypatch, np.eye(6), sine, Fraction(0))
+
+    assert float(cost) == pytest.approx(SLACK * math.pi**2, rel=1e-14)
+
+
+@pytest.mark.parametrize("beyond", [math.inf, math.nan])
+def test_beyond_the_doubles_no_cost_of_a_rounding_is_allowed(monkeypatch: Any, beyond: float):
+    half = np.eye(6)
+    half[4, 4] = beyond
+
+    assert cost_of(monkeypatch, half, Fraction(1, 4), Fraction(4)) == 0

@@ -7,6 +7,7 @@ import re
 from dataclasses import replace
 from fractions import Fraction
 from importlib.resources import files
+from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -272,3 +273,13 @@ def test_a_bound_that_holds_by_chance_is_warned_of(given):
         narrow
     )
     assert "\n  robustness        of the least squares: every optimum stays" in str(narrow)
+
+
+@pytest.mark.parametrize(("gap", "worth"), [(0.5, None), (None, SimpleNamespace()), (None, None)])
+def test_without_a_gap_or_without_a_cost_nothing_is_called_proved(gap: Any, worth: Any):
+    fields = {"gap": gap, "verdict": SimpleNamespace(worth=worth), "cost": 6.75}
+    found = SimpleNamespace(labels=(), _within="", certified=True, **fields)
+
+    assert vars(TruncatedRegistration)["headline"].fget(found) == (
+        "NOT PROVED: a rotation of truncated cost 6.75 was found."
+    )

@@ -62,6 +62,14 @@ def test_the_limit_is_met_from_inside_and_not_from_outside():
     assert weak_shifts(objective_of(one_across(outside))) == ()
 
 
+def test_a_share_that_is_the_limit_is_called_weak():
+    """tr S = 10^12, of which 1 resists: 999999^2 + 1414^2 + 24^2 + 5^2 + 1 + 1."""
+    across = [[0.0, length, 0.0] for length in (1414.0, 24.0, 5.0, 1.0)]
+    for last, weak in ((1.0, 1), (math.nextafter(1.0, 2.0), 0)):
+        objective = objective_of([[999999.0, 0.0, 0.0], *across, [0.0, 0.0, last]])
+        assert len(weak_shifts(objective)) == weak
+
+
 def test_springs_changed_by_the_share_leave_the_shift_free_exactly():
     e = 2.0**-30
     objective = objective_of(one_across(e))
