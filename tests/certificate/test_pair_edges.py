@@ -268,7 +268,8 @@ def test_pairs_are_met_elsewhere_where_their_scales_are_in_no_open_range():
 
 
 def test_angles_of_many_are_those_of_one(monkeypatch):
-    values = [0.0, 1e-300, 0.25, 0.5, 1.0, 2.0]
+    steep = [0.75, 0.875, 0.9375, 0.99609375, 1.0 - 2.0**-31]
+    values = [0.0, 1e-300, 0.25, 0.5, *steep, 1.0, 2.0]
     monkeypatch.setattr(many, "_doubles", np.array)
     optima: Any = SimpleNamespace(sine=values)
 
