@@ -25,7 +25,7 @@ from certreg.equilibrium.homotopy import EigenBalls, HomotopyStatus, continuatio
 from certreg.equilibrium.krawczyk import proved_root
 from certreg.exact.balls import exact_matrix
 from certreg.geometry.so3 import davenport_matrix
-from certreg.io.clouds import read_problem
+from certreg.io.problems import read_problem
 from certreg.objective.classification import pattern_of
 from certreg.objective.polynomials import multiplier_system
 from certreg.problem.moments import exact_moments

@@ -15,20 +15,20 @@ if TYPE_CHECKING:
     from certreg.io.atomic import write_together as write_together
     from certreg.io.atomic import written_atomically as written_atomically
     from certreg.io.bounds import read_bounds as read_bounds
-    from certreg.io.clouds import BY_LABEL as BY_LABEL
-    from certreg.io.clouds import Match as Match
-    from certreg.io.clouds import Pair as Pair
-    from certreg.io.clouds import Pairing as Pairing
     from certreg.io.clouds import read_cloud as read_cloud
-    from certreg.io.clouds import read_problem as read_problem
     from certreg.io.inliers import PAIR_COLUMNS as PAIR_COLUMNS
     from certreg.io.inliers import read_inliers as read_inliers
+    from certreg.io.labels import Match as Match
     from certreg.io.labels import csv_field as csv_field
     from certreg.io.objects import load as load
     from certreg.io.objects import pair as pair
     from certreg.io.objects import stated_problem as stated_problem
+    from certreg.io.pairing import BY_LABEL as BY_LABEL
+    from certreg.io.pairing import Pair as Pair
+    from certreg.io.pairing import Pairing as Pairing
     from certreg.io.poses import MAX_POSE_BYTES as MAX_POSE_BYTES
     from certreg.io.poses import read_result_pose as read_result_pose
+    from certreg.io.problems import read_problem as read_problem
     from certreg.io.springs import OF_COLUMNS as OF_COLUMNS
     from certreg.io.springs import SpringSource as SpringSource
     from certreg.io.standard_input import is_standard_input as is_standard_input
@@ -54,25 +54,20 @@ __getattr__ = lazy_face(
             "written_atomically",
         ),
         "bounds": ("read_bounds",),
-        "clouds": (
-            "BY_LABEL",
-            "Match",
-            "Pair",
-            "Pairing",
-            "read_cloud",
-            "read_problem",
-        ),
+        "clouds": ("read_cloud",),
         "inliers": ("PAIR_COLUMNS", "read_inliers"),
-        "labels": ("csv_field",),
+        "labels": ("Match", "csv_field"),
         "objects": (
             "load",
             "pair",
             "stated_problem",
         ),
+        "pairing": ("BY_LABEL", "Pair", "Pairing"),
         "poses": (
             "MAX_POSE_BYTES",
             "read_result_pose",
         ),
+        "problems": ("read_problem",),
         "springs": (
             "OF_COLUMNS",
             "SpringSource",

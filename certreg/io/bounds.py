@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from certreg.io.clouds import Pair
+    from certreg.io.pairing import Pair
 
 
 def read_bounds(path: Path, pair: Pair) -> NDArray[np.float64]:

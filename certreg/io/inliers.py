@@ -14,7 +14,7 @@ from certreg.verify import shown
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from certreg.io.clouds import Pair
+    from certreg.io.pairing import Pair
     from certreg.io.streams import Place
 
     Rows = list[tuple[Place, list[str]]]

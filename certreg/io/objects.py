@@ -10,9 +10,11 @@ import numpy as np
 
 from certreg._loading import late
 from certreg.errors import InvalidProblemError
-from certreg.io.clouds import Cloud, Pair, Pairing, pair_of, problem_of, read_cloud
+from certreg.io.clouds import Cloud, read_cloud
 from certreg.io.columns import NOISE, axes_of
 from certreg.io.labels import Match
+from certreg.io.pairing import Pair, Pairing, pair_of
+from certreg.io.problems import problem_of
 from certreg.io.springs import springs_of_pairs
 from certreg.io.standard_input import is_standard_input
 from certreg.problem import (

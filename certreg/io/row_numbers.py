@@ -7,18 +7,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.errors import InvalidFileError
-from certreg.io.labels import require_same_order
 from certreg.problem import row_blocks
 from certreg.results import Brief
-from certreg.verify import shown
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from numpy.typing import NDArray
-
-    from certreg.io.clouds import Cloud
 
 MIXERS = (np.uint64(0xBF58476D1CE4E5B9), np.uint64(0x94D049BB133111EB))  # of splitmix64
 SHIFT = np.uint64(31)
@@ -63,31 +56,3 @@ class RowNumbers(Brief):
     def _bits(self, rows: slice) -> NDArray[np.uint64]:
         """The numbers as doubles, bit by bit, so that what is no number is equal to itself."""
         return (self.column[rows].astype(np.float64) + 0.0).view(np.uint64)
-
-
-def require_same_rows(source: Cloud, target: Cloud) -> None:
-    """That rows which are to pair in order do not name the same points in another order.
-
-    By the names that were read, or the numbers of large files. Raises InvalidFileError.
-    """
-    files = (source.path, target.path)
-    require_same_order(source.identifiers, target.identifiers, files)
-    if source.numbers is None and target.numbers is None:
-        return
-    here, there = (c.numbers or RowNumbers.of(c.identifiers) for c in (source, target))
-    if here is not None and there is not None:
-        _require_same(here, there, files)
-
-
-def _require_same(source: RowNumbers, target: RowNumbers, files: tuple[Path, Path]) -> None:
-    row = source.first_other(target)
-    if row is None or source.sum != target.sum:
-        return
-    names = [shown(file) for file in files]
-    here, there = source.column[row].item(), target.column[row].item()
-    message = (
-        f"{names[0]} and {names[1]} number the same points in another order: point {row} (counting "
-        f"from 0) is {here:.16g} and {there:.16g}, and files this large are not paired by "
-        "label: give pairs, or sort both by it"
-    )
-    raise InvalidFileError(message, path=files[1], row=row, value=there, limit=here)

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from certreg.io import spring_tables
-    from certreg.io.clouds import Pair
+    from certreg.io.pairing import Pair
     from certreg.io.spring_tables import SpringTable
 else:
     spring_tables = late("certreg.io.spring_tables")

@@ -82,9 +82,6 @@ if TYPE_CHECKING:
     from certreg.registration.headlines import NO_ROTATION as NO_ROTATION
     from certreg.registration.headlines import WEAK as WEAK
     from certreg.registration.headlines import Headline as Headline
-    from certreg.registration.headlines import TooLarge as TooLarge
-    from certreg.registration.headlines import axis_words as axis_words
-    from certreg.registration.headlines import beyond_first_order as beyond_first_order
     from certreg.registration.headlines import headline_of as headline_of
     from certreg.registration.headlines import headline_words as headline_words
     from certreg.registration.headlines import interval_words as interval_words
@@ -95,6 +92,9 @@ if TYPE_CHECKING:
     from certreg.registration.kept_pairs import KeptPairs as KeptPairs
     from certreg.registration.kept_pairs import LabelsVerdict as LabelsVerdict
     from certreg.registration.kept_pairs import judged_labels as judged_labels
+    from certreg.registration.loose_turns import TooLarge as TooLarge
+    from certreg.registration.loose_turns import axis_words as axis_words
+    from certreg.registration.loose_turns import beyond_first_order as beyond_first_order
     from certreg.registration.many import certify_many as certify_many
     from certreg.registration.misfits import ChiSquared as ChiSquared
     from certreg.registration.misfits import FitCode as FitCode
@@ -260,9 +260,6 @@ __getattr__ = lazy_face(
             "NO_ROTATION",
             "WEAK",
             "Headline",
-            "TooLarge",
-            "axis_words",
-            "beyond_first_order",
             "headline_of",
             "headline_words",
             "interval_words",
@@ -272,6 +269,7 @@ __getattr__ = lazy_face(
             "share_words",
         ),
         "kept_pairs": ("KeptPairs", "LabelsVerdict", "judged_labels"),
+        "loose_turns": ("TooLarge", "axis_words", "beyond_first_order"),
         "many": ("certify_many",),
         "misfits": (
             "ChiSquared",

@@ -18,7 +18,7 @@ from certreg.geometry import (
     squared_norm,
 )
 from certreg.problem import lift
-from certreg.registration.headlines import LOOSE_SIGMA, TURNED_FAR, beyond_first_order
+from certreg.registration.loose_turns import LOOSE_SIGMA, TURNED_FAR, beyond_first_order
 from certreg.registration.misfits import LEVEL
 from certreg.registration.rounding import rounding_cost
 from certreg.registration.scaled_poses import GapParts, gap_parts, scaled_rounding_cost

@@ -17,7 +17,7 @@ from certreg.problem import Scale
 from certreg.registration.covariance import (
     worst_residuals,
 )
-from certreg.registration.headlines import LOOSE_SIGMA, beyond_first_order
+from certreg.registration.loose_turns import LOOSE_SIGMA, beyond_first_order
 from certreg.registration.misfits import (
     LEVEL,
     MIRROR_EXPLAINED,

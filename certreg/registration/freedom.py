@@ -17,7 +17,7 @@ import numpy as np
 
 from certreg.exact import nullspace
 from certreg.geometry import dot
-from certreg.registration.headlines import axes_words, axis_words
+from certreg.registration.loose_turns import axes_words, axis_words
 from certreg.results import Brief
 
 if TYPE_CHECKING:

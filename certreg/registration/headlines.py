@@ -11,32 +11,18 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from certreg.exact import at_least, at_most, degrees_above
+from certreg.registration.loose_turns import LOOSE_SIGMA, axis_words
 from certreg.registration.misfits import FitCode
-from certreg.results import Absent, Limits, Optimality
+from certreg.results import Limits, Optimality
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    import numpy as np
-    from numpy.typing import NDArray
-
     from certreg.certificate import PoseBounds
     from certreg.registration.any_registration import AnyRegistration
-    from certreg.registration.covariance import PoseCovariance
     from certreg.registration.fit import Fit
     from certreg.registration.result import Registration
 
 SMALL_SCALE = 0.1  # off one: what the pose leaves without it is a hundredth of the cloud's spread
 GOOD_EXPLAINED = 0.99  # with the scale; so the pose alone explains about 0.98
-# About an axis a turn by a costs 4 sin^2(a/2) / sigma^2 in units of the noise, 4 / sigma^2 at most:
-LOOSE_SIGMA = 0.4  # radians, as 4 / 0.4^2 = 25, the square of five standard deviations
-
-
-class TooLarge(Absent):
-    """What a first order would have to say of a large turn."""
-
-
-TURNED_FAR = TooLarge("the pose is turned too far from the optimum for a first order")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -270,14 +256,6 @@ def is_loose(registration: AnyRegistration) -> bool:
     return covariance.loosest_sigma > LOOSE_SIGMA
 
 
-def beyond_first_order(covariance: PoseCovariance) -> TooLarge | None:
-    """Why no deviation of a turn is told, to first order, where one is that large."""
-    if covariance.loosest_sigma <= LOOSE_SIGMA:
-        return None
-    about = axis_words(covariance.loosest_axis)
-    return TooLarge(f"the turn about {about} is hardly determined, far beyond a first order")
-
-
 def loose_words(registration: AnyRegistration) -> str:
     """That the noise leaves a turn open, and about which axis; empty where it does not."""
     covariance = registration.covariance
@@ -288,22 +266,6 @@ def loose_words(registration: AnyRegistration) -> str:
         f"five standard deviations of {whose} rule out no turn about the source's axis "
         f"{axis_words(covariance.loosest_axis)}"
     )
-
-
-def axis_words(axis: NDArray[np.float64]) -> str:
-    """A unit vector in three digits.
-
-    >>> import numpy as np
-    >>> axis_words(np.array([1.0, -1e-7, 0.0]))
-    '(1, 0, 0)'
-    """
-    return f"({', '.join(f'{entry + 0.0:.3g}' for entry in axis.round(3))})"
-
-
-def axes_words(axes: Sequence[NDArray[np.float64]]) -> str:
-    """Directions as unit vectors in three digits; of two any mix is meant."""
-    named = [axis_words(axis) for axis in axes]
-    return named[0] if len(named) == 1 else f"{', '.join(named)} or any mix of them"
 
 
 def reason_of_fit(fit: Fit) -> str | None:

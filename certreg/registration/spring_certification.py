@@ -25,7 +25,7 @@ from certreg.geometry import Pose
 from certreg.objective import Springs
 from certreg.problem import spring_moments
 from certreg.registration.freedom import Freedom
-from certreg.registration.headlines import axis_words
+from certreg.registration.loose_turns import axis_words
 from certreg.registration.parts import logged
 from certreg.registration.robustness import NONE_PROVED
 from certreg.registration.spring_curvature import soft_axes

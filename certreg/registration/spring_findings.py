@@ -34,7 +34,7 @@ from certreg.registration.findings import (
 from certreg.registration.findings import (
     UNDECIDED as UNPROVED,
 )
-from certreg.registration.headlines import LOOSE_SIGMA, TURNED_FAR, beyond_first_order
+from certreg.registration.loose_turns import LOOSE_SIGMA, TURNED_FAR, beyond_first_order
 from certreg.registration.nearby_equilibrium import equilibrium_near
 from certreg.registration.rounding import rounding_errors
 from certreg.registration.spring_covariance import half_hessian, source_centre

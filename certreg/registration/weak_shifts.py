@@ -21,7 +21,7 @@ import numpy as np
 
 from certreg.exact import at_most, integer_eigenbasis, root_above
 from certreg.geometry import quadratic_form, squared_norm
-from certreg.registration.headlines import axes_words
+from certreg.registration.loose_turns import axes_words
 from certreg.results import Brief
 
 if TYPE_CHECKING:

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from certreg.report.file_names import REPORT as REPORT
     from certreg.report.folder import write_folder as write_folder
     from certreg.report.judged_pose import assessment_summary as assessment_summary
+    from certreg.report.lines import equilibria_words as equilibria_words
     from certreg.report.markup import printable as printable
     from certreg.report.markup import rendered as rendered
     from certreg.report.methods import enumeration_summary as enumeration_summary
@@ -47,7 +48,6 @@ if TYPE_CHECKING:
     from certreg.report.spring_simulation import (
         spring_simulation_summary as spring_simulation_summary,
     )
-    from certreg.report.summary import equilibria_words as equilibria_words
     from certreg.report.summary import registration_summary as registration_summary
     from certreg.report.summary import simulation_summary as simulation_summary
 
@@ -79,6 +79,7 @@ __getattr__ = lazy_face(
         ),
         "file_names": ("FILES", "REPORT"),
         "folder": ("write_folder",),
+        "lines": ("equilibria_words",),
         "markup": (
             "printable",
             "rendered",
@@ -92,7 +93,6 @@ __getattr__ = lazy_face(
             "spring_equilibria_document",
         ),
         "summary": (
-            "equilibria_words",
             "registration_summary",
             "simulation_summary",
         ),

@@ -11,8 +11,8 @@ from importlib.resources import files
 from typing import TYPE_CHECKING, Any, ClassVar, Generic, Self, TypeVar
 
 from certreg import __version__
+from certreg.report.lines import number
 from certreg.report.markup import asset, printable, rendered
-from certreg.report.summary import number
 from certreg.report.viewer import Names
 from certreg.report.words import THEOREMS, begun, sentence
 

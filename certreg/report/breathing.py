@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING
 
 from certreg.report.cards import Card
 from certreg.report.encoding import encoded
-from certreg.report.picture import energy_picture
-from certreg.report.summary import (
+from certreg.report.lines import (
     COUNTS,
     KINDS,
     away_words,
@@ -19,6 +18,7 @@ from certreg.report.summary import (
     step_words,
     table_of,
 )
+from certreg.report.picture import energy_picture
 from certreg.results import OUT_OF_RANGE, Absent, ComponentKind, present
 
 if TYPE_CHECKING:

@@ -7,16 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from certreg.registration import is_green, is_green_spring
-from certreg.report.markup import printable, rendered
-from certreg.report.picture import energy_picture, registration_picture
-from certreg.report.remedies import ADVICE, remedies
-from certreg.report.spring_summary import (
-    spring_remedies,
-    spring_verdict_words,
-    spring_warnings,
-    springs_words,
-)
-from certreg.report.summary import (
+from certreg.report.lines import (
     KINDS,
     OF_SPREAD,
     count_words,
@@ -26,6 +17,15 @@ from certreg.report.summary import (
     step_words,
     verdict_words,
     warnings,
+)
+from certreg.report.markup import printable, rendered
+from certreg.report.picture import energy_picture, registration_picture
+from certreg.report.remedies import ADVICE, remedies
+from certreg.report.spring_summary import (
+    spring_remedies,
+    spring_verdict_words,
+    spring_warnings,
+    springs_words,
 )
 from certreg.report.uncertainty import uncertainty_rows
 from certreg.results import Brief

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 from certreg.report.cards import Card
 from certreg.report.consensus_summary import counted_labels, warning_notes
+from certreg.report.lines import number
 from certreg.report.scaled_consensus import scale_facts
-from certreg.report.summary import number
 
 if TYPE_CHECKING:
     from certreg.registration import ConsensusRegistration

@@ -6,6 +6,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from certreg.registration import SpringRegistration
+from certreg.report.lines import explained_words, method_lines, verdict_words
 from certreg.report.overview import Mark, Overview
 from certreg.report.remedies import causes, remedies
 from certreg.report.robustness import robustness_words
@@ -18,11 +19,6 @@ from certreg.report.spring_summary import (
     springs_words,
 )
 from certreg.report.spring_words import RESTS_ON
-from certreg.report.summary import (
-    explained_words,
-    method_lines,
-    verdict_words,
-)
 
 if TYPE_CHECKING:
     from certreg.registration import ConsensusRegistration, Registration

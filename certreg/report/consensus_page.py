@@ -27,9 +27,9 @@ from certreg.report.consensus_summary import (
     pair_remedies,
     warnings_of,
 )
+from certreg.report.lines import number
 from certreg.report.overview import Fact, Overview
 from certreg.report.scaled_consensus import scale_sentences
-from certreg.report.summary import number
 from certreg.report.words import Sentence, begun, sentence
 from certreg.results import Guarantee
 

@@ -15,9 +15,9 @@ from certreg.report.consensus_fit import (
     rmse_words,
 )
 from certreg.report.consensus_reach import reach_line
+from certreg.report.lines import number, uncertainty_lines
 from certreg.report.remedies import ADVICE
 from certreg.report.scaled_consensus import scale_lines, witness_scale_lines
-from certreg.report.summary import number, uncertainty_lines
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

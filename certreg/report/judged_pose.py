@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 from certreg.exact import at_most, degrees_above, rational_root_above
 from certreg.registration import FIT_WARNED, TooLarge, interval_words
+from certreg.report.lines import exact_number, unit_words
 from certreg.report.remedies import ADVICE
-from certreg.report.summary import exact_number, unit_words
 from certreg.results import Absent, PoseVerdict
 
 if TYPE_CHECKING:

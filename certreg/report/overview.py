@@ -16,10 +16,7 @@ from certreg.registration import (
     share_words,
     silent_tests,
 )
-from certreg.report.pose_words import motion_words, turn_of
-from certreg.report.remedies import why_warned
-from certreg.report.robustness import meanwhile_words
-from certreg.report.summary import (
+from certreg.report.lines import (
     explained_words,
     margin_words,
     number,
@@ -27,6 +24,9 @@ from certreg.report.summary import (
     unit_words,
     warnings,
 )
+from certreg.report.pose_words import motion_words, turn_of
+from certreg.report.remedies import why_warned
+from certreg.report.robustness import meanwhile_words
 from certreg.report.uncertainty import (
     centre_words,
     chi2_words,

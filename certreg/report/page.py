@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from certreg.registration import WEAK, Registration, ambiguous_words, headline_of, is_green
 from certreg.report.any_report import AnyReport, head_of
+from certreg.report.lines import verdict_words, warnings
 from certreg.report.markup import inert, inert_json
 from certreg.report.overview import Overview
 from certreg.report.remedies import remedies
-from certreg.report.summary import verdict_words, warnings
 from certreg.report.viewer import (
     packed,
     sample_of,

@@ -89,7 +89,7 @@ SHAPES: dict[str, Shape] = {  # by the name of the type
         card="cards.equilibria_card",
     ),
     "EquilibriumSet": Shape(
-        words="summary.equilibria_words",
+        words="lines.equilibria_words",
         document="document.set_document",
         card="cards.equilibria_card",
     ),

@@ -8,9 +8,7 @@ from certreg.geometry import Similarity
 from certreg.problem import Scale
 from certreg.registration import scaled_equilibria, unit_of
 from certreg.report.breathing import scaled_equilibria_words
-from certreg.report.remedies import ADVICE, remedies, why_warned
-from certreg.report.robustness import robustness_words
-from certreg.report.summary import (
+from certreg.report.lines import (
     explained_words,
     method_lines,
     number,
@@ -18,6 +16,8 @@ from certreg.report.summary import (
     uncertainty_lines,
     untested_lines,
 )
+from certreg.report.remedies import ADVICE, remedies, why_warned
+from certreg.report.robustness import robustness_words
 
 if TYPE_CHECKING:
     from certreg.registration import Registration

@@ -13,6 +13,7 @@ from certreg.registration import (
     unit_of,
 )
 from certreg.report.fields import scale_interval
+from certreg.report.lines import margin_words, warnings
 from certreg.report.overview import (
     WHOSE,
     Fact,
@@ -28,7 +29,6 @@ from certreg.report.overview import (
     warned,
 )
 from certreg.report.scaled_summary import BIAS, SCALE_ZERO
-from certreg.report.summary import margin_words, warnings
 from certreg.report.words import sentence
 from certreg.results import Absent
 

@@ -15,6 +15,7 @@ from certreg.report.breathing import (
     scaled_count_words,
     scaled_rows,
 )
+from certreg.report.lines import HEADINGS, away_words, equilibria_rows, step_words
 from certreg.report.overview import Fact
 from certreg.report.page import Report
 from certreg.report.picture import (
@@ -26,7 +27,6 @@ from certreg.report.picture import (
 )
 from certreg.report.similarity_overview import similarity_overview
 from certreg.report.similarity_words import not_claimed_of, similarity_sentences
-from certreg.report.summary import HEADINGS, away_words, equilibria_rows, step_words
 from certreg.report.words import begun, sentence
 from certreg.results import Absent
 

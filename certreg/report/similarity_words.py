@@ -9,9 +9,9 @@ from certreg.problem import Scale
 from certreg.registration import SimulatedBreathing, scaled_equilibria
 from certreg.report.breathing import KEEPS, inside_out_words, scaled_count_words
 from certreg.report.fields import scale_interval
+from certreg.report.lines import margin_words
 from certreg.report.scaled_summary import BIAS
 from certreg.report.similarity_overview import printed_interval, untested_words
-from certreg.report.summary import margin_words
 from certreg.report.words import (
     NOT_CLAIMED,
     MethodAngles,

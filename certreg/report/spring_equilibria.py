@@ -10,8 +10,8 @@ from certreg.exact import nearest_double
 from certreg.report.cards import Card
 from certreg.report.encoding import Document, Noted, encoded
 from certreg.report.fields import degrees
+from certreg.report.lines import number
 from certreg.report.methods import agreement_words
-from certreg.report.summary import number
 from certreg.results import OUT_OF_RANGE, Absent, ComponentKind, Guarantee
 
 if TYPE_CHECKING:

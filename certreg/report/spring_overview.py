@@ -9,6 +9,7 @@ from certreg.registration import (
     spring_headline_of,
     spring_headline_words,
 )
+from certreg.report.lines import number
 from certreg.report.overview import (
     BASIS,
     NO_PROOF,
@@ -32,7 +33,6 @@ from certreg.report.spring_summary import (
     spring_warnings,
     springs_words,
 )
-from certreg.report.summary import number
 from certreg.report.uncertainty import (
     rotation_words,
     shift_words,

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from certreg.registration import NO_RATE, at_end_words, moving_words
 from certreg.report.cards import Card
 from certreg.report.encoding import encoded
-from certreg.report.summary import number, step_words
+from certreg.report.lines import number, step_words
 from certreg.results import present
 
 if TYPE_CHECKING:

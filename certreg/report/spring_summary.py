@@ -15,9 +15,9 @@ from certreg.registration import (
     spring_headline_words,
     weak_shift_words,
 )
+from certreg.report.lines import MEANS, UNMET, number
 from certreg.report.remedies import ADVICE, FIX_TURN
 from certreg.report.robustness import robustness_words
-from certreg.report.summary import MEANS, UNMET, number
 from certreg.report.uncertainty import uncertainty_rows
 from certreg.results import Absent, Limits, Optimality
 

@@ -2,73 +2,41 @@
 
 from __future__ import annotations
 
-import math
-from collections import Counter
-from decimal import MAX_EMAX, MIN_EMIN, Context, Decimal
-from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from certreg._loading import late
-from certreg.certificate import flat_energy
-from certreg.dynamics import Trajectory
-from certreg.exact import as_given, at_most, nearest_double
-from certreg.registration import (
-    BY_NAME,
-    HARDLY_DETERMINED,
-    NOT_ASKED,
-    FitCode,
-    ambiguous_words,
-    headline_words,
-    narrow_words,
-    proved_degrees,
-    rounding_remedy,
-    share_words,
+from certreg.report.lines import (
+    away_words,
+    equilibria_summary,
+    explained_words,
+    margin_words,
+    method_lines,
+    number,
+    rate_words,
+    status_lines,
+    step_words,
+    uncertainty_lines,
+    unit_words,
+    untested_lines,
+    warnings,
 )
 from certreg.report.remedies import ADVICE, remedies, why_warned
 from certreg.report.robustness import robustness_words
-from certreg.report.thinning import kicked_words, unspent_words
-from certreg.report.uncertainty import uncertainty_rows
+from certreg.report.thinning import unspent_words
 from certreg.results import (
-    Absent,
-    ComponentKind,
-    Guarantee,
-    Limits,
-    Optimality,
     present,
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from certreg.equilibrium import Component, EquilibriumSet
     from certreg.registration import (
-        AnyRegistration,
-        Fit,
         Registration,
-        SimulatedBreathing,
         SimulatedRegistration,
     )
     from certreg.report import scaled_summary
 else:
     scaled_summary = late("certreg.report.scaled_summary")
 
-UNMET = "Not called certified: that asks for a proof that it is"
-MEANS = "Certified means here"
-COUNTS = {0: "none", 1: "one", 2: "two", 3: "three", 4: "four"}
-KINDS = {
-    ComponentKind.POINT: "point",
-    ComponentKind.CIRCLE: "circle",
-    ComponentKind.PROJECTIVE_PLANE: "projective plane",
-    ComponentKind.ROTATION_GROUP: "every rotation",
-}
-OF_SPREAD = " of the target's spread (R squared, with the best scale)"
-HEADINGS = ("index", "kind", "RMSE", "energy", "to optimum", "unstable", "")
 OF_PRINTED = "; at rounding, of the pose as printed"  # below, of the exact optimum
-DISTINGUISHABLE = 25.0  # twice the log-likelihood ratio of five standard deviations
-ROUNDING_SHARE = 1e6  # a gap above a millionth of the minimum is worth a word
-UNNOTED_COST = 1e-24  # of the spread: a shift of 1e-12, finer than any data
-LEAST_NORMAL = 2.0**-1022  # smaller doubles have fewer digits
-COMPARABLE_STEP = 0.1  # h times the decay rate: a scheme's own differs by half of that
 
 
 def registration_summary(registration: Registration) -> str:
@@ -107,17 +75,6 @@ def rigid_summary(registration: Registration) -> str:
     )
 
 
-def untested_lines(fit: Fit) -> list[str]:
-    """Which tests of a fit there are not, in a line, if any are missing."""
-    return [] if fit.untested is None else [f"                    {fit.untested}"]
-
-
-def uncertainty_lines(registration: AnyRegistration) -> list[str]:
-    """The rows of `uncertainty_rows`, in ASCII."""
-    plain = ([part.replace("±", "+/-") for part in row] for row in uncertainty_rows(registration))
-    return [f"  {name:<17} {words}" for name, words in plain]
-
-
 def simulation_summary(simulated: SimulatedRegistration) -> str:
     """The result of `simulate`, readable; energies in objective units."""
     trajectory, unspent = simulated.trajectory, unspent_words(simulated.trajectory)
@@ -135,305 +92,9 @@ def simulation_summary(simulated: SimulatedRegistration) -> str:
             f"  initial energy    {number(initial)}  (kinetic and potential)",
             f"  final energy      {number(final)}",
             f"  residual          {trajectory.speed:.3g}  (norm of the 18 rates of change)",
-            f"  decay rate        {_rate_words(trajectory)}",
+            f"  decay rate        {rate_words(trajectory)}",
             f"  end               {end if unspent is None else f'its rotation {end}'}",
             *([] if unspent is None else [f"  not there yet     {unspent}"]),
             f"{proved} from its last state the exact motion ends at {which} optimum.",
         )
     )
-
-
-def equilibria_summary(equilibria: EquilibriumSet) -> str:
-    """The equilibrium set as a sentence and a table."""
-    return "\n".join((count_words(equilibria), *table_of([HEADINGS, *equilibria_rows(equilibria)])))
-
-
-def equilibria_rows(equilibria: EquilibriumSet) -> list[tuple[str, ...]]:
-    """A row for each, under HEADINGS."""
-    sure = equilibria.doubt is None
-    return [_row(component, sure=sure) for component in equilibria.components]
-
-
-def table_of(rows: Sequence[Sequence[str]]) -> list[str]:
-    """The lines of a table, its columns flush right."""
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    return [
-        ("  " + "  ".join(cell.rjust(w) for cell, w in zip(row, widths, strict=True))).rstrip()
-        for row in rows
-    ]
-
-
-def equilibria_words(equilibria: EquilibriumSet) -> str:
-    """The equilibrium set with its margin, and what is in doubt or not unique."""
-    lines = [equilibria_summary(equilibria), f"Ambiguity margin: {margin_words(equilibria)}."]
-    tie, narrow = ambiguous_words(equilibria), narrow_words(equilibria)
-    if tie is not None:
-        lines.append(tie)
-    elif narrow is not None:
-        lines.append(f"{narrow[0].upper()}{narrow[1:]}.")
-    if equilibria.doubt is not None:
-        lines.append(f"Not proved: {equilibria.doubt}")
-    elif equilibria.classification.ambiguity is not None:
-        lines.append(f"Not unique: {equilibria.classification.ambiguity.value}.")
-    return "\n".join(lines)
-
-
-def count_words(equilibria: EquilibriumSet) -> str:
-    """How many equilibria there are and how that is known, in one sentence."""
-    known = f"{equilibria.guarantee.label}, {'' if equilibria.complete else 'not proved '}complete"
-    return f"Equilibria ({known}): {_counted(equilibria)}."
-
-
-def _counted(equilibria: EquilibriumSet) -> str:
-    classification = equilibria.classification
-    spurious = classification.spurious
-    if equilibria.doubt is not None:
-        if equilibria.components[0].kind is ComponentKind.ROTATION_GROUP:
-            return "the search could not tell any two rotations apart"
-        kinds = [component.kind for component in equilibria.components]
-        return f"the search found {kinds_words(kinds)}, and there may be more"
-    exactly = "" if equilibria.guarantee is Guarantee.NUMERICAL else "exactly "
-    if classification.finite:
-        what = f"{exactly}four equilibria: the optimum and three spurious ones"
-    elif spurious == 0:
-        what = "every rotation is an equilibrium, and every one is optimal"
-    elif spurious is None:
-        optima = "one optimum" if classification.unique else "infinitely many optima"
-        what = f"{optima} and infinitely many spurious equilibria"
-    else:
-        what = f"infinitely many optima and {exactly}{COUNTS[spurious]} spurious equilibri" + (
-            "um" if spurious == 1 else "a"
-        )
-    return what
-
-
-def kinds_words(found: Sequence[ComponentKind]) -> str:
-    """For example: two points and one circle."""
-    kinds = Counter(found)
-    return " and ".join(
-        KINDS[kind]
-        if kind is ComponentKind.ROTATION_GROUP
-        else f"{COUNTS[count]} {KINDS[kind]}{'s' * (count > 1)}"
-        for kind, count in kinds.items()
-    )
-
-
-def margin_words(equilibria: EquilibriumSet) -> str:
-    """How far the optimum is from being ambiguous, in words."""
-    margin = equilibria.margin
-    if equilibria.doubt is not None:
-        return "not known: the list of equilibria is not proved complete"
-    if not equilibria.classification.unique:
-        return "0: the optimum is not unique"
-    percent = f"{100 * margin.relative:.3g} % of the range of energies"
-    if equilibria.pairs_in_doubt:
-        return f"{percent}: unique, but the poor fit may have turned the answer over"
-    if equilibria.nearly_ambiguous:
-        return f"{percent}: unique, but a small change of the data may turn the answer over"
-    return f"{percent}: unique"
-
-
-def verdict_words(registration: Registration) -> list[str]:
-    """What is proved of the pose: a headline, then what else must be said before any number."""
-    status, headline = registration.status, headline_words(registration)
-    ambiguity = registration.equilibria.classification.ambiguity
-    if status is Optimality.NOT_CERTIFIED:
-        return [headline]
-    lines = [headline]
-    if ambiguity is not None:
-        lines += [
-            f"{ambiguity.value}.",
-            "The pose below is one of them that turns the source least, to within 0.002 degrees.",
-        ]
-    elif (tie := ambiguous_words(registration.equilibria)) is not None:
-        lines.append(tie)
-    if status is Optimality.BOUNDED or registration.limits != Limits():
-        lines.append(_limit_words(registration))
-    return lines
-
-
-def _limit_words(registration: Registration) -> str:
-    """What is called certified, where that is asked for or not reached."""
-    limits = registration.limits
-    angle = ""
-    if registration.equilibria.classification.unique:
-        angle = f" and {as_given(limits.max_angle)} radians of the optimum"
-    lead = UNMET if registration.status is Optimality.BOUNDED else MEANS
-    of = "the range of energies"
-    if registration.bounds is not None and not registration.bounds.least_range_squared:
-        spread = registration.solution.moments.spread
-        of = "the clouds' own spread" if spread else "their distance from the origin, squared"
-    return f"{lead} within {as_given(limits.max_gap)} of {of}{angle}."
-
-
-def status_lines(registration: Registration) -> list[str]:
-    """What is proved of the pose, in lines."""
-    lines, bounds = verdict_words(registration), registration.bounds
-    if registration.status is Optimality.NOT_CERTIFIED:
-        return lines
-    if bounds is None:
-        return lines
-    gap = f"{at_most(bounds.greatest_gap)}, {share_words(bounds)}"
-    lines.append(f"  proved gap        objective - minimum <= {gap}, at the pose below")
-    degrees = proved_degrees(registration)
-    if degrees is not None:
-        lines.append(f"  proved angle      rotation (wxyz) within {degrees} degrees of the optimum")
-    return lines
-
-
-def bounds_nothing(registration: Registration, gap: Fraction) -> bool:
-    """Whether a proved gap is not below the range of energies, as far as that is known."""
-    return registration.bounds is not None and registration.bounds.covers_range(gap)
-
-
-def method_lines(registration: Registration) -> list[str]:
-    """What the independent methods say, one line each."""
-    solution, lines = registration.solution, list[str]()
-    unique = registration.equilibria.classification.unique
-    relaxation, trajectory, agreement = solution.relaxation, solution.trajectory, solution.agreement
-    if not isinstance(relaxation, Absent) and agreement.relaxation is not None:
-        gap = None if solution.certificate is None else solution.certificate.body.claims.sdp_gap
-        bound = "" if gap is None else f", which alone proves a gap of at most {at_most(gap.value)}"
-        if gap is not None and bounds_nothing(registration, gap.value):
-            bound += ", which bounds nothing"
-        away = away_words(agreement.relaxation, unique=unique)
-        lines.append(f"  relaxation (SDP)  rank {relaxation.rank}, {away}{bound}")
-    if not isinstance(trajectory, Absent) and agreement.simulation is not None:
-        away = away_words(agreement.simulation, unique=unique)
-        lines += _motion_lines(registration, trajectory, away)
-    left_out = {
-        "relaxation (SDP)": solution.relaxation,
-        "simulation": solution.trajectory,
-    }
-    lines += [
-        f"  {name:16}  left out: {part.reason}"
-        for name, part in left_out.items()
-        if isinstance(part, Absent) and part not in {NOT_ASKED, BY_NAME}
-    ]
-    return lines
-
-
-def _motion_lines(
-    registration: Registration, trajectory: Trajectory | SimulatedBreathing, away: str
-) -> list[str]:
-    """How a simulation ended, and if it did not come to rest, why."""
-    certificate, where, notes = registration.solution.certificate, "", ()
-    if not isinstance(trajectory, Trajectory):
-        where = f", at the scale {trajectory.scales[-1]:.6g}"
-    else:
-        notes = trajectory.notes
-        if certificate is not None and certificate.body.claims.basin:
-            where = ", proved in the basin of the optimum"
-        if (left := unspent_words(trajectory)) is not None:
-            away = f"then {left}; its rotation {away}"
-    steps = f"{trajectory.steps} step{'s' * (trajectory.steps != 1)}"
-    lines = [f"  simulation        {steps}{kicked_words(trajectory.escapes)}, {away}{where}"]
-    if not trajectory.converged:
-        words = " ".join((trajectory.status.value, *notes))
-        lines.append(f"                    NOT CONVERGED: {words}")
-    return lines
-
-
-def explained_words(fit: Fit) -> str:
-    """How much of the target a fit explains."""
-    if fit.explained is None:
-        return f"unknown: {fit.stated('explained').reason}"
-    return f"{percent_words(fit.explained)}{OF_SPREAD}"
-
-
-def percent_words(share: float) -> str:
-    """A share in per cent, with the digits in which it differs from all of it."""
-    percent = 100.0 * share
-    digits = max(0, min(9, 2 - math.floor(math.log10(max(100.0 - percent, 1e-9)))))
-    told = f"{percent:.{digits}f}"
-    if float(told) >= 100.0:
-        told = "over 99.9999999"  # nothing is rounded up to all of it
-    return f"{told} %"
-
-
-def away_words(angle: float, *, unique: bool = True) -> str:
-    """How far a rotation is from the optimum."""
-    degrees = math.degrees(angle)
-    digits = 3 if degrees >= 1.0 else 1  # a small one is rounding, or where a run was stopped
-    return f"{degrees:.{digits}g} degrees from the {'' if unique else 'nearest '}optimum"
-
-
-def warnings(registration: Registration, headline: str) -> list[str]:
-    """What is true of the data and should not be overlooked, and is not in the headline."""
-    equilibria, bounds = registration.equilibria, registration.bounds
-    narrow = narrow_words(equilibria)
-    notes = [] if narrow is None else [narrow]
-    notes += [one.text for one in registration.fit.warnings if one.text not in headline]
-    gap, minimum = equilibria.margin.eigenvalue_gap, equilibria.components[0].energy
-    unique = equilibria.classification.unique
-    noisy = unique and registration.problem.noise_given and gap is not None
-    noisy = noisy and not headline.startswith(HARDLY_DETERMINED.stamp)
-    if noisy and 2.0 * (gap or 0.0) < DISTINGUISHABLE:
-        notes.append(
-            "at the given noise, five standard deviations do not rule out the next equilibrium"
-        )
-    costs = 0.0 if bounds is None else ROUNDING_SHARE * bounds.gap_lower
-    unnoted = Fraction(UNNOTED_COST) * flat_energy(registration.solution.moments)
-    noted = bounds is not None and bounds.greatest_gap > unnoted
-    if noted and minimum is not None and costs > max(minimum, gap or 0.0):
-        matters = max(unnoted, Fraction(max(minimum, gap or 0.0)) / Fraction(ROUNDING_SHARE))
-        remedy = rounding_remedy(registration.solution.moments, matters)
-        notes.append(
-            "the rounding of the translation to doubles costs more than a millionth of the fit: "
-            f"{remedy}"
-        )
-    return notes
-
-
-def _row(component: Component, *, sure: bool) -> tuple[str, ...]:
-    """A line of the table; what follows from the list being complete, where that is sure."""
-    unstable = component.unstable_eigenvalues
-    return (
-        str(component.morse_index) if sure else "-",
-        KINDS[component.kind],
-        number(component.rmse),
-        number(component.energy),
-        f"{math.degrees(component.angle_to_optimum):.6g} deg",
-        ("undefined" if unstable is None else str(unstable)) if sure else "-",
-        ("optimal" if sure else "best found") if component.optimal else "",
-    )
-
-
-def step_words(step: float) -> str:
-    """How long the steps of a run are; of a step that the user gave, as it was given."""
-    return f"each at most {at_most(Fraction(repr(step)), 6)} long"
-
-
-def unit_words(fit: Fit) -> str:
-    """Whose unit a length has: where the clouds' may differ, the one that the pose leads to."""
-    return f"unit of the {'target' if FitCode.SCALE in fit.codes else 'clouds'}"
-
-
-def number(value: float | None) -> str:
-    """A length or an energy, in few digits."""
-    if value is None:
-        return "(beyond doubles)"
-    plain = 1e-4 <= abs(value) < 1e7 or value == 0
-    return f"{value:.6f}" if plain else f"{value:.9e}"
-
-
-def exact_number(value: Fraction) -> str:
-    """An energy or a length of any size, in as many digits as `number`."""
-    nearest = nearest_double(value)
-    if nearest is not None and (nearest == 0.0 or nearest >= LEAST_NORMAL):
-        return number(nearest)
-    context = Context(prec=10, Emax=MAX_EMAX, Emin=MIN_EMIN)
-    return f"{context.divide(Decimal(value.numerator), Decimal(value.denominator)):.9e}"
-
-
-def _rate(value: float | None) -> str:
-    return "unknown" if value is None else f"{value:.4g}"
-
-
-def _rate_words(trajectory: Trajectory) -> str:
-    """The measured rate beside the exact flow's, where the steps are small enough to tell."""
-    measured, predicted = _rate(trajectory.decay_rate), _rate(trajectory.predicted_rate)
-    advance = trajectory.step * (trajectory.predicted_rate or 0.0)
-    if trajectory.decay_rate is not None and advance > COMPARABLE_STEP:
-        return f"{measured}  (too few steps to compare with the predicted {predicted})"
-    return f"{measured}  (predicted {predicted})"

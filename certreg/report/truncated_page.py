@@ -13,9 +13,9 @@ from certreg.report.any_report import AnyReport, head_of, pairs_words
 from certreg.report.consensus_fit import marked
 from certreg.report.consensus_picture import pairs_picture, residual_chart
 from certreg.report.consensus_summary import counted_labels, warnings_of
+from certreg.report.lines import number
 from certreg.report.overview import Fact, Overview
 from certreg.report.similarity_overview import similarity_overview
-from certreg.report.summary import number
 from certreg.report.truncated_summary import (
     optimum_degrees,
     truncated_causes,

@@ -14,8 +14,8 @@ from certreg.report.consensus_summary import (
     warning_notes,
     warnings_of,
 )
+from certreg.report.lines import MEANS, UNMET, explained_words, number, uncertainty_lines
 from certreg.report.remedies import ADVICE
-from certreg.report.summary import MEANS, UNMET, explained_words, number, uncertainty_lines
 from certreg.results import Limits
 
 if TYPE_CHECKING:

@@ -11,8 +11,8 @@ from certreg.certificate import sin2_half_angle_between
 from certreg.exact import at_most, degrees_above, half_angle_bound, rational_root_above
 from certreg.problem import trace
 from certreg.registration import proved_degrees
+from certreg.report.lines import bounds_nothing, count_words, margin_words, number
 from certreg.report.robustness import robustness_words
-from certreg.report.summary import bounds_nothing, count_words, margin_words, number
 from certreg.results import Absent, ComponentKind, Guarantee
 
 if TYPE_CHECKING:

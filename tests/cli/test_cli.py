@@ -30,7 +30,7 @@ from certreg import RegistrationProblem
 from certreg.cli import main as cli
 from certreg.cli import options as cloud_options
 from certreg.cli import registering
-from certreg.io.clouds import read_problem
+from certreg.io.problems import read_problem
 from certreg.registration import agreement
 from certreg.registration import certification as pipeline
 from certreg.registration import examples as demo

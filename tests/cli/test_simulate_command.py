@@ -16,7 +16,7 @@ from certreg import RegistrationProblem
 from certreg.dynamics.integrators import SimulationSettings
 from certreg.dynamics.trajectory import SimulationStatus
 from certreg.errors import InvalidProblemError
-from certreg.io.clouds import read_problem
+from certreg.io.problems import read_problem
 from certreg.registration import certification as pipeline
 from certreg.registration import optimally_damped
 from certreg.results import Absent

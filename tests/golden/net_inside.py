@@ -28,9 +28,9 @@ from certreg import Registration, SimulationSettings, certify, equilibria
 from certreg.equilibrium import equilibrium_set
 from certreg.registration import STORIES, differences, tell
 from certreg.report import html_page
+from certreg.report.lines import explained_words
 from certreg.report.page import Report
 from certreg.report.remedies import why_warned
-from certreg.report.summary import explained_words
 from certreg.report.uncertainty import uncertainty_rows
 from certreg.report.words import weak_words
 

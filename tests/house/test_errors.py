@@ -34,8 +34,9 @@ from certreg.errors import (
     OutOfRangeError,
 )
 from certreg.exact import at_most
-from certreg.io.clouds import read_cloud, read_problem, read_weights
+from certreg.io.clouds import read_cloud
 from certreg.io.poses import read_pose
+from certreg.io.problems import read_problem, read_weights
 
 if TYPE_CHECKING:
     from collections.abc import Callable

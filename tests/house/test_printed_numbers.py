@@ -77,8 +77,8 @@ ALLOWED = {  # what the last digit of a number to the nearest is worth, and wher
         report/words.py {math.degrees(worst.angle_to_optimum):.4g}
         report/words.py {ran[name]:.3g}
         io/pose_values.py {norm:.6g}
-        io/row_numbers.py {here:.16g}
-        io/row_numbers.py {there:.16g}
+        io/pairing.py {here:.16g}
+        io/pairing.py {there:.16g}
         io/text.py {column[0]:.0f}
         io/text.py {column[1]:.0f}
         io/trajectories.py {least:.6g}
@@ -120,12 +120,12 @@ ALLOWED = {  # what the last digit of a number to the nearest is worth, and wher
     "never rounded to the limit that it is held against": """
         registration/exit_codes.py {value:.{digits}g}
         registration/scaled_poses.py {percent:.3g}
-        report/summary.py {percent:.{digits}f}
+        report/lines.py {percent:.{digits}f}
         report/thinning.py {100.0 * left:.3g}
     """,
     "numbers of a pose in words; all digits stand beside them": """
-        registration/headlines.py axis.round(3)
-        registration/headlines.py {entry + 0.0:.3g}
+        registration/loose_turns.py axis.round(3)
+        registration/loose_turns.py {entry + 0.0:.3g}
         report/overview.py {:.6f}
         report/overview.py {:.6g}
         report/overview.py {entry:.4f}
@@ -179,14 +179,14 @@ ALLOWED = {  # what the last digit of a number to the nearest is worth, and wher
         report/spring_summary.py {100.0 * of_it:.3g}
         report/spring_summary.py {100.0 * share:.3g}
         report/spring_summary.py {math.degrees(away):.1g}
-        report/summary.py {100 * margin.relative:.3g}
-        report/summary.py {context.divide(Decimal(value.numerator), Decimal(value.denominator)):.9e}
-        report/summary.py {degrees:.{digits}g}
-        report/summary.py {math.degrees(component.angle_to_optimum):.6g}
-        report/summary.py {trajectory.scales[-1]:.6g}
-        report/summary.py {value:.4g}
-        report/summary.py {value:.6f}
-        report/summary.py {value:.9e}
+        report/lines.py {100 * margin.relative:.3g}
+        report/lines.py {context.divide(Decimal(value.numerator), Decimal(value.denominator)):.9e}
+        report/lines.py {degrees:.{digits}g}
+        report/lines.py {math.degrees(component.angle_to_optimum):.6g}
+        report/lines.py {trajectory.scales[-1]:.6g}
+        report/lines.py {value:.4g}
+        report/lines.py {value:.6f}
+        report/lines.py {value:.9e}
         report/truncated_page.py {angle:.3g}
         report/truncated_page.py {float(residuals[row] / problem.bounds[row]):.3g}
         report/truncated_summary.py {result.cost:.9g}

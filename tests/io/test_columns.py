@@ -11,7 +11,8 @@ from commands import certreg
 
 from certreg import RegistrationProblem, read_problem
 from certreg.errors import InvalidFileError
-from certreg.io.clouds import Pairing, read_cloud
+from certreg.io.clouds import read_cloud
+from certreg.io.pairing import Pairing
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -25,9 +25,11 @@ from hypothesis import strategies as st
 from benchmarks.rates import broken_files
 from certreg.errors import InvalidFileError
 from certreg.io import scans as packed_scans
-from certreg.io.clouds import Pairing, parse_cloud, read_cloud, read_problem
+from certreg.io.clouds import parse_cloud, read_cloud
 from certreg.io.labels import Match
+from certreg.io.pairing import Pairing
 from certreg.io.pcd import decompress
+from certreg.io.problems import read_problem
 from certreg.io.written_clouds import write_cloud
 
 DOUBLES = st.floats(allow_nan=False, allow_infinity=False)

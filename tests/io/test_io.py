@@ -21,9 +21,11 @@ from samples import examples
 from certreg.errors import InvalidFileError
 from certreg.io import atomic
 from certreg.io.atomic import write_atomically, write_together
-from certreg.io.clouds import Pairing, read_cloud, read_pair, read_weights
+from certreg.io.clouds import read_cloud
 from certreg.io.labels import Match, csv_field, text_of_field
+from certreg.io.pairing import Pairing, read_pair
 from certreg.io.poses import read_pose
+from certreg.io.problems import read_weights
 from certreg.io.streams import NUMBER
 from certreg.io.written_clouds import write_cloud
 from certreg.problem import arrays as problems

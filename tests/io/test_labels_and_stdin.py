@@ -14,7 +14,8 @@ from commands import certreg
 
 from certreg import RegistrationProblem, read_problem
 from certreg.errors import InvalidFileError
-from certreg.io.clouds import Pairing, read_cloud
+from certreg.io.clouds import read_cloud
+from certreg.io.pairing import Pairing
 from certreg.io.standard_input import format_of
 
 if TYPE_CHECKING:

@@ -20,7 +20,8 @@ from test_formats import REFUSED
 from benchmarks.rates import broken_files
 from certreg.errors import InvalidFileError
 from certreg.io import row_numbers, streams
-from certreg.io.clouds import read_cloud, read_problem, read_weights
+from certreg.io.clouds import read_cloud
+from certreg.io.problems import read_problem, read_weights
 from certreg.io.row_numbers import RowNumbers
 from certreg.problem.arrays import mapped_file
 

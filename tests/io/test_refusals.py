@@ -14,9 +14,11 @@ from commands import write_csv
 from refusals import wrong_evidence
 
 from certreg.errors import InvalidFileError, InvalidProblemError
-from certreg.io import atomic, clouds, labels, npz, pairs
+from certreg.io import atomic, labels, npz, pairs, problems
 from certreg.io.atomic import write_files, write_together
-from certreg.io.clouds import Cloud, Pair, Pairing, read_cloud, read_pair, read_problem
+from certreg.io.clouds import Cloud, read_cloud
+from certreg.io.pairing import Pair, Pairing, read_pair
+from certreg.io.problems import read_problem
 from certreg.io.streams import MAX_LINE_BYTES, Place, typed_number
 from certreg.io.text import notes_on, read_clouds
 from certreg.io.written_clouds import write_cloud
@@ -68,12 +70,12 @@ def test_weights_are_one_for_each_row_of_the_source_and_go_with_it(
 def test_weights_of_another_shape_are_told_with_it(tmp_path: Path):
     path = tmp_path / "w.NPY"
     path.write_bytes(files.npy(np.ones((4, 1))))
-    error = refusal(clouds.read_weights, path)
+    error = refusal(problems.read_weights, path)
 
     assert str(error).startswith(f"{path}: holds an array of shape (4, 1): ")
     assert error.value == (4, 1)
     path.write_bytes(files.npy(np.array([1.0, -0.5])))
-    error = refusal(clouds.read_weights, path)
+    error = refusal(problems.read_weights, path)
     assert (error.row, error.value, error.limit) == (1, -0.5, 0.0)
 
 

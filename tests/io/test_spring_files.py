@@ -13,7 +13,7 @@ import pytest
 import certreg
 from certreg.errors import CertregError, InvalidFileError, InvalidProblemError
 from certreg.io import BY_LABEL, SpringSource, read_problem, stated_problem
-from certreg.io.clouds import Pairing
+from certreg.io.pairing import Pairing
 from certreg.io.springs import _of_target
 
 RNG = np.random.default_rng(11)

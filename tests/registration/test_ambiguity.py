@@ -20,8 +20,8 @@ from certreg.registration import headlines as listed
 from certreg.registration.ambiguity import PAIRS_IN_DOUBT
 from certreg.registration.outlying import independent_rows
 from certreg.report import html_page, registration_summary
+from certreg.report.lines import equilibria_words, warnings
 from certreg.report.page import Report
-from certreg.report.summary import equilibria_words, warnings
 
 TURN = random_rotation(np.random.default_rng(3))
 

@@ -17,7 +17,7 @@ from certreg import Pose, RegistrationProblem, assess, certify
 from certreg.geometry import given_pose
 from certreg.registration import GOOD, SlipCode, judged
 from certreg.registration.assessment import NO_SLIP
-from certreg.registration.headlines import TURNED_FAR
+from certreg.registration.loose_turns import TURNED_FAR
 from certreg.report import assessment_document, assessment_summary
 from certreg.results import PoseVerdict
 

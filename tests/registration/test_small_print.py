@@ -30,7 +30,7 @@ from certreg.registration.fit import COINCIDENT, NO_SOURCE, ZERO_MEDIAN
 from certreg.registration.misfits import LEVEL, FitCode
 from certreg.registration.outlying import SAMPLE_ROWS, OtherPairing, row_fit
 from certreg.registration.row_names import RowNames
-from certreg.report.summary import warnings
+from certreg.report.lines import warnings
 from certreg.results import Absent, PoseVerdict
 
 if TYPE_CHECKING:

@@ -21,9 +21,9 @@ from certreg.problem import RegistrationProblem
 from certreg.registration import assess, certify, simulated
 from certreg.report import (
     assessment_summary,
+    lines,
     registration_summary,
     simulation_summary,
-    summary,
 )
 from certreg.report.any_report import ASSETS
 from certreg.report.thinning import thinned, unspent_words
@@ -77,8 +77,8 @@ def test_of_several_optima_none_is_called_the_optimum(target: Any):
 
 
 def test_far_angles_have_three_digits():
-    assert summary.away_words(math.radians(154.3)) == "154 degrees from the optimum"
-    assert summary.away_words(math.radians(2.34e-7)) == "2e-07 degrees from the optimum"
+    assert lines.away_words(math.radians(154.3)) == "154 degrees from the optimum"
+    assert lines.away_words(math.radians(2.34e-7)) == "2e-07 degrees from the optimum"
 
 
 def test_what_moving_the_origin_does_not_mend_is_not_advised():
@@ -119,9 +119,9 @@ def test_the_table_of_a_pose_holds_its_numbers_in_any_unit(unit: float):
 def test_what_a_subnormal_double_would_round_keeps_its_digits():
     third = Fraction(5e-324) / 3  # of 4.940656458412465e-324
 
-    assert summary.exact_number(10 * third) == "1.646885486e-323"
-    assert summary.exact_number(Fraction(0)) == "0.000000"
-    assert summary.exact_number(Fraction(1, 3)) == "0.333333"
+    assert lines.exact_number(10 * third) == "1.646885486e-323"
+    assert lines.exact_number(Fraction(0)) == "0.000000"
+    assert lines.exact_number(Fraction(1, 3)) == "0.333333"
 
 
 def test_a_plane_has_no_worst_rotation_but_several():

@@ -28,9 +28,9 @@ from certreg.registration import certify
 from certreg.report import registration_summary, result_document
 from certreg.report.cards import registration_card
 from certreg.report.document import pose_document
+from certreg.report.lines import number
 from certreg.report.overview import Overview
 from certreg.report.residual_table import residual_table
-from certreg.report.summary import number
 from certreg.report.uncertainty import two_digits, uncertainty_rows
 from certreg.results import Limits
 

@@ -18,10 +18,10 @@ from certreg.report import similarity_words, spring_summary, spring_words
 from certreg.report import words as page_words
 from certreg.report.consensus_reach import degrees_from
 from certreg.report.judged_pose import _proved_angle, _shift_words
+from certreg.report.lines import step_words
 from certreg.report.overview import bound_facts, robustness_facts
 from certreg.report.robustness import robustness_words
 from certreg.report.spring_words import _growth
-from certreg.report.summary import step_words
 from certreg.report.truncated_summary import optimum_degrees
 from certreg.results import Optimality
 

@@ -23,7 +23,7 @@ from certreg.certificate import RotationState
 from certreg.errors import CertregError
 from certreg.problem import RegistrationProblem
 from certreg.registration import assess, certify
-from certreg.report import assessment_summary, registration_summary, summary, words
+from certreg.report import assessment_summary, lines, registration_summary, words
 from certreg.report.overview import aligned
 from certreg.report.reload import report_of
 from certreg.report.thinning import Run, _packed
@@ -110,8 +110,8 @@ def test_equilibria_are_counted_and_exactly_is_said_of_what_is_exact(cloud: Any,
     equilibria = plainly(cloud, target).equilibria
     computed = replace(equilibria, guarantee=Guarantee.NUMERICAL)
 
-    assert summary.count_words(equilibria) == f"Equilibria (exact, complete): {said}."
-    assert summary.count_words(computed) == (
+    assert lines.count_words(equilibria) == f"Equilibria (exact, complete): {said}."
+    assert lines.count_words(computed) == (
         f"Equilibria (numerical, complete): {said.replace('exactly ', '')}."
     )
 
@@ -121,17 +121,17 @@ def test_a_margin_is_said_to_be_small_where_it_is(axes: Registration, square: Re
     near = np.array(SQUARE) * [1.0, 1.0, 0.0]
     mirrored = plainly(np.vstack([near, [[0, 0, 1.0]]]), np.vstack([near, [[0, 0, -1.0]]]))
 
-    assert summary.margin_words(axes.equilibria) == "38.5 % of the range of energies: unique"
-    assert summary.margin_words(line.equilibria) == "0: the optimum is not unique"
+    assert lines.margin_words(axes.equilibria) == "38.5 % of the range of energies: unique"
+    assert lines.margin_words(line.equilibria) == "0: the optimum is not unique"
     for found in (axes, square, mirrored):
-        said = "may turn the answer over" in summary.margin_words(found.equilibria)
+        said = "may turn the answer over" in lines.margin_words(found.equilibria)
         assert said == found.equilibria.nearly_ambiguous
 
 
 @pytest.mark.parametrize(("sigma", "warned"), [(1.26, False), (1.27, True)])
 def test_five_deviations_are_of_the_difference_of_the_energies(sigma: float, *, warned: bool):
     """The next equilibrium costs 4 (8 + 2) over sigma^2: 25 of it at sigma = 1.2649."""
-    told = summary.warnings(plainly(AXES, AXES, sigma=sigma), "")
+    told = lines.warnings(plainly(AXES, AXES, sigma=sigma), "")
 
     assert any("do not rule out the next equilibrium" in note for note in told) == warned
 
@@ -170,9 +170,9 @@ def test_an_assessment_is_told_with_its_own_numbers():
 def test_no_bound_is_said_to_bound_nothing_where_there_is_none(axes: Registration):
     span = Fraction(104)
 
-    assert not summary.bounds_nothing(replace(axes, bounds=None), 2 * span)
-    assert not summary.bounds_nothing(axes, span / 2)
-    assert summary.bounds_nothing(axes, 2 * span)
+    assert not lines.bounds_nothing(replace(axes, bounds=None), 2 * span)
+    assert not lines.bounds_nothing(axes, span / 2)
+    assert lines.bounds_nothing(axes, 2 * span)
 
 
 def test_the_sentences_of_a_page_hold_the_numbers_of_the_certificate(axes: Registration):

@@ -17,7 +17,7 @@ from strategies import TETRAHEDRON
 from certreg.problem import RegistrationProblem
 from certreg.registration import certify
 from certreg.registration.fit import ChiSquared
-from certreg.registration.headlines import LOOSE_SIGMA
+from certreg.registration.loose_turns import LOOSE_SIGMA
 from certreg.registration.misfits import FitCode
 from certreg.report import html_page, registration_summary, result_document
 from certreg.report.cards import registration_card

@@ -14,8 +14,8 @@ from strategies import ZOO
 from certreg import RegistrationProblem
 from certreg.registration import Registration, assess, certify, equilibria
 from certreg.report import equilibria_words, html_page, registration_summary
+from certreg.report.lines import count_words
 from certreg.report.page import Report
-from certreg.report.summary import count_words
 from certreg.report.words import component_words
 from certreg.results import Limits
 

@@ -22,6 +22,7 @@ from certreg.report import (
     any_report,
     assessment_document,
     assessment_summary,
+    lines,
     methods,
     page,
     result_document,
@@ -153,7 +154,7 @@ def test_a_pose_is_told_by_as_many_digits_as_its_size_allows():
         (1e7, "1.000000000e+07"),
         (None, "(beyond doubles)"),
     ):
-        assert summary.number(value) == told
+        assert lines.number(value) == told
 
 
 @pytest.mark.parametrize(("step", "compared"), [(0.099, True), (0.1, True), (0.11, False)])
@@ -162,12 +163,12 @@ def test_a_rate_is_compared_where_the_steps_are_small_enough(
     compared: bool,  # noqa: FBT001
 ):
     run: Any = SimpleNamespace(step=step, predicted_rate=1.0, decay_rate=0.9)
-    words = summary._rate_words(run)
+    words = lines.rate_words(run)
     assert words == (
         "0.9  (predicted 1)" if compared else "0.9  (too few steps to compare with the predicted 1)"
     )
     unknown: Any = SimpleNamespace(step=step, predicted_rate=1.0, decay_rate=None)
-    assert summary._rate_words(unknown) == "unknown  (predicted 1)"
+    assert lines.rate_words(unknown) == "unknown  (predicted 1)"
 
 
 def test_what_is_told_apart_is_counted_by_its_kind():
@@ -177,7 +178,7 @@ def test_what_is_told_apart_is_counted_by_its_kind():
     for cloud, kinds in cases:
         found = solved(cloud, cloud)
         doubtful = replace(found.equilibria, doubt="a search that ended too soon")
-        assert f": the search found {kinds}, " in summary.count_words(doubtful)
+        assert f": the search found {kinds}, " in lines.count_words(doubtful)
 
 
 @pytest.mark.parametrize(
