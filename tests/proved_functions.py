@@ -72,7 +72,7 @@ PROVED = (
     _of("certificate/shared_motion", "is_refuted", "certificate/test_pair_edges"),
     _of(
         "certificate/consistency",
-        "ExactRows.agree ExactRows._met_by",
+        "ExactRows.agree ExactRows.met_by ExactRows._met_by",
         "certificate/test_pair_edges",
     ),
     _of(
@@ -146,15 +146,24 @@ PROVED = (
     _of(
         "equilibrium/line_boxes",
         "BoxedLine.is_real all_different index_of",
-        "equilibrium/test_spring_lists",
+        "equilibrium/test_line_edges equilibrium/test_spring_lists",
     ),
     _of(
         "equilibrium/line_ranks",
         "at_most_forty infinitely_many _misses _rank_is_below",
-        "equilibrium/test_spring_lists",
+        "equilibrium/test_line_edges equilibrium/test_spring_lists",
     ),
-    _of("equilibrium/line_set", "LineSet.separated finiteness_of", "equilibrium/test_spring_lists"),
-    _of("equilibrium/spring_homotopy", "_least proved_lines", "equilibrium/test_spring_lists"),
+    _of(
+        "equilibrium/line_set",
+        "LineSet.separated finiteness_of",
+        "equilibrium/test_line_edges equilibrium/test_spring_lists",
+    ),
+    _of(
+        "equilibrium/spring_homotopy",
+        "_least proved_lines",
+        "equilibrium/test_line_edges equilibrium/test_spring_lists",
+    ),
+    _of("equilibrium/breathing", "breathing_equilibria", "equilibrium/test_breathing_equilibria"),
     _of("equilibrium/counting", "at_most_four", "certificate/test_count_certificate"),
     _of(
         "equilibrium/critical_set",
@@ -203,7 +212,7 @@ PROVED = (
     _of(
         "registration/consensus",
         "ConsensusRegistration.upper ConsensusRegistration.labels_unique "
-        "ConsensusRegistration.exit_code",
+        "ConsensusRegistration.exit_code ConsensusRegistration.good",
         "registration/test_flags_enumerated",
     ),
     _of(
@@ -215,7 +224,7 @@ PROVED = (
         "registration/truncated",
         "TruncatedRegistration.labels_unique TruncatedRegistration.unique "
         "TruncatedRegistration.gap TruncatedRegistration.certified "
-        "TruncatedRegistration.exit_code",
+        "TruncatedRegistration.exit_code TruncatedRegistration.good",
         "registration/test_flags_enumerated",
     ),
     _of(
@@ -282,11 +291,18 @@ PROVED = (
         "AnyRegistration.status",
         "registration/test_flags_enumerated",
     ),
-    _of("dynamics/basin", "certified_basin basin_gaps", "dynamics/test_simulation"),
-    _of("dynamics/body", "clearly_thick", "dynamics/test_simulation"),
-    _of("dynamics/breathing", "never_collapses", "dynamics/test_breathing"),
+    _of("registration/headlines", "_meets_usual", "registration/test_flags_enumerated"),
+    _of("registration/spring_headlines", "_meets_usual", "registration/test_flags_enumerated"),
+    _of("registration/nothing_met", "nothing_turned", "registration/test_nothing_met"),
+    _of("report/spring_words", "_growth", "report/test_printed_angles"),
+    _of("report/spring_document", "_growth", "report/test_printed_angles"),
+    _of("report/spring_equilibria", "_road", "report/test_spring_list_words"),
+    _of("report/spring_listed", "_row", "report/test_spring_listed"),
+    _of("dynamics/basin", "certified_basin basin_gaps", "dynamics/test_basin_edges"),
+    _of("dynamics/body", "clearly_thick", "dynamics/test_basin_edges"),
+    _of("dynamics/breathing", "never_collapses", "dynamics/test_basin_edges"),
     _of("problem/breaking", "BreakingProblem.broken_energy", "equilibrium/test_breaking_springs"),
     _of("problem/truncated", "_require_narrow", "problem/test_truncated_problem"),
-    _of("problem/consensus", "_require_narrow", "registration/test_bounds_at_the_ends"),
+    _of("problem/consensus", "_require_narrow", "problem/test_bounds"),
     _of("problem/moments", "rounding_of davenport_error", "problem/test_moments"),
 )

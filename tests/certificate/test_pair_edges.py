@@ -288,3 +288,62 @@ def test_a_motion_meets_exactly_the_pairs_up_to_their_bounds_whatever_doubles_sa
 
     assert (source @ turn.T % 30 == 0).all()
     assert ExactRows(problem).met_by(witness) == list(range(0, 40, 2))
+
+
+def met_in_fractions(problem: ConsensusProblem, witness: Witness) -> list[int]:
+    """By the definition."""
+    block, norm = problem.problem.block(slice(None)), sum(k * k for k in witness.quaternion)
+    turn = [[Fraction(k, norm) for k in row] for row in rotation_matrix(list(witness.quaternion))]
+    *shift, exponent = witness.shift
+    x, y, bounds = (part.tolist() for part in (block.source, block.target, problem.bounds))
+    met = list[int]()
+    for place, (here, there, bound) in enumerate(zip(x, y, bounds, strict=True)):
+        square = Fraction(0)
+        for own, to, moved in zip(turn, there, shift, strict=True):
+            turned = sum(a * Fraction(b) for a, b in zip(own, here, strict=True))
+            square += (Fraction(to) - turned - moved * Fraction(2) ** exponent) ** 2
+        if square <= Fraction(bound) ** 2:
+            met.append(place)
+    return met
+
+
+@pytest.mark.parametrize("unit", [-300, -3, 0, 40, 300])
+@pytest.mark.parametrize("far", [0, 30])
+def test_who_is_met_is_who_the_fractions_say_is_met(unit: int, far: int):
+    """Bounds from one a thousandth below the residual to three times it, in any unit."""
+    rng = np.random.default_rng(unit + far + 400)
+    q, shift = (3, -1, 4, 2), (5 << far, -7, 11 << far)
+    source, off = rng.normal(size=(2, 42, 3))
+    turn = np.array(rotation_matrix(q)) / 30
+    target = source @ turn.T + [math.ldexp(k, -3) for k in shift] + off
+    found = np.linalg.norm(target - source @ turn.T - [math.ldexp(k, -3) for k in shift], axis=1)
+    bounds = found * np.tile([0.999, 1 - 1e-15, 1.0, 1 + 1e-15, 1.001, 1.5, 3.0], 6)
+    points = RegistrationProblem(np.ldexp(source, unit), np.ldexp(target, unit))
+    problem = ConsensusProblem(points, np.ldexp(bounds, unit))
+    witness = Witness(quaternion=q, shift=(*shift, unit - 3))
+    met = ExactRows(problem).met_by(witness)
+
+    assert met == met_in_fractions(problem, witness)
+    assert set(range(5, 42, 7)) <= set(met)
+    assert set(range(0, 42, 7)).isdisjoint(met)
+
+
+ULP = 2.0**-52
+EDGES = [  # a shift, then points and a bound that doubles would judge wrongly
+    ((-3, 0, 0, -53), (-ULP / 2, 0, 0), (1 + ULP, 0, 0), 1 + 3 * ULP),  # two ties rounded up
+    ((1, 1, 0, 0), (0, 0, 0), (0, 0, 0), math.sqrt(2)),  # the root, rounded up
+    ((0, 0, 0, 0), (0, 0, 0), (0, 0, 0), 5e-324),  # beside a size of 4 it is lost
+]
+
+
+@pytest.mark.parametrize(("shift", "x", "y", "bound"), EDGES)
+def test_a_pair_is_met_at_a_bound_of_which_rounding_shows_less(shift, x, y, bound):
+    others = np.array([[4.0, 0, 0], [0, 4, 0]]) if bound < 1 else np.zeros((2, 3))
+    points = RegistrationProblem(np.vstack([[x], others]), np.vstack([[y], others]))
+    for least in (bound, math.nextafter(bound, 0.0)):
+        problem = ConsensusProblem(points, np.full(3, least))
+        witness = Witness(quaternion=(1, 0, 0, 0), shift=shift)
+        met = ExactRows(problem).met_by(witness)
+
+        assert met == met_in_fractions(problem, witness)
+        assert (0 in met) == (least == bound or bound < 1)

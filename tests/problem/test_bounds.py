@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 
 from certreg.errors import InvalidProblemError
 from certreg.problem.bounds import checked_bounds
+from certreg.problem.consensus import ConsensusProblem
+from certreg.problem.problem import RegistrationProblem
 
 
 def test_one_bound_is_that_of_all():
@@ -46,3 +50,36 @@ def test_what_bounds_nothing_is_refused_with_its_row(given: object, row: int | N
 
     assert refused.value.row == row
     assert refused.value.array == "max_residual"
+
+
+SMALL = [[0.0, 0.0, 0.0], [3.0, 0.0, 0.0], [0.0, 4.0, 0.0]]  # in a box of diagonal 5
+LARGE = [[0.0, 0.0, 0.0], [5.0, 0.0, 0.0], [0.0, 0.0, 12.0]]  # 13
+
+
+@pytest.mark.parametrize(
+    ("source", "target", "scale", "half"),
+    [
+        (SMALL, LARGE, "none", 2.5),
+        (LARGE, SMALL, "none", 2.5),
+        (SMALL, LARGE, "asymmetric", 6.5),
+        (LARGE, SMALL, "asymmetric", 2.5),
+    ],
+)
+def test_a_bound_is_below_half_the_diameter_of_the_smaller_cloud(source, target, scale, half):
+    """Of the target where the scale is free; of several bounds the least."""
+    problem, below = RegistrationProblem(source, target, scale=scale), math.nextafter(half, 0.0)
+    for bounds in (half, [half, 99.0, half], [99.0, half, 99.0]):
+        least = " at least" if isinstance(bounds, list) else ""
+        with pytest.raises(InvalidProblemError, match=f"is {half}{least}, not below") as refused:
+            ConsensusProblem.of(problem, bounds)
+        assert (refused.value.value, refused.value.limit) == (half, half)
+    for narrow in (below, [below, 99.0, 99.0], [99.0, 99.0, below]):
+        assert ConsensusProblem.of(problem, narrow).bounds.min() == below
+
+
+def test_a_cloud_of_one_point_is_refused_and_one_that_repeats_a_point_is_not():
+    one, two = [SMALL[1]] * 3, [SMALL[1], SMALL[1], SMALL[2]]
+    for source, target, name in ((one, SMALL, "source"), (SMALL, one, "target")):
+        with pytest.raises(InvalidProblemError, match=f"^all {name} points are one"):
+            ConsensusProblem.of(RegistrationProblem(source, target), 1.0)
+    assert ConsensusProblem.of(RegistrationProblem(two, SMALL), 1.0).n == 3

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import math
 from fractions import Fraction
 
 import numpy as np
@@ -8,7 +9,13 @@ import strategies
 from hypothesis import given
 
 from certreg.exact.dyadic import power_of_two
-from certreg.problem.moments import exact_moments, floating_moments
+from certreg.problem.moments import (
+    EIGENVALUE_ROUNDING,
+    davenport_error,
+    exact_moments,
+    floating_moments,
+    rounding_of,
+)
 
 
 def definition(problem):
@@ -76,3 +83,20 @@ def test_one_pass_moments_without_the_shift_would_lose_them():
     exact = np.array([[float(m.cross_unit * e) for e in row] for row in m.cross])
 
     assert np.abs(naive - exact).max() > 1e-3 * np.abs(exact).max()
+
+
+@pytest.mark.parametrize("size", [1e-200, 1.0, 3.0, 1e200])
+def test_the_rounding_of_a_covariance_is_a_little_more_than_three_sums_lose(size: float):
+    """Each of three sums is within 260 u of the size."""
+    unit = Fraction(2) ** -53 * Fraction(size)
+
+    assert 3 * 260 * unit < Fraction(rounding_of(size)) <= Fraction(801) * unit
+
+
+def test_the_error_of_eigenvalues_is_that_of_the_entries_and_of_the_decomposition():
+    """3 sqrt(3) times that of an entry, and 64 u of the norm."""
+    entries, norm = davenport_error(0.5, 0.0), davenport_error(0.0, 8.0)
+
+    assert entries == pytest.approx(0.5 * math.sqrt(27.0), rel=1e-15)
+    assert norm == 8.0 * EIGENVALUE_ROUNDING == 2.0**-44
+    assert davenport_error(0.5, 8.0) == entries + norm

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import math
 from typing import Any
 
 import numpy as np
@@ -57,3 +58,23 @@ def test_two_pairs_are_too_few():
 
     with pytest.raises(InvalidProblemError, match="2 pairs: truncated squares take 3 to 100000"):
         TruncatedProblem(two, 1.0)
+
+
+def test_bounds_are_refused_where_each_pair_keeps_its_own_at_every_rotation():
+    """The points are 1, 2, 3 from the origin: no pair is farther apart than 2, 4, 6."""
+    for bounds in ((2.0, 4.0, 6.0), (7.0, 4.0, 6.5)):
+        with pytest.raises(InvalidProblemError, match="farther apart than 6: each pair") as refused:
+            TruncatedProblem(points(), bounds)
+        assert (refused.value.value, refused.value.limit) == (min(bounds), 6.0)
+    for row in range(3):
+        bounds = [2.0, 4.0, 6.0]
+        bounds[row] = math.nextafter(bounds[row], 0.0)
+
+        assert TruncatedProblem(points(), bounds).bounds.tolist() == bounds
+
+
+def test_points_at_the_origin_are_refused_whatever_their_bounds():
+    zeros = RegistrationProblem(np.zeros((3, 3)), np.zeros((3, 3)), rotation_only=True)
+
+    with pytest.raises(InvalidProblemError, match=r"^all points are at the origin"):
+        TruncatedProblem(zeros, 1.0)

@@ -433,5 +433,6 @@ def test_the_usual_limits_are_met_by_the_angle_too_where_one_rotation_is_optimal
 
         assert _meets_usual(registration) == headlines._meets_usual(registration) == met
         assert seen == [(Limits(), turned is True)] * 2
-    unproved: Any = SimpleNamespace(bounds=None, solution=SimpleNamespace(unique_rotation=True))
+    unproved: Any = SimpleNamespace(bounds=None, solution=solution, equilibria=equilibria)
     assert not _meets_usual(unproved)
+    assert not headlines._meets_usual(unproved)

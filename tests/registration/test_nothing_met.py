@@ -123,6 +123,8 @@ def test_where_one_pair_may_be_within_its_bound_it_is_not_said_that_none_is():
         ((0.6, 0.4), "no rotation was found that"),
         ((0.4, 0.6), "no rotation was found that"),
         ((0.5, 0.4), "no rotation was found that"),
+        ((0.5 - 2.5 * 2.0**-48, 0.4), "no rotation was found that"),  # at what rounding leaves
+        ((0.5 - 2.6 * 2.0**-48, 0.4), "no rotation brings a pair within its bound"),
         ((0.4, 0.49), "no rotation brings a pair within its bound"),
     ):
         problem: Any = SimpleNamespace(

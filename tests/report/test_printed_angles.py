@@ -14,7 +14,7 @@ from flint import arb, ctx
 
 from certreg.geometry import Pose
 from certreg.registration import Method, Robustness
-from certreg.report import similarity_words, spring_summary, spring_words
+from certreg.report import similarity_words, spring_document, spring_summary, spring_words
 from certreg.report import words as page_words
 from certreg.report.consensus_reach import degrees_from
 from certreg.report.judged_pose import _proved_angle, _shift_words
@@ -134,6 +134,23 @@ def test_the_growth_that_is_told_is_no_more_than_the_proved_one(apart: Fraction)
 
     assert body.growth - Fraction(1, 500) < mu <= body.growth
     assert body.gap <= delta < body.gap + Fraction(1, 500)
+    body.growth = Fraction(0)
+    assert list(_growth(registration)) == []
+    registration.certificate = None
+    assert list(_growth(registration)) == []
+
+
+@pytest.mark.parametrize("apart", [Fraction(-1, 10**20), Fraction(0), Fraction(1, 10**20)])
+def test_the_growth_of_the_document_is_no_more_than_the_proved_one(apart: Fraction):
+    body: Any = SimpleNamespace(
+        growth=Fraction(1, 2) + apart, gap=Fraction(1, 4) + apart, quaternion=(1, -2, 3, 4)
+    )
+    fields: Any = spring_document._growth(body)
+    mu, delta = fields["mu"], fields["delta"]
+
+    assert mu <= body.growth < math.nextafter(mu, 1.0)
+    assert math.nextafter(delta, 0.0) < body.gap <= delta
+    assert fields["quaternion_wxyz"] == ["1", "-2", "3", "4"]
 
 
 @pytest.mark.parametrize("shift", [math.nextafter(0.5, 0.0), 0.5, math.nextafter(0.5, 1.0)])

@@ -248,3 +248,17 @@ def test_a_method_is_known_as_well_as_the_least_known_of_its_equilibria():
             doubt = "" if complete else ", in doubt"
 
             assert _road(search)[-1] == f"{min(one, other).label}{doubt}"
+
+
+def test_a_method_is_told_with_how_many_equilibria_of_each_index_it_found():
+    part = SimpleNamespace(guarantee=Guarantee.ENCLOSED)
+    critical: Any = SimpleNamespace(
+        components=[part] * 5, indices=(0, 3, 1, 1, None), complete=False
+    )
+    search: Any = SimpleNamespace(method="paths", seconds=0.5, critical=critical, reason=None)
+
+    assert _road(search) == ("paths", "5", "1 2 0 1", "500.0 ms", "enclosed, in doubt")
+    critical.components = []
+    assert _road(search) == ("paths", "none", "-", "500.0 ms", "in doubt")
+    search.critical = None
+    assert _road(search) == ("paths", "-", "-", "500.0 ms", "undecided")
