@@ -121,6 +121,13 @@ def test_a_continuum_has_no_count():
     assert not breathing_equilibria(of_axes([0, 0, 0])).upright
 
 
+def test_a_continuum_beside_a_point_has_no_count():
+    found = breathing_equilibria(of_axes([3, 3, -1]))  # 5, 1, 1, -7
+
+    assert [each.kind.dimension for each in found.upright] == [0, 1]
+    assert found.count is None
+
+
 def test_a_continuum_inside_out_leaves_the_count_of_the_others():
     found = breathing_equilibria(of_axes([1, 1, 1]))  # 3, -1, -1, -1
 
