@@ -143,26 +143,18 @@ PROVED = (
         "equilibrium/test_breaking_edges equilibrium/test_breaking_springs",
     ),
     _of("equilibrium/krawczyk", "proved_root _krawczyk are_distinct", "equilibrium/test_krawczyk"),
+    _of("equilibrium/line_boxes", "index_of", "equilibrium/test_line_edges"),
+    _of("equilibrium/line_ranks", "at_most_forty", "equilibrium/test_line_edges"),
+    _of("equilibrium/spring_homotopy", "_least proved_lines", "equilibrium/test_line_edges"),
     _of(
-        "equilibrium/line_boxes",
-        "BoxedLine.is_real all_different index_of",
-        "equilibrium/test_line_edges equilibrium/test_spring_lists",
+        "equilibrium/line_boxes", "BoxedLine.is_real all_different", "equilibrium/test_spring_lists"
     ),
     _of(
         "equilibrium/line_ranks",
-        "at_most_forty infinitely_many _misses _rank_is_below",
-        "equilibrium/test_line_edges equilibrium/test_spring_lists",
+        "infinitely_many _misses _rank_is_below",
+        "equilibrium/test_spring_lists",
     ),
-    _of(
-        "equilibrium/line_set",
-        "LineSet.separated finiteness_of",
-        "equilibrium/test_line_edges equilibrium/test_spring_lists",
-    ),
-    _of(
-        "equilibrium/spring_homotopy",
-        "_least proved_lines",
-        "equilibrium/test_line_edges equilibrium/test_spring_lists",
-    ),
+    _of("equilibrium/line_set", "LineSet.separated finiteness_of", "equilibrium/test_spring_lists"),
     _of("equilibrium/breathing", "breathing_equilibria", "equilibrium/test_breathing_equilibria"),
     _of("equilibrium/counting", "at_most_four", "certificate/test_count_certificate"),
     _of(
