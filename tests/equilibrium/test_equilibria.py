@@ -63,14 +63,19 @@ def test_components_are_mutually_orthogonal_eigenspaces_that_fill_the_space(prob
     assert np.abs(basis.T @ basis - np.eye(4)).max() < 1e-14
 
 
-def test_the_margin_is_that_of_the_eigenvalues():
-    """C = diag(18, 8, 2): eigenvalues 28, 8, -12, -24, and energies twice as far apart."""
-    cloud = np.vstack([np.diag([3.0, 2.0, 1.0]), -np.diag([3.0, 2.0, 1.0])])
-    found = certreg.equilibria(RegistrationProblem(cloud, cloud))
+@pytest.mark.parametrize("times", [1.0, 2.0])
+def test_the_margin_is_that_of_the_eigenvalues(times: float):
+    """C = b diag(18, 8, 2): eigenvalues b (28, 8, -12, -24), and energies twice as far apart.
 
-    assert found.margin.eigenvalue_gap == pytest.approx(20.0)
+    The best is 28 (b - 1)^2, not 0 where the target is larger.
+    """
+    cloud = np.vstack([np.diag([3.0, 2.0, 1.0]), -np.diag([3.0, 2.0, 1.0])])
+    found = certreg.equilibria(RegistrationProblem(cloud, times * cloud))
+    energies = 28.0 * (times - 1.0) ** 2 + times * np.array([0.0, 40.0, 80.0, 104.0])
+
+    assert found.margin.eigenvalue_gap == pytest.approx(20.0 * times)
     assert found.margin.relative == pytest.approx(20.0 / 52.0)
-    assert [c.energy for c in found.components] == pytest.approx([0.0, 40.0, 80.0, 104.0], abs=1e-9)
+    assert [c.energy for c in found.components] == pytest.approx(energies, abs=1e-9)
 
 
 @pytest.mark.parametrize("sign", [1, -1])
