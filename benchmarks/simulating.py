@@ -125,7 +125,7 @@ def _springs() -> Iterator[Figure]:
     ):
         starts = np.array([body.start for body in some])
         settings = SimulationSettings(step=0.01, max_steps=steps, speed_tolerance=0.0)
-        batch = Batch.on_springs(
+        batch = Batch.of(
             Integrator.SPLITTING,
             bodies=np.array([body.record for body in some]),
             steps=spring_steps(Integrator.SPLITTING, some, starts, settings),

@@ -100,7 +100,7 @@ def simulate(
             else _stepped(np.array(start, dtype=float), integrator)
         ),
     )
-    log = Log.of_capacity(LOG_CAPACITY, integrator)
+    log = Log.of_capacity(LOG_CAPACITY, integrator.sample)
     integrate(batch, settings, log)
     if (start is None or np.isfinite(start).all()) and _overflows(moving, batch):
         raise _gains_energy(moving, integrator)

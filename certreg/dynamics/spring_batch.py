@@ -151,7 +151,7 @@ def simulate_on_springs(
 ) -> SpringEnds:
     """Every body simulated to its end, as `simulate_many` says. Raises ValueError for Euler."""
     integrator, settings = Integrator(integrator), settings or SimulationSettings()
-    batch = Batch.on_springs(
+    batch = Batch.of(
         integrator,
         bodies=np.array([body.record for body in bodies.bodies]),
         steps=spring_steps(integrator, bodies.bodies, bodies.starts, settings),

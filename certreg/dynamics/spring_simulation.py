@@ -167,13 +167,13 @@ def simulate_springs(
     moving = moving_of(objective, damping)
     state = moving.start if start is None else start
     bodies, starts = moving.record[np.newaxis], state[np.newaxis]
-    batch = Batch.on_springs(
+    batch = Batch.of(
         integrator,
         bodies=bodies,
         steps=spring_steps(integrator, (moving,), starts, settings),
         states=starts,
     )
-    log = Log.on_springs(LOG_CAPACITY)
+    log = Log.of_capacity(LOG_CAPACITY, SPRING_SAMPLE)
     integrate(batch, settings, log)
     ended = batch.status[0] == Ending.AT_REST
     return SpringTrajectory(

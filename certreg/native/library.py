@@ -24,8 +24,10 @@ from certreg.native.loops import (
     PERTURBATION_GROWTH,
     STALLED_TORQUE,
     Integrator,
+    Kind,
 )
 from certreg.native.optima import ProvedOptima
+from certreg.native.runs import run_in_python
 from certreg.native.signatures import generated, opened
 from certreg.native.stationary import StationaryPoses
 
@@ -273,6 +275,9 @@ class Library:
 
     def run(self, batch: Batch, rules: Rules, log: Log | None = None) -> None:
         """Integrate every body; several run on all given threads, a log is for one body."""
+        if batch.kind is Kind.BREATHING:
+            run_in_python(self, batch, rules, log)
+            return
         count = len(batch.bodies)
         if log is not None or count == 1:
             self._run(batch, rules, log)
@@ -285,8 +290,7 @@ class Library:
 
     def _run(self, batch: Batch, rules: Rules, log: Log | None) -> None:
         single = len(batch.bodies) == 1 or batch.integrator is Integrator.MIDPOINT
-        kind = "spring_" if batch.of_springs else ""
-        name = f"certreg_{kind}{batch.integrator.value}_{'single' if single else 'lanes'}"
+        loop = f"{batch.integrator.value}_{'single' if single else 'lanes'}"
         record = None
         if log is not None:
             (rows,) = _addresses((log.rows,))
@@ -299,7 +303,8 @@ class Library:
             if count == 1
             else _Batch(count, *_addresses((*given, *written)), logged)
         )
-        getattr(self.handle, name)(ctypes.byref(passed), ctypes.byref(_settings(rules)))
+        call = getattr(self.handle, f"{batch.kind.value}{loop}")
+        call(ctypes.byref(passed), ctypes.byref(_settings(rules)))
         if log is not None and record is not None:
             log.count, log.stride = record.count, record.stride
 

@@ -89,7 +89,7 @@ def descend(
         steps=np.array([STEP]).view(Integrator.EULER.step),
         states=named(start_at_rest(moments, RAW_UNIT), MATRIX_STATE)[np.newaxis],
     )
-    log = Log.of_capacity(max_steps + 1, Integrator.EULER)
+    log = Log.of_capacity(max_steps + 1, Integrator.EULER.sample)
     loop = SimulationSettings(speed_tolerance=stop, max_steps=max_steps)
     current_engine().run(batch, loop.rules, log)
     stopped = Ending(int(batch.status[0])) is not Ending.OUT_OF_STEPS

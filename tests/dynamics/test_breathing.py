@@ -15,13 +15,12 @@ from certreg.dynamics.breathing import (
     never_collapses,
     simulate_breathing,
 )
-from certreg.dynamics.breathing_run import BreathingRun
 from certreg.dynamics.integrators import SimulationSettings
 from certreg.equilibrium.breathing import breathing_equilibria
 from certreg.equilibrium.presentation import unit_double
 from certreg.errors import DegenerateProblemError
 from certreg.geometry.so3 import rotation_matrix
-from certreg.native.layout import BREATHING_STATE, named, plain
+from certreg.native.layout import BREATHING_STATE, plain
 from certreg.objective.isotropic import Isotropic
 from certreg.problem.moments import exact_moments
 from certreg.problem.problem import RegistrationProblem
@@ -105,12 +104,11 @@ def test_the_linearisation_is_the_derivative_of_the_rates(seed):
 @pytest.mark.parametrize("seed", range(4))
 @pytest.mark.parametrize("size", [0.01, 0.3, 1.0])
 def test_a_step_loses_what_damping_takes_and_nothing_else(seed, size):
-    moving = breathing_body(objective_of(*clouds(seed)).moments, DAMPING)
-    state = any_state(seed)
-    run = BreathingRun.of(moving, state, SimulationSettings(step=size))
-    assert run._stepped()
+    settings, state = SimulationSettings(step=size, max_steps=1), any_state(seed)
+    run = simulate_breathing(objective_of(*clouds(seed)), DAMPING, start=state, settings=settings)
+    assert run.steps == 1
 
-    after, h = named(run.state, BREATHING_STATE), run.time
+    moving, after, h = run.moving, run.last, float(run.times[-1])
     ends = [float(moving.energies(each)[:4].sum()) for each in (state, after)]
     spin = [each["scale"] * each["omega"] for each in (state, after)]
     middle_v, middle_spin = (state["v"] + after["v"]) / 2.0, sum(spin) / 2.0

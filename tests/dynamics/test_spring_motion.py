@@ -169,9 +169,7 @@ def test_both_integrators_approach_one_motion():
     for integrator, h in ((STEPS[0], 1e-3), (STEPS[1], 1e-3), (STEPS[1], 5e-4)):
         moving = moving_springs(spring_moments(problem), 1.3)
         steps = spring_steps(integrator, (moving,), start[None], SimulationSettings(step=h))
-        batch = Batch.on_springs(
-            integrator, bodies=moving.record[None], steps=steps, states=start[None]
-        )
+        batch = Batch.of(integrator, bodies=moving.record[None], steps=steps, states=start[None])
         rules = Rules(
             speed_tolerance=0.0, rest_share=0.0, first_perturbation=0.0, max_steps=round(1 / h)
         )
@@ -243,7 +241,7 @@ def test_compiled_code_and_python_take_the_same_way():
         ends = []
         for engine in (either("library"), either("evaluator")):
             steps = spring_steps(integrator, (moving,), start[None], SimulationSettings())
-            batch = Batch.on_springs(
+            batch = Batch.of(
                 integrator, bodies=moving.record[None], steps=steps, states=start[None]
             )
             engine.run(batch, replace(RULES, max_steps=30))
@@ -260,13 +258,11 @@ def test_bodies_side_by_side_end_as_each_alone():
     for integrator in STEPS:
         steps = spring_steps(integrator, bodies, starts, SimulationSettings())
         records = np.array([body.record for body in bodies])
-        many = Batch.on_springs(integrator, bodies=records, steps=steps, states=starts)
+        many = Batch.of(integrator, bodies=records, steps=steps, states=starts)
         either("library").run(many, RULES)
         for k in range(0, 19, 6):
             part = slice(k, k + 1)
-            one = Batch.on_springs(
-                integrator, bodies=records[part], steps=steps[part], states=starts[part]
-            )
+            one = Batch.of(integrator, bodies=records[part], steps=steps[part], states=starts[part])
             either("library").run(one, RULES)
             assert one.taken[0] == many.taken[k]
             assert np.allclose(plain(one.states), plain(many.states[part]), atol=1e-12)
