@@ -268,10 +268,10 @@ PROVED = (
         "registration/test_exact_ends",
     ),
     _of(
-        "registration/spring_simulation",
+        "registration/valley",
         "SimulatedSprings.as_good SimulatedSprings.converged SimulatedSprings.basin",
         "registration/test_flags_enumerated registration/test_spring_flags "
-        "registration/test_spring_simulation",
+        "registration/test_valley",
     ),
     _of(
         "registration/breathing",
@@ -292,7 +292,7 @@ PROVED = (
     _of("report/spring_listed", "_row", "report/test_spring_listed"),
     _of("dynamics/basin", "certified_basin basin_gaps", "dynamics/test_basin_edges"),
     _of("dynamics/body", "clearly_thick", "dynamics/test_basin_edges"),
-    _of("dynamics/breathing", "never_collapses", "dynamics/test_basin_edges"),
+    _of("registration/breathing", "never_collapses", "dynamics/test_basin_edges"),
     _of("problem/breaking", "BreakingProblem.broken_energy", "equilibrium/test_breaking_springs"),
     _of("problem/truncated", "_require_narrow", "problem/test_truncated_problem"),
     _of("problem/consensus", "_require_narrow", "problem/test_bounds"),

@@ -1,7 +1,7 @@
 """The same functions and loops where nothing is compiled: the generated C, run by Python.
 
 Slower by a factor of hundreds, the same numbers up to rounding. `Evaluator.run` does what the loops
-in C do, in the same order (`runs`, `spring_runs`). A module of its own: it is one of two engines,
+in C do, in the same order (`runs`). A module of its own: it is one of two engines,
 as `library` is the other, and `engine` chooses.
 """
 
@@ -20,9 +20,8 @@ from certreg.native.layout import (
     plain,
 )
 from certreg.native.library import checked
-from certreg.native.runs import BodyRun
+from certreg.native.runs import run_in_python
 from certreg.native.signatures import generated
-from certreg.native.spring_runs import SpringRun
 from certreg.native.stationary import stationary_poses
 from certreg.native.tape import Tape, tapes_of
 
@@ -69,9 +68,7 @@ class Evaluator:
 
     def run(self, batch: Batch, rules: Rules, log: Log | None = None) -> None:
         """Integrate every body of a batch, one after another."""
-        kind = SpringRun if batch.of_springs else BodyRun
-        for k in range(len(batch.bodies)):
-            kind(self, batch.part(slice(k, k + 1)), rules, log).to_the_end()
+        run_in_python(self, batch, rules, log)
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,13 +15,13 @@ from certreg.errors import InvalidProblemError
 from certreg.native.layout import (
     BASIN,
     BODY,
+    BREATHING_STATE,
     MATRIX_SAMPLE,
     MATRIX_STATE,
     QUATERNION_SAMPLE,
     QUATERNION_STATE,
     SPLITTING_STEP,
     SPRING_BODY,
-    SPRING_SAMPLE,
     STEP,
 )
 
@@ -79,6 +79,15 @@ class Ending(enum.IntEnum):
     CONVERGED = 1
     AT_REST = 2
     PERTURBED = 3  # never an ending: what a look at a slow state can also say
+    COLLAPSED = 4  # where the scale is a state: it falls to 0; said by no loop in C
+
+
+class Kind(enum.Enum):
+    """Which generated functions move a body; the value is what their names begin with."""
+
+    RIGID = "certreg_"
+    SPRINGS = "certreg_spring_"
+    BREATHING = "certreg_breathing_"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -117,9 +126,12 @@ class Batch:
     times: NDArray[np.float64]
 
     @property
-    def of_springs(self) -> bool:
-        """Whether the springs are matrices: bodies are records SPRING_BODY, and have no basins."""
-        return self.bodies.dtype == SPRING_BODY
+    def kind(self) -> Kind:
+        """Of its bodies: their records, and those of their states, have sizes of their own."""
+        if self.bodies.itemsize == SPRING_BODY.itemsize:
+            return Kind.SPRINGS
+        breathing = self.states.itemsize == BREATHING_STATE.itemsize
+        return Kind.BREATHING if breathing else Kind.RIGID
 
     @classmethod
     def of(
@@ -127,44 +139,23 @@ class Batch:
         integrator: Integrator,
         *,
         bodies: Records,
-        basins: Records,
         steps: Records,
         states: Records,
+        basins: Records | None = None,
     ) -> Batch:
-        """A batch from records of the right types, copied; raises ValueError for others."""
-        count = len(bodies)
-        given = {
-            "bodies": (bodies, BODY),
-            "basins": (basins, BASIN),
-            "steps": (steps, integrator.step),
-            "states": (states, integrator.state),
-        }
-        return cls(
-            integrator=integrator,
-            taken=np.zeros(count, dtype=np.int64),
-            status=np.zeros(count, dtype=np.int32),
-            escapes=np.zeros(count, dtype=np.int64),
-            times=np.zeros(count),
-            **_copied(count, given),
-        )
+        """A batch from records of the right types, copied; raises ValueError for others.
 
-    @classmethod
-    def on_springs(
-        cls, integrator: Integrator, *, bodies: Records, steps: Records, states: Records
-    ) -> Batch:
-        """A batch on general springs; records SPRING_BODY, and as in `of`, copied.
-
-        Raises ValueError for other records. Of integrators there are midpoint and splitting.
+        basins: None of bodies on general springs, which have none.
         """
         count = len(bodies)
         given = {
-            "bodies": (bodies, SPRING_BODY),
+            "bodies": (bodies, SPRING_BODY if basins is None else BODY),
+            "basins": (np.empty(count, dtype=BASIN) if basins is None else basins, BASIN),
             "steps": (steps, integrator.step),
             "states": (states, integrator.state),
         }
         return cls(
             integrator=integrator,
-            basins=np.empty(count, dtype=BASIN),
             taken=np.zeros(count, dtype=np.int64),
             status=np.zeros(count, dtype=np.int32),
             escapes=np.zeros(count, dtype=np.int64),
@@ -229,7 +220,7 @@ _ARRAYS = tuple(field.name for field in fields(Batch) if field.name != "integrat
 class Log:
     """Samples of one trajectory: when it is full, every second goes and the stride doubles.
 
-    rows: (capacity,) records `integrator.sample`; `count` of them are filled.
+    rows: (capacity,) records of time, state and energies; `count` of them are filled.
     """
 
     rows: Records
@@ -237,14 +228,9 @@ class Log:
     stride: int = 1
 
     @classmethod
-    def of_capacity(cls, capacity: int, integrator: Integrator) -> Log:
-        """An empty log."""
-        return cls(rows=np.empty(capacity, dtype=integrator.sample))
-
-    @classmethod
-    def on_springs(cls, capacity: int) -> Log:
-        """An empty log of a body on general springs."""
-        return cls(rows=np.empty(capacity, dtype=SPRING_SAMPLE))
+    def of_capacity(cls, capacity: int, sample: RecordType) -> Log:
+        """An empty log of records of this type."""
+        return cls(rows=np.empty(capacity, dtype=sample))
 
     def clear(self) -> None:
         """Forget all samples."""

@@ -1,4 +1,7 @@
-"""One body from its start to its end where nothing is compiled: as loop.h, escape.c, midpoint.c."""
+"""One body from its start to its end where no C does that: as loop.h, escape.c, midpoint.c.
+
+Of a body whose scale is a state there is no loop in C: it takes some dozens of steps.
+"""
 
 from __future__ import annotations
 
@@ -9,6 +12,7 @@ import numpy as np
 
 from certreg.geometry import quaternion_from_matrix, rotation_matrix
 from certreg.native.layout import (
+    BREATHING_STATE,
     ENERGIES,
     MATRIX_STATE,
     QUATERNION_STATE,
@@ -26,6 +30,7 @@ from certreg.native.loops import (
     STALLED_TORQUE,
     Ending,
     Integrator,
+    Kind,
 )
 
 if TYPE_CHECKING:
@@ -35,18 +40,24 @@ if TYPE_CHECKING:
 Array = Any  # NDArray[np.float64]
 NO_TORQUE = 1e-12  # of the curvature: less is rounding, and must not choose a side
 JACOBI_SWEEPS = 12  # the sixth changes nothing any more
+SPRING_SWEEPS = 16  # of six rows
+FLAT = 1e-9  # of the largest curvature: less is none, as along a shift that no spring resists
+NO_PULL = 1e-12  # of the largest curvature: less is rounding, and must not choose a side
+LEAST_SCALE = 1e-6  # of the start's: below, the scale is on its way to 0
 
 
 class BodyRun:
     """One body on its way; its state, a step and so on as plain doubles, read through `named`."""
 
     names = "certreg_quaternion_"  # of the functions of a state
-    steps_prefix = "certreg_"  # of those of a step
+    steps_prefix = Kind.RIGID.value  # of those of a step
     unknowns = ("omega",)  # of a midpoint step: the middle velocities
+    halvings = HALVINGS  # of a midpoint step
+    stuck = Ending.OUT_OF_STEPS  # what it is where no step can be made
 
     def __init__(self, machine: Engine, batch: Batch, rules: Rules, log: Log | None) -> None:
         self.machine, self.batch, self.rules, self.log = machine, batch, rules, log
-        self.integrator = batch.integrator
+        self.integrator, self.state = batch.integrator, batch.states.dtype
         self.body, self.step = plain(batch.bodies)[0], plain(batch.steps)[0]
         self.size = float(batch.steps["h"][0])
         self.quaternions, self.gaps = batch.basins["quaternions"][0], batch.basins["gaps"][0]
@@ -72,11 +83,12 @@ class BodyRun:
             else:
                 size = self.size
             if following is None:
+                end = self.stuck
                 break
             state, time, taken = following, time + size, taken + 1
         if self.integrator is not Integrator.MIDPOINT:
             time = taken * self.size
-        batch.states[0] = named(state, self.integrator.state)
+        batch.states[0] = named(state, self.state)
         batch.taken[0], batch.escapes[0], batch.times[0] = taken, escapes, time
         batch.status[0] = Ending.OUT_OF_STEPS if end is Ending.PERTURBED else end
 
@@ -98,13 +110,13 @@ class BodyRun:
         if self.integrator is not Integrator.MIDPOINT:
             return self._explicit(state)[0], self.size
         size = self.size
-        for _ in range(HALVINGS + 1):
+        for _ in range(self.halvings + 1):
             middle = self._middle(state, size)
             if middle is not None:
                 arguments = (state, self.body, middle, np.array([size]))
                 name = f"{self.steps_prefix}midpoint_step"
                 (following,) = self.machine.evaluate(name, *arguments)
-                q = named(following, QUATERNION_STATE)["q"]
+                q = named(following, self.state)["q"]
                 q /= math.sqrt(float(q @ q))
                 return following, size
             size /= 2.0
@@ -162,12 +174,8 @@ class BodyRun:
             along = float(axis[np.argmax(np.abs(axis))])
         half = math.copysign(self.perturbation / 2.0, along)
         self.perturbation = min(self.perturbation * PERTURBATION_GROWTH, LARGEST_PERTURBATION)
-        turned = turned_by(state, self.integrator, math.cos(half), math.sin(half) * axis)
+        turned = turned_by(state, self.state, math.cos(half), math.sin(half) * axis)
         return Ending.PERTURBED, turned
-
-    def _sample(self) -> RecordType:
-        """The record of a logged state."""
-        return self.integrator.sample
 
     def _quaternion(self, state: Array) -> Array:
         if self.integrator is Integrator.EULER:
@@ -188,8 +196,108 @@ class BodyRun:
         if self.integrator is not Integrator.MIDPOINT:
             time = taken * self.size
         row = np.concatenate([[time], state, energies])
-        log.rows[log.count] = named(row, self._sample())
+        log.rows[log.count] = named(row, log.rows.dtype)
         log.count += 1
+
+
+class SpringRun(BodyRun):
+    """One body on its way, on general springs."""
+
+    names = steps_prefix = Kind.SPRINGS.value
+    unknowns = ("v", "omega")
+
+    def _looked_at(self, state: Array) -> tuple[Ending, Array]:
+        """What a slow state may do, and the state, perturbed if it has to be."""
+        hessian, force = self.machine.evaluate("certreg_spring_curvature", state, self.body)
+        values, vectors = eigenbasis(hessian.reshape(6, 6), SPRING_SWEEPS)
+        largest = float(np.abs(values).max())
+        pulls = force @ vectors
+        least = int(np.argmin(values))
+        if values[least] < -FLAT * largest:
+            if (np.abs(pulls) > STALLED_TORQUE * largest).any():
+                return Ending.OUT_OF_STEPS, state
+            return self._off(state, vectors[:, least], float(pulls[least]), NO_PULL * largest)
+        firm = values > FLAT * largest
+        distance = float(((pulls[firm] / values[firm]) ** 2).sum())
+        resting = distance <= 4.0 * self.rules.rest_share
+        return Ending.AT_REST if resting else Ending.OUT_OF_STEPS, state
+
+    def _off(self, state: Array, along: Array, pull: float, none: float) -> tuple[Ending, Array]:
+        """Off a saddle along the direction of lowest curvature, downhill."""
+        side = pull if abs(pull) > none else float(along[np.argmax(np.abs(along))])
+        amount = math.copysign(self.perturbation, side)
+        self.perturbation = min(self.perturbation * PERTURBATION_GROWTH, LARGEST_PERTURBATION)
+        moved = state.copy()
+        named(moved, QUATERNION_STATE)["c"] += amount * along[:3]
+        angle = float(np.linalg.norm(along[3:]))
+        if angle > 0.0:
+            sine = math.sin(amount * angle / 2.0) * along[3:] / angle
+            cosine = math.cos(amount * angle / 2.0)
+            moved = turned_by(moved, self.state, cosine, sine)
+        return Ending.PERTURBED, moved
+
+
+class BreathingRun(BodyRun):
+    """One body on its way, its scale a state; where that falls to 0 no step can be made."""
+
+    names = steps_prefix = Kind.BREATHING.value
+    halvings = 29  # a billionth of a step is short only on the way to the scale 0
+    stuck = Ending.COLLAPSED
+
+    def __init__(self, machine: Engine, batch: Batch, rules: Rules, log: Log | None) -> None:
+        super().__init__(machine, batch, rules, log)
+        self.least_scale = LEAST_SCALE * float(batch.states["scale"][0])
+        self.rest_angle = 2.0 * math.asin(math.sqrt(rules.rest_share))
+
+    def _middle(self, state: Array, size: float) -> Array | None:
+        """The middle omega and growth by Newton's method; None if the scale would fall to 0."""
+        parts = named(state, BREATHING_STATE)
+        middle, before = np.array([*parts["omega"], parts["growth"]]), math.inf
+        for _ in range(NEWTON_STEPS):
+            residual, slope = self.machine.evaluate(
+                f"{self.names}midpoint_residual", state, self.body, middle, np.array([size])
+            )
+            try:
+                change = np.linalg.solve(slope.reshape(4, 4), residual)
+            except np.linalg.LinAlgError:
+                return None
+            middle = middle - change
+            scale = float(parts["scale"]) + size * float(middle[3])
+            turn = size * float(np.linalg.norm(middle[:3]))
+            if not (turn <= LARGEST_TURN and scale > self.least_scale):  # NaN, too
+                return None
+            moved = size * float(np.linalg.norm(change[:3])) + size * abs(change[3]) / scale
+            if moved <= NEWTON_TOLERANCE and (moved >= before / 4.0 or not moved):
+                return middle
+            before = moved
+        return None
+
+    def _looked_at(self, state: Array) -> tuple[Ending, Array]:
+        """What a slow state may do, and the state, perturbed if it has to be."""
+        hessian, torque = self.machine.evaluate(f"{self.names}curvature", state, self.body)
+        torque = float(named(state, BREATHING_STATE)["scale"]) * torque
+        values, vectors = np.linalg.eigh(hessian.reshape(4, 4)[:3, :3])
+        largest = float(np.abs(values).max())
+        if float(np.abs(torque).max()) > STALLED_TORQUE * largest:
+            return Ending.OUT_OF_STEPS, state
+        if values[0] >= -FLAT * largest:
+            firm = values > FLAT * largest
+            off = np.linalg.norm((torque @ vectors)[firm] / values[firm])
+            return (Ending.AT_REST if off <= self.rest_angle else Ending.OUT_OF_STEPS), state
+        axis = vectors[:, 0] * math.copysign(1.0, float(vectors[:, 0] @ torque))
+        half = self.perturbation / 2.0
+        self.perturbation = min(self.perturbation * PERTURBATION_GROWTH, LARGEST_PERTURBATION)
+        turned = turned_by(state, self.state, math.cos(half), math.sin(half) * axis)
+        return Ending.PERTURBED, turned
+
+
+RUNS = {Kind.RIGID: BodyRun, Kind.SPRINGS: SpringRun, Kind.BREATHING: BreathingRun}
+
+
+def run_in_python(machine: Engine, batch: Batch, rules: Rules, log: Log | None) -> None:
+    """Integrate every body of a batch, one after another."""
+    for k in range(len(batch.bodies)):
+        RUNS[batch.kind](machine, batch.part(slice(k, k + 1)), rules, log).to_the_end()
 
 
 def least_curvature(hessian: Array) -> tuple[float, Array]:
@@ -220,15 +328,14 @@ def eigenbasis(matrix: Array, sweeps: int) -> tuple[Array, Array]:
     return np.diag(a).copy(), v
 
 
-def turned_by(state: Array, integrator: Integrator, cosine: float, sine: Array) -> Array:
+def turned_by(state: Array, record: RecordType, cosine: float, sine: Array) -> Array:
     """The state with its body turned by the unit quaternion (cosine, sine), in the body frame."""
     turned = state.copy()
-    if integrator is Integrator.EULER:
-        turn = np.array(rotation_matrix((cosine, *sine.tolist())))
-        named(turned, MATRIX_STATE)["R"] = named(state, MATRIX_STATE)["R"] @ turn
+    parts = named(turned, record)
+    if record == MATRIX_STATE:
+        parts["R"] = parts["R"] @ np.array(rotation_matrix((cosine, *sine.tolist())))
         return turned
-    w, *vector = named(state, QUATERNION_STATE)["q"]
+    w, *vector = parts["q"]
     v = np.array(vector)
-    following = [cosine * w - v @ sine, *(cosine * v + w * sine + np.cross(v, sine))]
-    named(turned, QUATERNION_STATE)["q"] = following
+    parts["q"] = [cosine * w - v @ sine, *(cosine * v + w * sine + np.cross(v, sine))]
     return turned

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.dynamics import SimulationSettings, body_of, start_at_rest
+from certreg.dynamics import SimulationSettings, rigid_body, start_at_rest
 from certreg.native import (
     BASIN,
     MATRIX_STATE,
@@ -81,7 +81,7 @@ def descend(
     Raises DegenerateProblemError for a collinear source.
     """
     moments = exact_moments(problem)
-    moving = body_of(moments, problem.damping, length_exponent=RAW_UNIT)
+    moving = rigid_body(moments, problem.damping, length_exponent=RAW_UNIT)
     batch = Batch.of(
         Integrator.EULER,
         bodies=moving.record[np.newaxis],
@@ -89,7 +89,7 @@ def descend(
         steps=np.array([STEP]).view(Integrator.EULER.step),
         states=named(start_at_rest(moments, RAW_UNIT), MATRIX_STATE)[np.newaxis],
     )
-    log = Log.of_capacity(max_steps + 1, Integrator.EULER)
+    log = Log.of_capacity(max_steps + 1, Integrator.EULER.sample)
     loop = SimulationSettings(speed_tolerance=stop, max_steps=max_steps)
     current_engine().run(batch, loop.rules, log)
     stopped = Ending(int(batch.status[0])) is not Ending.OUT_OF_STEPS

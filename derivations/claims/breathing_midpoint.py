@@ -212,6 +212,6 @@ CLAIM = Claim(
         "derivations.breathing_integrators.balance",
         "derivations.breathing_integrators.midpoint_step",
     ),
-    used_by=("certreg.dynamics.breathing_run.BreathingRun",),
+    used_by=("certreg.native.runs.BreathingRun",),
     not_in_coq="All of it.",
 )

@@ -13,8 +13,8 @@ from strategies import ZOO, random_rotation
 
 from certreg.dynamics.basin import certified_basin
 from certreg.dynamics.batch import bodies_of
-from certreg.dynamics.body import body_of
 from certreg.dynamics.integrators import SimulationSettings, step_parameters
+from certreg.dynamics.rigid import rigid_body
 from certreg.equilibrium import batch as instances
 from certreg.geometry.so3 import body_frame, rotation_matrix
 from certreg.native import loops
@@ -224,7 +224,7 @@ def test_a_batch_of_records_that_are_not_as_many_is_refused():
 
 
 def test_a_log_that_is_cleared_is_as_new():
-    log = loops.Log.of_capacity(8, loops.Integrator.EULER)
+    log = loops.Log.of_capacity(8, loops.Integrator.EULER.sample)
     log.count, log.stride = 7, 4
     log.clear()
 
@@ -260,7 +260,7 @@ def test_rest_at_the_optimum_is_converged_only_where_it_is_unique(machine, integ
         objective = Isotropic(exact_moments(specimen.problem))
         if not objective.classification.inertia_definite:
             continue
-        moving = body_of(objective.moments, 2.0)
+        moving = rigid_body(objective.moments, 2.0)
         basin = certified_basin(objective, moving.length_exponent)
         one = type("One", (), {"records": moving.record[None], "basins": basin.record[None]})
         batch = released(one, integrator, basin.optimum[None])  # type: ignore[arg-type]
@@ -279,7 +279,7 @@ def test_the_share_of_the_basin_is_below_what_a_certificate_proves():
 @pytest.mark.parametrize("capacity", [2, 3, 4, 5, 8, 30])
 def test_a_full_log_keeps_every_second_sample(machine, integrator, capacity, bodies):
     batch = released(bodies, integrator, bodies.starts["q"]).part(slice(1, 2))
-    log, steps = loops.Log.of_capacity(capacity, integrator), 21
+    log, steps = loops.Log.of_capacity(capacity, integrator.sample), 21
     batch.steps["h"] = np.minimum(batch.steps["h"], 0.1)  # no midpoint step of that is halved
     engine(machine).run(batch, replace(SLOW, speed_tolerance=0.0, max_steps=steps), log)
     stride = next(2**k for k in range(9) if steps // 2**k < capacity)
