@@ -72,11 +72,12 @@ class ScaledConsensus(Consensus):
 
     witness: ScaledWitness
     pieces: tuple[Piece, ...]
+    states: str
 
     @property
     def open_scales(self) -> list[ScaleRange]:
         """With which it is not proved that those that meet as many pairs meet the same."""
-        return ranges(self.pieces, OPEN)
+        return ranges(self.pieces, self.states, OPEN)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -131,7 +132,7 @@ class ScaledProver:
         if len(met) < LEAST_PAIRS:
             return None
         n, within = self.problem.n, mask_of(met)
-        upper, sure, union, pieces = len(met), (1 << n) - 1, 0, list[Piece]()
+        upper, sure, union, pieces, states = len(met), (1 << n) - 1, 0, list[Piece](), ""
         parts = self._parts(met, witness.factor.value, MOST_OPEN if whole else FEW_OPEN)
         spare = max(MOST - sum(part.length for part in parts), 0)
         for part in parts:
@@ -145,9 +146,10 @@ class ScaledProver:
             if state != NONE:
                 sure, union = sure & own, union | part.left
             end = None if part.scales.high is None else _dyadic(part.scales.high)
-            pieces.append(Piece(end=end, stages=tuple(part.stages), state=state))
+            pieces.append(Piece(end=end, stages=tuple(part.stages)))
+            states += state
         labels = labels_of(n, sure, union)
-        return ScaledConsensus(witness, tuple(met), (), labels, upper, tuple(pieces))
+        return ScaledConsensus(witness, tuple(met), (), labels, upper, tuple(pieces), states)
 
     def _parts(self, met: list[int], scale: Fraction, most_open: int) -> list[_Thinned]:
         """Of all scales, in order: the widest of those that are open is cut, again and again.
@@ -245,7 +247,8 @@ def scaled_consensus_of(
 ) -> ScaledConsensus:
     """What a certificate says that the checker has accepted for the problem."""
     met = tuple(ScaledPairs(problem).met_by(body.witness))
-    return ScaledConsensus(body.witness, met, (), body.labels, body.upper, body.pieces)
+    claims = (body.labels, body.upper, body.pieces, body.states)
+    return ScaledConsensus(body.witness, met, (), *claims)
 
 
 def scaled_consensus_certificate(
@@ -270,6 +273,7 @@ def scaled_consensus_certificate(
         labels=found.labels,
         upper=found.upper,
         pieces=found.pieces,
+        states=found.states,
         scale=problem.problem.scale.value,
         scale_lower=low,
         scale_upper=high,

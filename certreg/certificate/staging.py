@@ -50,7 +50,7 @@ class Stager:
         thinning = self._thinned(
             alive, len(self.met), mask_of(self.met) if clique is None else clique
         )
-        stages.append(Stage(least=thinning.least, without=None, strikes=tuple(thinning.strikes)))
+        stages.append(self._kept(thinning))
         return thinning.alive, replace(self, graph=replace(self.graph, near=thinning.near))
 
     def stage(
@@ -69,9 +69,12 @@ class Stager:
         if length_of(stages) + sum(map(_length, thinning.strikes)) > self.most:
             return alive
         if thinning.alive.bit_count() < least:
-            strikes = tuple(thinning.strikes)
-            stages.append(Stage(least=least, without=without, strikes=strikes))
+            stages.append(self._kept(thinning, without))
         return thinning.alive
+
+    def _kept(self, thinning: GraphThinning, without: int | None = None) -> Stage:
+        left_out = len(self.graph.points.bounds) if without is None else without
+        return Stage(least=thinning.least, without=left_out, strikes=tuple(thinning.strikes))
 
     def _thinned(self, alive: int, least: int, clique: int) -> GraphThinning:
         thinning = GraphThinning(self.graph, alive, least, clique)
