@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from certreg.certificate.count import AT_MOST as AT_MOST
     from certreg.certificate.count import CountBody as CountBody
     from certreg.certificate.envelope import Certificate as Certificate
+    from certreg.certificate.envelope import body_of as body_of
     from certreg.certificate.isotropic import Claims as Claims
     from certreg.certificate.isotropic import IsotropicBody as IsotropicBody
     from certreg.certificate.isotropic import RotationState as RotationState
@@ -75,7 +76,6 @@ if TYPE_CHECKING:
     from certreg.certificate.springs_basin import SpringState as SpringState
     from certreg.certificate.springs_basin import barrier_of as barrier_of
     from certreg.certificate.springs_basin import basin_of_springs as basin_of_springs
-    from certreg.certificate.springs_cones import ConesCap as ConesCap
     from certreg.certificate.springs_cones import SpringsConesBody as SpringsConesBody
     from certreg.certificate.springs_list import ListClaims as ListClaims
     from certreg.certificate.springs_list import SpringsListBody as SpringsListBody
@@ -112,7 +112,7 @@ __getattr__ = lazy_face(
             "AT_MOST",
             "CountBody",
         ),
-        "envelope": ("Certificate",),
+        "envelope": ("Certificate", "body_of"),
         "isotropic": (
             "Claims",
             "IsotropicBody",
@@ -158,10 +158,7 @@ __getattr__ = lazy_face(
         "scaled_consensus": ("ConsensusSimilarityBody", "ScaleRange"),
         "shared_motion": ("CommonMotion", "common_motion", "sets_apart"),
         "similarity": ("SimilarityBody", "SimilarityClaims"),
-        "springs_cones": (
-            "ConesCap",
-            "SpringsConesBody",
-        ),
+        "springs_cones": ("SpringsConesBody",),
         "springs_basin": (
             "Barrier",
             "SpringState",

@@ -45,7 +45,7 @@ class Assuming:
             if thinning.alive >> e & 1 and not self._is_met(e):
                 groups = self._groups(e)
                 if groups is not None:
-                    thinning.strike(Strike(row=e, groups=groups))
+                    thinning.strike(Strike(struck=e, groups=groups))
                     struck = True
         return struck
 

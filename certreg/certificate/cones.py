@@ -28,7 +28,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.certificate.springs_cones import ConesCap, SpringsConesBody
+from certreg.certificate.springs_cones import SpringsConesBody
 from certreg.certificate.springs_sos import SpringsClaims
 from certreg.equilibrium import FloatingQuartic, descended
 from certreg.exact import dyadic_above, dyadic_below, is_positive_definite
@@ -250,11 +250,10 @@ class ConeProof:
             quaternion=self.own.quaternion,
             mu=mu,
             caps=tuple(
-                ConesCap(
-                    quaternion=m.quaternion,
-                    curvature=dyadic_below((m.curvature or 0) * unit, NUMBER_BITS),
-                )
+                k
                 for m in attempt.capped
+                for pair in [dyadic_below((m.curvature or 0) * unit, NUMBER_BITS).pair]
+                for k in (*m.quaternion, *pair)
             ),
             claims=SpringsClaims(gap=gap, sin2_half_angle=angle, unique=unique),
             symmetry=symmetry,

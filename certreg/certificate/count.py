@@ -7,13 +7,15 @@ formulas of its own.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
+
+from certreg.certificate.file_parts import FilePart
 
 AT_MOST = 4
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class CountBody:
+class CountBody(FilePart):
     """A proof that a problem has few equilibria, complex ones counted with multiplicity.
 
     chart, modulus: with which the quadratics are seen to be independent.
@@ -21,24 +23,12 @@ class CountBody:
     """
 
     KIND: ClassVar[str] = "count"
+    PLACES: ClassVar = {
+        "chart": "proof.chart",
+        "modulus": "proof.modulus",
+        "at_most": "claims.at_most",
+    }
 
     chart: tuple[int, int, int, int]
     modulus: int
     at_most: int = AT_MOST
-
-    def to_fields(self) -> dict[str, Any]:
-        """The part of the file that is of this kind alone."""
-        return {
-            "claims": {"at_most": self.at_most},
-            "proof": {"chart": list(self.chart), "modulus": self.modulus},
-        }
-
-    @classmethod
-    def from_fields(cls, fields: dict[str, Any]) -> CountBody:
-        """The inverse of `to_fields`, of a file that the checker has found well-formed."""
-        a, b, c, d = fields["proof"]["chart"]
-        return cls(
-            chart=(a, b, c, d),
-            modulus=fields["proof"]["modulus"],
-            at_most=fields["claims"]["at_most"],
-        )

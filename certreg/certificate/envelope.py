@@ -14,10 +14,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Generic, Protocol, TypeVar
 
 from certreg._loading import found_late
+from certreg.certificate.file_parts import FilePart, MisreadError
 from certreg.errors import InvalidFileError
 from certreg.io import require_ending, write_atomically
 from certreg.results import Brief
-from certreg.verify import FILE_MAX, RefusalError, parse, shown
+from certreg.verify import FILE_MAX, JSON, NODES_MAX, RefusalError, shown
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -57,6 +58,23 @@ KINDS = {  # each is loaded where a certificate is of it
     for kind, (module, body) in BODIES.items()
 }
 AnyBody_co = TypeVar("AnyBody_co", bound=CertificateBody, covariant=True)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Envelope(FilePart):
+    """What the files of all kinds say; data: in base64, the bytes that are hashed."""
+
+    PLACES: ClassVar = {"data": "problem.data", "digest": "problem.digest", "n": "problem.n"}
+
+    kind: str
+    about: dict[str, Any]
+    n: int
+    digest: str
+    data: str | None = None
+    format: str = FORMAT
+
+
+ENVELOPE = {"about", "format", "kind", "problem"}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -116,23 +134,22 @@ class Certificate(Brief, Generic[AnyBody_co]):
         content = certificate_bytes(certificate)
         name = "the certificate" if isinstance(certificate, bytes) else shown(certificate)
         try:
-            parse(content)
-            fields: dict[str, Any] = json.loads(content)
-            text = fields["problem"]["data"]
+            document = _decoded(content)
+            head = Envelope.from_fields({key: document[key] for key in ENVELOPE & document.keys()})
+            body, text = body_of(document), head.data
             data = None if text is None else base64.b64decode(text, validate=True)
-            body: CertificateBody = KINDS[fields["kind"]]().from_fields(fields)
-        except (RefusalError, ValueError, TypeError, MemoryError) as error:
+        except (RefusalError, ValueError, MemoryError) as error:
             reason = str(error) or "not enough memory"
             message = f"{name}: is no certificate ({reason}): give a file that certreg wrote"
             raise InvalidFileError(
                 message, path=None if isinstance(certificate, bytes) else Path(certificate)
             ) from error
         return Certificate(
-            n=fields["problem"]["n"],
-            digest=fields["problem"]["digest"],
+            n=head.n,
+            digest=head.digest,
             inline=data,
             body=body,
-            about=fields["about"],
+            about=head.about,
         )
 
     def pieces(self) -> Iterator[bytes]:
@@ -141,13 +158,8 @@ class Certificate(Brief, Generic[AnyBody_co]):
         yield from file_pieces(self._document(), self.data, form=form)
 
     def _document(self) -> dict[str, Any]:
-        return {
-            "about": self.about,
-            "format": FORMAT,
-            "kind": self.body.KIND,
-            "problem": {"data": None, "digest": self.digest, "n": self.n},
-            **self.body.to_fields(),
-        }
+        head = Envelope(kind=self.body.KIND, about=self.about, n=self.n, digest=self.digest)
+        return {**head.to_fields(), **self.body.to_fields()}
 
     def to_json(self) -> bytes:
         """The file's content."""
@@ -171,6 +183,29 @@ class Certificate(Brief, Generic[AnyBody_co]):
             Where it cannot be written.
         """
         write_atomically(path, self.pieces())
+
+
+def body_of(document: dict[str, Any]) -> CertificateBody:
+    """What the file of a certificate says that is of its kind alone. Raises MisreadError."""
+    kind = KINDS.get(document["kind"])
+    if kind is None or document["format"] != FORMAT:
+        raise MisreadError(f"is not a {FORMAT} of a known kind")
+    own = {key: value for key, value in document.items() if key not in ENVELOPE}
+    return kind().from_fields(own)
+
+
+def _decoded(content: bytes) -> dict[str, Any]:
+    """The object in a file that is no larger than the checker reads. Raises MisreadError."""
+    nodes = sum(map(content.count, (b",", b"[", b"{")))
+    if len(content) > FILE_MAX or nodes > NODES_MAX:
+        raise MisreadError("is too large")
+    try:
+        document = JSON.decode(content.decode())
+    except (ValueError, RecursionError) as error:
+        raise MisreadError("is not JSON in UTF-8 of a sane depth") from error
+    if document.__class__ is not dict:
+        raise MisreadError("is not an object")
+    return document
 
 
 def file_pieces(

@@ -21,11 +21,17 @@ import math
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
+from itertools import chain
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.certificate.springs_list import ListClaims, SpringsListBody, quaternion_product
+from certreg.certificate.springs_list import (
+    ListClaims,
+    SpringsListBody,
+    quaternion_product,
+    with_positive_first,
+)
 from certreg.equilibrium import FloatingQuartic, PathsOutcome
 from certreg.exact import Dyadic, dyadic_above, dyadic_below
 from certreg.geometry import body_frame, dot, squared_norm
@@ -259,11 +265,12 @@ def _claimed(
     floors = [value - 10 * width * s for (value, _, _), s in zip(known, sines, strict=True)]
     gap, second = known[0][0] - min(floors), min(floors[1:])
     unique = 2 * known[0][0] - floors[0] < second
+    equilibria = [entry for _, _, line in known for x in line for entry in (x, 0)]
     return SpringsListBody(
+        quaternion=with_positive_first(known[0][1]),
         bits=bits,
         chart=charted.chart,
-        real=tuple(line for _, _, line in known),
-        pairs=tuple(pairs),
+        lines=(*equilibria, *chain.from_iterable(pairs)),
         modulus=MODULUS,
         claims=ListClaims(
             gap=dyadic_above(gap, GAP_BITS),

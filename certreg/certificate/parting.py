@@ -43,7 +43,7 @@ class Parting:
                 break
             if proof(e, f, thinning.beside(e) & thinning.beside(f)):
                 self._struck += 1
-                thinning.strike(Strike(row=e, other=f))
+                thinning.strike(Strike(struck=(e, f)))
                 struck = True
         return struck
 

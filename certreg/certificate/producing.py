@@ -23,7 +23,7 @@ from certreg.certificate.isotropic import Claims, IsotropicBody, RotationState
 from certreg.certificate.radius import (
     RADIUS_BITS,
     SAFE,
-    Radius,
+    SeparatedRadius,
     isotropic_radius,
 )
 from certreg.certificate.similarity import SimilarityBody, SimilarityClaims
@@ -156,7 +156,7 @@ def produce_similarity(
 
 def _radius(
     objective: Isotropic, sin2_half_angle: Dyadic | None, degrees: float | None
-) -> Radius | None:
+) -> SeparatedRadius | None:
     """How far the points may move, from a separation of the largest eigenvalue that is proved."""
     if sin2_half_angle is None or degrees is None:
         return None
@@ -256,11 +256,11 @@ def proves_basin(objective: Isotropic, state: RotationState, level: Fraction) ->
     than any spurious equilibrium, so that by LaSalle's theorem the damped body ends at the optimum.
     False means not proved, not disproved.
     """
-    moments, omega = objective.moments, state.angular_velocity
+    moments, (*omega, exponent) = objective.moments, state.angular_velocity
     if not (objective.classification.inertia_definite and any(state.quaternion)):
         return False
     spin = sum(a * dot(row, omega) for a, row in zip(omega, moments.inertia, strict=True))
-    unit = power_of_two(moments.weight_exponent + 2 * (moments.source_exponent + state.exponent))
+    unit = power_of_two(moments.weight_exponent + 2 * (moments.source_exponent + exponent))
     return objective.alignment(state.quaternion) - spin * unit / (4 * moments.mass) > level
 
 

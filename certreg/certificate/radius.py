@@ -24,8 +24,9 @@ import math
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from certreg.certificate.file_parts import FilePart
 from certreg.exact import (
     Dyadic,
     dyadic_below,
@@ -35,7 +36,6 @@ from certreg.exact import (
     rational_root_above,
 )
 from certreg.problem import trace
-from certreg.results import Brief
 
 if TYPE_CHECKING:
     from certreg.problem import ExactMoments, SpringMoments
@@ -47,38 +47,28 @@ MOST_DEGREES = 90.0  # beyond, the sine of the angle falls again
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Radius(Brief):
+class Radius(FilePart):
     """How far points may move, in the unit of length, with every optimum within an angle.
 
     sin_half_angle: s = sin(a/2) of that angle, from the certified rotation.
     target: every target point may be off by as much. both: every point of both clouds.
-    separation: of the largest eigenvalue of Davenport's matrix, at least; None for spring matrices.
     """
 
     sin_half_angle: Dyadic
     target: Dyadic
     both: Dyadic
-    separation: Dyadic | None = None
 
-    def to_fields(self) -> dict[str, Any]:
-        """The object `radius` of the file."""
-        fields = {
-            "both": self.both.pair,
-            "sin_half_angle": self.sin_half_angle.pair,
-            "target": self.target.pair,
-        }
-        alone = self.separation
-        return fields if alone is None else {**fields, "separation": alone.pair}
 
-    @classmethod
-    def from_fields(cls, fields: dict[str, Any]) -> Radius:
-        """The inverse of `to_fields`."""
-        return cls(**{name: Dyadic.of_pair(pair) for name, pair in fields.items()})
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SeparatedRadius(Radius):
+    """That of one weight per pair. separation: of the largest eigenvalue of K, at least."""
+
+    separation: Dyadic
 
 
 def isotropic_radius(
     moments: ExactMoments, *, separation: Dyadic, sin2_half_angle: Fraction, degrees: float
-) -> Radius | None:
+) -> SeparatedRadius | None:
     """How far the points may move, for an objective with a unique optimum.
 
     separation: g > 0, proved. sin2_half_angle: proved of the angle from the certified rotation to
@@ -105,7 +95,7 @@ def isotropic_radius(
     both, places = x + y, unit - SAFE_BITS - 1
     most, over = most << max(places, 0), 1 << max(-places, 0)
     root = rational_root_above(Fraction(both * both * over + 4 * m * most, over))
-    return Radius(
+    return SeparatedRadius(
         sin_half_angle=s,
         target=dyadic_below(Fraction(most, x * over), RADIUS_BITS),
         both=dyadic_below(Fraction(2 * most, over) / (both + root), RADIUS_BITS),

@@ -109,8 +109,7 @@ def _body(
         unit=scaled.unit,
         level=level,
         mu=mu,
-        free=short.mantissas,
-        free_exponent=short.exponent,
+        gram=(*short.mantissas, short.exponent),
         claims=SpringsClaims(
             gap=dyadic_above(gap, BOUND_BITS),
             sin2_half_angle=dyadic_above(gap / (mu * one), BOUND_BITS) if bounded else None,

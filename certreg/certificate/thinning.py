@@ -79,10 +79,10 @@ class GraphThinning:
     def strike(self, strike: Strike) -> None:
         """Strikes a row, or two neighbours together; and then what has too few neighbours."""
         self.strikes.append(strike)
-        if strike.other is None:
-            self._left.strike(strike.row)
+        if isinstance(strike.struck, int):
+            self._left.strike(strike.struck)
         else:
-            self._left.cut(strike.row, strike.other)
+            self._left.cut(*strike.struck)
 
     def run(self) -> None:
         """Strikes rows until none falls."""
@@ -91,7 +91,7 @@ class GraphThinning:
 
     def _strike_by_colours(self) -> bool:
         struck = self._left.strike_by_colours()
-        self.strikes += [Strike(row=row) for row in struck]
+        self.strikes += [Strike(struck=row) for row in struck]
         return bool(struck)
 
     def _strike_by_groups(self) -> bool:
@@ -100,7 +100,7 @@ class GraphThinning:
         for tried in self._left.open_rows():
             groups = self._groups(tried.row, tried.spare)
             if groups is not None:
-                self.strike(Strike(row=tried.row, groups=groups))
+                self.strike(Strike(struck=tried.row, groups=groups))
         return len(self.strikes) > before
 
     def _groups(self, e: int, most: int) -> tuple[Group, ...] | None:

@@ -7,17 +7,17 @@ is; the theorems are in `certreg.verify`.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
+from certreg.certificate.file_parts import FilePart
 from certreg.exact import Dyadic
-from certreg.results import Brief
 
 if TYPE_CHECKING:
     from fractions import Fraction
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class TruncatedClaims(Brief):
+class TruncatedClaims(FilePart):
     """What the certificate claims; the checker proves each from the data or refuses.
 
     gap: the cost of the rotation exceeds the minimum by less.
@@ -32,33 +32,13 @@ class TruncatedClaims(Brief):
     sin2_half_angle: Dyadic | None
     unique: bool
 
-    def to_fields(self) -> dict[str, Any]:
-        """The object `claims` of the file."""
-        angle = self.sin2_half_angle
-        return {
-            "gap": self.gap.pair,
-            "labels": self.labels,
-            "sin2_half_angle": None if angle is None else angle.pair,
-            "unique": self.unique,
-        }
-
-    @classmethod
-    def from_fields(cls, fields: dict[str, Any]) -> TruncatedClaims:
-        """The inverse of `to_fields`."""
-        angle = fields["sin2_half_angle"]
-        return cls(
-            gap=Dyadic.of_pair(fields["gap"]),
-            labels=fields["labels"],
-            sin2_half_angle=None if angle is None else Dyadic.of_pair(angle),
-            unique=fields["unique"],
-        )
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class TruncatedRotationBody(Brief):
+class TruncatedRotationBody(FilePart):
     """A proof that a rotation is optimal; mu makes that of the angle short."""
 
     KIND: ClassVar[str] = "truncated-rotation"
+    PLACES: ClassVar = {"quaternion": "pose", "mu": "optimality.mu"}
 
     quaternion: tuple[int, int, int, int]
     mu: Dyadic
@@ -68,21 +48,3 @@ class TruncatedRotationBody(Brief):
     def gap(self) -> Fraction:
         """The claimed bound on cost(R(q)) - minimum."""
         return self.claims.gap.value
-
-    def to_fields(self) -> dict[str, Any]:
-        """The part of the file that is of this kind alone."""
-        return {
-            "claims": self.claims.to_fields(),
-            "optimality": {"mu": self.mu.pair},
-            "pose": list(self.quaternion),
-        }
-
-    @classmethod
-    def from_fields(cls, fields: dict[str, Any]) -> TruncatedRotationBody:
-        """The inverse of `to_fields`, of a file that the checker has found well-formed."""
-        w, x, y, z = fields["pose"]
-        return cls(
-            quaternion=(w, x, y, z),
-            mu=Dyadic.of_pair(fields["optimality"]["mu"]),
-            claims=TruncatedClaims.from_fields(fields["claims"]),
-        )

@@ -151,8 +151,5 @@ def proved_end(run: ProblemTrajectory) -> SimulatedRegistration:
 def final_state(trajectory: Trajectory) -> RotationState:
     """The last state of a trajectory, exactly: what the basin proof is about."""
     velocity = lift(trajectory.angular_velocity)
-    return RotationState(
-        quaternion=tuple(lift(trajectory.quaternion).integers),
-        angular_velocity=tuple(velocity.integers),
-        exponent=velocity.exponent,
-    )
+    (w, x, y, z), (a, b, c) = lift(trajectory.quaternion).integers, velocity.integers
+    return RotationState(quaternion=(w, x, y, z), angular_velocity=(a, b, c, velocity.exponent))

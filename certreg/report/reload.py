@@ -24,10 +24,9 @@ from certreg.certificate import (
     IsotropicBody,
     PoseBounds,
     SimilarityBody,
-    SpringsConesBody,
     SpringsListBody,
-    SpringsSosBody,
     TruncatedRotationBody,
+    body_of,
     pose_bounds,
     spring_pose_bounds,
     verify,
@@ -294,7 +293,7 @@ def _consensus_report(
     scaled = isinstance(certificate.body, ConsensusSimilarityBody)
     restate = restated_scaled_consensus if scaled else restated_consensus
     result = restate(stated, certificate, verdict)
-    body = _fit_body(fields, result.fit)
+    body: Any = body_of(fields)
     given = _fit_bounds(body, result.fit)
     return ConsensusReport(
         registration=replace(result, fit=_fit_as_proved(result.fit, body, given)),
@@ -346,14 +345,6 @@ def _bounded_problem(
         held["scale"] = body.scale
     stated = RegistrationProblem(source.reshape(n, 3), target.reshape(n, 3), **held)
     return ConsensusProblem.of(stated, bounds)
-
-
-def _fit_body(fields: dict[str, Any], fit: Registration | SpringRegistration) -> Any:
-    """What a certificate of wrong pairs holds of its least squares."""
-    if not isinstance(fit, SpringRegistration):
-        return (SimilarityBody if fit.problem.scaled else IsotropicBody).from_fields(fields)
-    squares = fields["kind"] == SpringsSosBody.KIND
-    return (SpringsSosBody if squares else SpringsConesBody).from_fields(fields)
 
 
 def _fit_bounds(body: Any, fit: Registration | SpringRegistration) -> PoseBounds:

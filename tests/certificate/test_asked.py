@@ -107,7 +107,7 @@ def test_a_body_of_the_count_is_read_as_it_is_written():
 
 @pytest.mark.parametrize(("exponent", "unit"), [(0, 1), (3, 8), (-2, Fraction(1, 4))])
 def test_a_spin_is_in_its_unit(exponent: int, unit: Fraction):
-    state = RotationState(quaternion=(1, 0, 0, 0), angular_velocity=(3, -4, 0), exponent=exponent)
+    state = RotationState(quaternion=(1, 0, 0, 0), angular_velocity=(3, -4, 0, exponent))
 
     assert list(state.spin) == [3 * unit, -4 * unit, 0]
 

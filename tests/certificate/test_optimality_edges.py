@@ -153,8 +153,10 @@ def test_a_multiplier_equal_to_the_maximum_is_refused_and_one_of_nothing_is_foun
     assert nu.value == nothing.size / 2**FIRST_STEP_BITS
 
 
-def state(q: tuple[int, ...], *omega: int, exponent: int = 0) -> RotationState:
-    return RotationState(quaternion=q, angular_velocity=omega or (0, 0, 0), exponent=exponent)
+def state(
+    q: tuple[int, int, int, int], a: int = 0, b: int = 0, c: int = 0, *, exponent: int = 0
+) -> RotationState:
+    return RotationState(quaternion=q, angular_velocity=(a, b, c, exponent))
 
 
 def test_a_basin_is_proved_below_the_energy_of_the_next_equilibrium():

@@ -17,7 +17,7 @@ from certreg.certificate.consensus import Witness
 from certreg.certificate.consistency import ExactRows
 from certreg.certificate.listing import SECOND_BITS, _below
 from certreg.certificate.many import _angles
-from certreg.certificate.scaled_consensus import ConsensusSimilarityBody, ScaleRange
+from certreg.certificate.scaled_consensus import ConsensusSimilarityBody, Piece, ScaleRange
 from certreg.certificate.scaled_pairs import ScaledPairs, _at_most
 from certreg.certificate.shared_motion import is_refuted
 from certreg.certificate.staging import Stager
@@ -240,18 +240,17 @@ def test_a_curvature_that_is_too_small_or_found_too_large_is_none(monkeypatch):
     assert _curvature(bend, 2, Fraction(3)) is None
 
 
-def piece(state: str, end: int | None) -> Any:
-    return SimpleNamespace(
-        state=state, end=None if end is None else Dyadic(mantissa=end, exponent=0)
-    )
+def piece(state: str, end: int | None) -> tuple[str, Piece]:
+    return state, Piece(end=None if end is None else Dyadic(mantissa=end, exponent=0), stages=())
 
 
 def test_pairs_are_met_elsewhere_where_their_scales_are_in_no_open_range():
-    def elsewhere(low: int, high: int, *pieces: Any) -> bool:
+    def elsewhere(low: int, high: int, *pieces: tuple[str, Piece]) -> bool:
         body = SimpleNamespace(
             scale_lower=Dyadic(mantissa=low, exponent=0),
             scale_upper=Dyadic(mantissa=high, exponent=0),
-            pieces=pieces,
+            pieces=[piece for _, piece in pieces],
+            states="".join(state for state, _ in pieces),
         )
         kind: Any = ConsensusSimilarityBody.met_elsewhere
         return kind.fget(body)

@@ -96,7 +96,7 @@ def test_no_pair_of_a_planted_consensus_is_struck_in_a_piece_that_holds_its_scal
 
             assert near == edges.integers, seed
             assert left & mine == mine, seed
-            assert thin.after(stages[0].to_fields(n)[2]) == left, seed
+            assert thin.after(stages[0].to_fields()[2]) == left, seed
 
 
 def test_a_proof_is_accepted_whatever_motion_is_its_witness():

@@ -173,7 +173,7 @@ def test_labels_are_the_same_without_compiled_code(cell, monkeypatch):
         assert plain is not None
         assert (plain.labels, plain.upper) == (found.labels, found.upper)
         strikes = [
-            [(stage.least, strike.row) for stage in one.stages[:1] for strike in stage.strikes]
+            [(stage.least, strike.struck) for stage in one.stages[:1] for strike in stage.strikes]
             for one in (plain, found)
         ]
         assert strikes[0] == strikes[1]

@@ -8,6 +8,7 @@ import random
 import time
 from fractions import Fraction
 from importlib import import_module
+from typing import Any
 
 import numpy as np
 import pytest
@@ -22,7 +23,7 @@ from list_boundaries import (
 )
 from springs_forgeries import dumped, mutations, number
 
-from certreg.certificate.springs_list import SpringsListBody
+from certreg.certificate.envelope import body_of
 from certreg.problem import RegistrationProblem
 
 checker = import_module("certreg.verify")
@@ -46,7 +47,7 @@ def accepted(document) -> bool:
 
 def is_true(document, case: Listed) -> bool:
     """Whether what is claimed is true of the data of the case, whose own list is right."""
-    body = SpringsListBody.from_fields(document)
+    body: Any = body_of(document)
     known = list(zip(case.quaternions, case.certificate.body.claims.indices, strict=True))
     left, energies = list(known), list[Fraction]()
     for q, index in zip(body.quaternions, body.claims.indices, strict=True):

@@ -340,10 +340,7 @@ def test_a_state_outside_the_basin_is_refused(name, what):
 
     assert verdict.words == "claims.basin is not proved of the state in basin"
     if any(quaternion):
-        *omega, exponent = velocity
-        state = RotationState(
-            quaternion=tuple(quaternion), angular_velocity=tuple(omega), exponent=exponent
-        )
+        state = RotationState.from_fields(document["basin"])
         assert not proves_basin(registration.solution.objective, state, level_of(registration))
 
 
@@ -357,7 +354,7 @@ def test_the_basin_ends_at_the_barrier_whether_turned_or_spun():
     inertia_x = 2 * (2**2 + 1**2)  # J_xx = sum of y^2 + z^2: spin energy / 2 = J w^2 / 4
 
     def inside(k, w):
-        state = RotationState(quaternion=(1000, k, 0, 0), angular_velocity=(w, 0, 0), exponent=-20)
+        state = RotationState(quaternion=(1000, k, 0, 0), angular_velocity=(w, 0, 0, -20))
         return proves_basin(found, state, level)
 
     tangent = math.sqrt(10 / (20 - 10))  # (l1 - l2) sin^2 = 10

@@ -169,12 +169,9 @@ def test_pairs_are_met_elsewhere_where_a_range_begins_too_late_or_ends_too_soon(
     ends = [body.scale_lower.value + begin * unit]
     ends += [] if end is None else [body.scale_upper.value + end * unit]
     dyadics = [*(Dyadic(mantissa=int(value / unit), exponent=-200) for value in ends), None]
-    pieces = tuple(
-        replace(body.pieces[0], end=end, state=state)
-        for end, state in zip(dyadics, states, strict=True)
-    )
+    pieces = tuple(replace(body.pieces[0], end=end) for end in dyadics)
 
-    assert replace(body, pieces=pieces).met_elsewhere is elsewhere
+    assert replace(body, pieces=pieces, states=states).met_elsewhere is elsewhere
 
 
 def test_targets_near_each_other_are_met_by_a_source_that_shrinks():
@@ -222,13 +219,13 @@ def test_proved_ranges_of_scale_are_rounded_outwards_to_the_next_doubles(
     )
     body = replace(drawn.certificate.body, scale_lower=least, scale_upper=most)
     piece, *_ = drawn.found.pieces
-    ends = ((least, NONE), (most, OPEN), (None, NONE))
     told = replace(
         drawn,
         certificate=replace(drawn.certificate, body=body),
         found=replace(
             drawn.found,
-            pieces=tuple(replace(piece, end=end, state=state) for end, state in ends),
+            pieces=tuple(replace(piece, end=end) for end in (least, most, None)),
+            states=NONE + OPEN + NONE,
         ),
     )
     beyond = np.nextafter(low, 0.0).item(), np.nextafter(high, 9.0).item()
@@ -240,7 +237,7 @@ def test_proved_ranges_of_scale_are_rounded_outwards_to_the_next_doubles(
 
 def test_undecided_scales_may_have_no_end(drawn):
     piece, *_ = drawn.found.pieces
-    all_open = replace(drawn.found, pieces=(replace(piece, end=None, state=OPEN),))
+    all_open = replace(drawn.found, pieces=(replace(piece, end=None),), states=OPEN)
 
     assert replace(drawn, found=all_open).undecided_scales == ((0.0, math.inf),)
 

@@ -177,7 +177,7 @@ def test_no_bound_is_said_to_bound_nothing_where_there_is_none(axes: Registratio
 
 def test_the_sentences_of_a_page_hold_the_numbers_of_the_certificate(axes: Registration):
     body = checked(axes.certificate).body
-    state = RotationState(quaternion=(1000, 1, 0, 0), angular_velocity=(3, 4, 0), exponent=-3)
+    state = RotationState(quaternion=(1000, 1, 0, 0), angular_velocity=(3, 4, 0, -3))
     claims = replace(body.claims, basin=True)
     given = replace(body, claims=claims, basin=state)
     angles = words.MethodAngles(closed_form=0.0, relaxation=None, simulation=None)
