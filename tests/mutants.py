@@ -44,7 +44,7 @@ class Mutant:
 SO3, MOTION = "certreg/geometry/so3.py", "derivations/motion.py"
 CHECKER = "certreg/verify.py"
 CLASSES = "certreg/objective/classification.py"
-SPRINGS = "certreg/objective/springs.py"
+FORM, SPRINGS = "certreg/objective/form.py", "certreg/objective/springs.py"
 QUARTIC, SPRING_BODY = "certreg/objective/quartics.py", "certreg/dynamics/spring_body.py"
 SPRING_MOTION, SPRING_STEPS = "derivations/spring_motion.py", "derivations/spring_integrators.py"
 SPRING_REST = "derivations/claims/spring_rest.py"
@@ -582,15 +582,15 @@ MUTANTS = (
     Mutant(
         "cost of a shift from another place",
         SPRINGS,
-        "quadratic_form(self.stiffness, offset) * weight",
-        "quadratic_form(self.stiffness, translation) * weight",
+        "quadratic_form(self.joint_form.stiffness, offset) * weight",
+        "quadratic_form(self.joint_form.stiffness, translation) * weight",
         ("spring_translation",),
     ),
     Mutant(
         "best shift over another norm",
-        SPRINGS,
-        "Fraction(dot(row, sides), norm * determinant)",
-        "Fraction(dot(row, sides), determinant)",
+        FORM,
+        "/ (self.determinant * over)",
+        "/ self.determinant",
         ("spring_translation",),
     ),
     Mutant(
@@ -994,16 +994,16 @@ MUTANTS = (
     ),
     Mutant(
         "springs that push the target away",
-        SPRINGS,
-        "= -m.cross[a][b] << (x + y)",
-        "= m.cross[a][b] << (x + y)",
+        FORM,
+        "= -pulls[a][j] <<",
+        "= pulls[a][j] <<",
         ("stable_spurious",),
     ),
     Mutant(
         "twice the spread of the target",
-        SPRINGS,
-        "rows[0][0] = m.spread << 2 * y",
-        "rows[0][0] = m.spread << 2 * y + 1",
+        FORM,
+        "rows[0][0] = spread << 2 * there",
+        "rows[0][0] = spread << 2 * there + 1",
         ("stable_spurious",),
     ),
     Mutant(

@@ -36,6 +36,30 @@ def is_positive_definite(matrix: Sequence[Sequence[int]]) -> bool:
     return True
 
 
+def definite_inverse(matrix: Sequence[Sequence[int]]) -> tuple[int, list[list[int]]] | None:
+    """The determinant and the adjugate of a positive definite matrix; None of any other.
+
+    The same elimination, also of the rows above, beside the identity.
+
+    >>> definite_inverse([[2, 1], [1, 1]]), definite_inverse([[1, 1], [1, 1]])
+    ((1, [[1, -1], [-1, 2]]), None)
+    """
+    size, previous = len(matrix), 1
+    rows = [[*row, *(int(i == j) for j in range(size))] for i, row in enumerate(matrix)]
+    for k in range(size):
+        first = rows[k]
+        pivot = first[k]
+        if pivot <= 0:
+            return None
+        for i, row in enumerate(rows):
+            if i != k:
+                factor = row[k]
+                pairs = zip(row, first, strict=True)
+                rows[i] = [(a * pivot - factor * b) // previous for a, b in pairs]
+        previous = pivot
+    return previous, [row[size:] for row in rows]
+
+
 def rank(matrix: Sequence[Sequence[int]]) -> int:
     """The rank of an integer matrix, by the same elimination with row and column pivoting.
 

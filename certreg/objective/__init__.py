@@ -9,6 +9,7 @@ from certreg._loading import lazy_face
 if TYPE_CHECKING:
     from certreg.objective.classification import Classification as Classification
     from certreg.objective.classification import Pattern as Pattern
+    from certreg.objective.form import Form as Form
     from certreg.objective.isotropic import Isotropic as Isotropic
     from certreg.objective.levelling import Levelled as Levelled
     from certreg.objective.levelling import LevelledExactly as LevelledExactly
@@ -31,6 +32,7 @@ __getattr__ = lazy_face(
             "Classification",
             "Pattern",
         ),
+        "form": ("Form",),
         "isotropic": ("Isotropic",),
         "levelling": (
             "Levelled",

@@ -32,9 +32,10 @@ from certreg.geometry import (
 )
 from certreg.native import FIXED_BITS, fixed_eigenbasis
 from certreg.objective.classification import classify, with_pattern
+from certreg.objective.form import Form, bordered
 from certreg.objective.polynomials import multiplier_system
 from certreg.objective.scaling import Scaling
-from certreg.problem import exact_moments, trace
+from certreg.problem import UPPER, exact_moments, trace
 from certreg.results import Brief
 
 if TYPE_CHECKING:
@@ -77,6 +78,30 @@ class Isotropic(Brief):
     def davenport(self) -> Matrix4[int]:
         """K in units of `moments.cross_unit`."""
         return davenport_matrix(self.moments.cross)
+
+    @cached_property
+    def joint_form(self) -> Form:
+        """The energy at any scale and translation, a weight being that multiple of I.
+
+        Without a translation the sums of first order are 0, and so is the best one.
+        """
+        m = self.moments
+        total, first = m.target_sum, m.source_sum
+        second, cross = (
+            [
+                [(entry + a * b) // m.mass for entry, b in zip(row, first, strict=True)]
+                for row, a in zip(centred, own, strict=True)
+            ]
+            for centred, own in ((m.source_scatter, first), (m.cross, total))
+        )
+        spread = (trace(m.target_scatter) + squared_norm(total)) // m.mass
+        own, none = bordered(second, first, m.mass), bordered([[0] * 3] * 3, [0] * 3, 0)
+        return Form.of(
+            [own if a == b else none for a, b in UPPER],
+            [(*row, pull) for row, pull in zip(cross, total, strict=True)],
+            spread,
+            (m.source_exponent, m.target_exponent, m.weight_exponent),
+        )
 
     @cached_property
     def largest_entry(self) -> int:

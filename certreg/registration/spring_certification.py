@@ -109,7 +109,7 @@ def spring_pose(problem: RegistrationProblem) -> Pose:
     """
     objective = Springs(spring_moments(problem))
     found = relaxation.find_optimum(objective)
-    open_ = Freedom.of(objective).words() or weak_shift_words(weak_shifts(objective))
+    open_ = Freedom.of(objective).words() or weak_shift_words(weak_shifts(objective.joint_form))
     if not open_ and len(soft := soft_axes(objective, found.quaternion)):
         about = " and ".join(axis_words(axis) for axis in soft)
         open_ = f"rotation about the source's axis {about} is undetermined to first order"

@@ -66,7 +66,7 @@ class SpringSolution(AnySolution):
     @cached_property
     def weak_shifts(self) -> tuple[WeakShift, ...]:
         """The shifts that the springs hardly resist: of rounding as much as of the data."""
-        return weak_shifts(self.objective)
+        return weak_shifts(self.objective.joint_form)
 
     @cached_property
     def least(self) -> Fraction:

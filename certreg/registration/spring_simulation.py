@@ -80,7 +80,7 @@ class SimulatedSprings(SpringTrajectory, Presented):
         """What no spring resists, or hardly one, and what the body does there."""
         freedom = Freedom.of(self.objective)
         free = filter(None, (freedom.shift_words(), freedom.turn_words()))
-        weak = weak_shift_words(weak_shifts(self.objective))
+        weak = weak_shift_words(weak_shifts(self.objective.joint_form))
         told = (*((words, COASTS) for words in free), (weak, STAYS))
         return tuple(f"{words}: {then}" for words, then in told if words)
 
