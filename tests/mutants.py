@@ -44,7 +44,7 @@ class Mutant:
 SO3, MOTION = "certreg/geometry/so3.py", "derivations/motion.py"
 CHECKER = "certreg/verify.py"
 CLASSES = "certreg/objective/classification.py"
-SPRINGS = "certreg/objective/springs.py"
+FORM, SPRINGS = "certreg/objective/form.py", "certreg/objective/springs.py"
 QUARTIC, SPRING_BODY = "certreg/objective/quartics.py", "certreg/dynamics/springs.py"
 SPRING_MOTION, SPRING_STEPS = "derivations/spring_motion.py", "derivations/spring_integrators.py"
 SPRING_REST = "derivations/claims/spring_rest.py"
@@ -52,6 +52,7 @@ LINEAR, STEPS = "derivations/linearisation.py", "derivations/integrators.py"
 BREATHING = "derivations/breathing_motion.py"
 BREATHING_STEPS = "derivations/breathing_integrators.py"
 SCALING, SURE = "certreg/objective/scaling.py", "certreg/registration/covariance.py"
+POINTS, NEIGHBOURHOOD = "certreg/objective/isotropic.py", "certreg/objective/neighbourhood.py"
 
 MUTANTS = (
     Mutant(
@@ -582,15 +583,15 @@ MUTANTS = (
     Mutant(
         "cost of a shift from another place",
         SPRINGS,
-        "quadratic_form(self.stiffness, offset) * weight",
-        "quadratic_form(self.stiffness, translation) * weight",
+        "quadratic_form(self.joint_form.stiffness, offset) * weight",
+        "quadratic_form(self.joint_form.stiffness, translation) * weight",
         ("spring_translation",),
     ),
     Mutant(
         "best shift over another norm",
-        SPRINGS,
-        "Fraction(dot(row, sides), norm * determinant)",
-        "Fraction(dot(row, sides), determinant)",
+        FORM,
+        "/ (self.determinant * over)",
+        "/ self.determinant",
         ("spring_translation",),
     ),
     Mutant(
@@ -994,16 +995,16 @@ MUTANTS = (
     ),
     Mutant(
         "springs that push the target away",
-        SPRINGS,
-        "= -m.cross[a][b] << (x + y)",
-        "= m.cross[a][b] << (x + y)",
+        FORM,
+        "= -pulls[a][j] <<",
+        "= pulls[a][j] <<",
         ("stable_spurious",),
     ),
     Mutant(
         "twice the spread of the target",
-        SPRINGS,
-        "rows[0][0] = m.spread << 2 * y",
-        "rows[0][0] = m.spread << 2 * y + 1",
+        FORM,
+        "rows[0][0] = spread << 2 * there",
+        "rows[0][0] = spread << 2 * there + 1",
         ("stable_spurious",),
     ),
     Mutant(
@@ -1078,30 +1079,30 @@ MUTANTS = (
     ),
     Mutant(
         "a scale of variance 1 / Syy",
-        SURE,
-        "variance / objective.scaling.source",
-        "variance / objective.scaling.target",
+        POINTS,
+        "for entry in m.source_scatter[j]]",
+        "for entry in m.target_scatter[j]]",
         ("scale_covariance",),
     ),
     Mutant(
         "a shift with the scale the other way",
-        SURE,
-        "shift = [-unit * dot(row",
-        "shift = [unit * dot(row",
+        POINTS,
+        "-m.source_sum[j] << here",
+        "m.source_sum[j] << here",
         ("scale_covariance",),
     ),
     Mutant(
         "a covariance of turns without the scale",
-        SURE,
-        "spread = 2 * variance / (best * objective",
-        "spread = 2 * variance / (objective",
+        NEIGHBOURHOOD,
+        "turns = (scale * CROSSES",
+        "turns = (CROSSES",
         ("scale_covariance",),
     ),
     Mutant(
-        "a lever of the covariance without the scale",
+        "half the covariance of turns and scale",
         SURE,
-        "arm = best * power_of_two",
-        "arm = power_of_two",
+        "rows = 2 * weight.numerator",
+        "rows = weight.numerator",
         ("scale_covariance",),
     ),
     Mutant(

@@ -41,6 +41,7 @@ if TYPE_CHECKING:
     from certreg.exact.dyadic import weight_of_sigma as weight_of_sigma
     from certreg.exact.eigenbasis import Eigenbasis as Eigenbasis
     from certreg.exact.eigenbasis import integer_eigenbasis as integer_eigenbasis
+    from certreg.exact.elimination import definite_inverse as definite_inverse
     from certreg.exact.elimination import is_positive_definite as is_positive_definite
     from certreg.exact.elimination import nullspace as nullspace
     from certreg.exact.elimination import rank as rank
@@ -98,6 +99,7 @@ __getattr__ = lazy_face(
             "integer_eigenbasis",
         ),
         "elimination": (
+            "definite_inverse",
             "is_positive_definite",
             "nullspace",
             "rank",

@@ -36,6 +36,29 @@ def is_positive_definite(matrix: Sequence[Sequence[int]]) -> bool:
     return True
 
 
+def definite_inverse(matrix: Sequence[Sequence[int]]) -> tuple[int, list[list[int]]] | None:
+    """The determinant and the adjugate of a symmetric positive definite matrix; None of any other.
+
+    By the method of Faddeev and LeVerrier: M_0 = I, e_j = tr(A M_j-1) / j, M_j = e_j I - A M_j-1,
+    all in integers. The e_j are the sums of products of j eigenvalues: all of them are positive
+    exactly where the eigenvalues, which are real, are.
+
+    >>> definite_inverse([[2, 1], [1, 1]]), definite_inverse([[1, 1], [1, 1]])
+    ((1, [[1, -1], [-1, 2]]), None)
+    """
+    size, value = len(matrix), 1
+    adjugate = part = [[int(i == j) for j in range(size)] for i in range(size)]
+    for k in range(size):
+        product = [[sum(map(mul, row, column)) for column in part] for row in matrix]
+        value = sum(product[i][i] for i in range(size)) // (k + 1)
+        if value <= 0:
+            return None
+        adjugate, part = part, [[-entry for entry in row] for row in product]
+        for i in range(size):
+            part[i][i] += value
+    return value, adjugate
+
+
 def rank(matrix: Sequence[Sequence[int]]) -> int:
     """The rank of an integer matrix, by the same elimination with row and column pivoting.
 

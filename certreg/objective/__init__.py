@@ -9,12 +9,14 @@ from certreg._loading import lazy_face
 if TYPE_CHECKING:
     from certreg.objective.classification import Classification as Classification
     from certreg.objective.classification import Pattern as Pattern
+    from certreg.objective.form import Form as Form
     from certreg.objective.isotropic import Isotropic as Isotropic
     from certreg.objective.levelling import Levelled as Levelled
     from certreg.objective.levelling import LevelledExactly as LevelledExactly
     from certreg.objective.levelling import levelled as levelled
     from certreg.objective.levelling import levelled_exactly as levelled_exactly
     from certreg.objective.levelling import norm_fourth as norm_fourth
+    from certreg.objective.neighbourhood import Neighbourhood as Neighbourhood
     from certreg.objective.objective import Objective as Objective
     from certreg.objective.polynomials import PolynomialSystem as PolynomialSystem
     from certreg.objective.quartics import MONOMIALS as MONOMIALS
@@ -31,6 +33,7 @@ __getattr__ = lazy_face(
             "Classification",
             "Pattern",
         ),
+        "form": ("Form",),
         "isotropic": ("Isotropic",),
         "levelling": (
             "Levelled",
@@ -39,6 +42,7 @@ __getattr__ = lazy_face(
             "levelled_exactly",
             "norm_fourth",
         ),
+        "neighbourhood": ("Neighbourhood",),
         "objective": ("Objective",),
         "polynomials": ("PolynomialSystem",),
         "quartics": (

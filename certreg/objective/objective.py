@@ -1,8 +1,8 @@
 """What everything below the moments may know of them: an objective, a function of the rotation.
 
-The energy of the springs is quadratic in the translation, and the best translation can be had
-exactly. What is left is quadratic in the nine entries of R, so a quartic in the quaternion, of a
-fixed size whatever the number of points is.
+The energy of the springs is a `Form`: quadratic in the translation, so that the best translation
+can be had exactly. What is left is quadratic in the nine entries of R, so a quartic in the
+quaternion, of a fixed size whatever the number of points is.
 
 `Isotropic` is the case of one weight per correspondence, where the quartic is |q|^2 times a
 quadratic form and equilibria are eigenvectors. Spring matrices per correspondence keep the ten
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from fractions import Fraction
 
     from certreg.geometry import Matrix4, SquareMatrix, T, Vector3, Vector4
+    from certreg.objective.form import Form, Reduced
     from certreg.objective.polynomials import PolynomialSystem
 
 
@@ -31,6 +32,16 @@ class Objective(Protocol):
     gradient and hessian use + - * alone: they run over integers, fractions, balls, floats, SymPy
     and CasADi expressions.
     """
+
+    @property
+    def joint_form(self) -> Form:
+        """The energy before a translation is chosen, of every motion alike."""
+        ...
+
+    @property
+    def reduced(self) -> Reduced:
+        """The same with the best translation, of every motion alike."""
+        ...
 
     @property
     def unit(self) -> Fraction:

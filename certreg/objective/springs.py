@@ -1,14 +1,14 @@
 """The objective of springs that are matrices: a quartic in the quaternion.
 
-f(R, t) = sum (y - R x - t)^T W (y - R x - t) is quadratic in z = (1, vec R, t), f = z^T H z, and
-its least value over t is quadratic in r = (1, vec R).
+f(R, t) = sum (y - R x - t)^T W (y - R x - t) is a `Form`, and its least value over t is quadratic
+in r = (1, vec R).
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from fractions import Fraction
-from itertools import combinations, product
+from itertools import product
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,6 +17,7 @@ from certreg._loading import cached_property
 from certreg.exact import nullspace, power_of_two, rational_root_above
 from certreg.geometry import dot, homogeneous, quadratic_form, rotation_matrix, squared_norm
 from certreg.objective import quartics
+from certreg.objective.form import FULL, Form, Reduced, bordered
 from certreg.objective.polynomials import QUATERNION, PolynomialSystem, collected, exponents
 from certreg.problem import UPPER
 from certreg.results import Brief
@@ -29,9 +30,6 @@ if TYPE_CHECKING:
     from certreg.geometry import Matrix4, SquareMatrix, T, Vector3, Vector4
     from certreg.problem import SpringMoments
 
-ROTATION = range(1, 10)  # where vec R stands in z = (1, vec R, t)
-TRANSLATION = range(10, 13)  # where t does
-FULL = tuple(UPPER.index((min(a, b), max(a, b))) for a, b in product(range(3), repeat=2))
 DIAGONAL = (0, 3, 5)  # among the six entries of a symmetric matrix
 FARTHEST = 8  # the largest |R - R'|^2 of two rotations, in the Frobenius norm
 FARTHEST_OF_FIVE = Fraction(25, 2)  # the same of their actions on symmetric traceless matrices
@@ -50,106 +48,49 @@ class MassMoments(Brief):
 class Springs(Brief):
     """The objective of the exact moments of springs that are matrices; see `Objective`.
 
-    The translation is in units of 2^least, least the smaller exponent of both clouds. For searches
-    in doubles take `floating_quartic`: the integers here may be beyond the doubles.
+    For searches in doubles take `floating_quartic`: the integers here may be beyond the doubles.
     """
 
     moments: SpringMoments
 
-    # --- the translation, and what is left without it
-
     @cached_property
-    def hessian_form(self) -> tuple[tuple[int, ...], ...]:
-        """H, 13x13, with f(R, t) = z^T H z in units of `_unit`, for z = (1, vec R, t)."""
-        m, x, y = self.moments, self._source_places, self._target_places
-        rows = [[0] * 13 for _ in range(13)]
-        rows[0][0] = m.spread << 2 * y
-        for a, b in product(range(3), repeat=2):
-            spring = FULL[3 * a + b]
-            rows[10 + a][10 + b] = m.stiffness[spring]
-            for j in range(3):
-                rows[1 + 3 * j + a][10 + b] = rows[10 + b][1 + 3 * j + a] = m.source[spring][j] << x
-                for k in range(3):
-                    entry = m.scatter[spring][FULL[3 * j + k]] << 2 * x
-                    rows[1 + 3 * j + a][1 + 3 * k + b] = entry
-            rows[0][1 + 3 * b + a] = rows[1 + 3 * b + a][0] = -m.cross[a][b] << (x + y)
-        for a in range(3):
-            rows[0][10 + a] = rows[10 + a][0] = -m.target[a] << y
-        return tuple(tuple(row) for row in rows)
+    def joint_form(self) -> Form:
+        """The energy before a translation is chosen."""
+        m = self.moments
+        sums = zip(m.scatter, m.source, m.stiffness, strict=True)
+        return Form.of(
+            [bordered(_square(six), first, mass) for six, first, mass in sums],
+            [(*row, pull) for row, pull in zip(m.cross, m.target, strict=True)],
+            m.spread,
+            (m.source_exponent, m.target_exponent, m.weight_exponent),
+        )
 
     @property
-    def _least(self) -> int:
-        return min(self.moments.source_exponent, self.moments.target_exponent)
-
-    @property
-    def _source_places(self) -> int:
-        return self.moments.source_exponent - self._least
-
-    @property
-    def _target_places(self) -> int:
-        return self.moments.target_exponent - self._least
-
-    @property
-    def _unit(self) -> Fraction:
-        return power_of_two(self.moments.weight_exponent + 2 * self._least)
-
-    @cached_property
-    def stiffness(self) -> tuple[tuple[int, ...], ...]:
-        """S = sum W, 3x3, over 2^weight_exponent: what resists a shift."""
-        entries = [self.moments.stiffness[k] for k in FULL]
-        return (tuple(entries[:3]), tuple(entries[3:6]), tuple(entries[6:]))
-
-    @cached_property
-    def _pivots(self) -> tuple[int, ...]:
-        """Rows of S with an invertible submatrix, as many as its rank: S is semidefinite."""
-        candidates = [c for size in (3, 2, 1, 0) for c in combinations(range(3), size)]
-        return next(c for c in candidates if _adjugate(self.stiffness, c)[0])
-
-    @cached_property
-    def _inverse(self) -> tuple[int, list[list[int]]]:
-        """The determinant of these rows and columns of S, positive, and their adjugate."""
-        return _adjugate(self.stiffness, self._pivots)
+    def reduced(self) -> Reduced:
+        """The energy with the best translation."""
+        return self.joint_form.reduced
 
     @property
     def unit(self) -> Fraction:
         """What 1 is worth, in units of the energy."""
-        return self._unit / self._inverse[0]
-
-    @cached_property
-    def _form(self) -> SquareMatrix[int]:
-        """Q = d (H_rr - H_rp S_pp^-1 H_pr), p the pivots, d the determinant of S_pp.
-
-        H is semidefinite, so the columns of H_tr are in the span of those of S: the energy does not
-        depend on what t is along the kernel of S, and may be had with 0 in the other rows.
-        """
-        H, (determinant, adjugate) = self.hessian_form, self._inverse
-        pivots = [TRANSLATION[k] for k in self._pivots]
-        columns = [[H[r][p] for p in pivots] for r in range(10)]
-        rows = [[0] * 10 for _ in range(10)]
-        for s, column in enumerate(columns):
-            image = [dot(row, column) for row in adjugate]
-            for r in range(s + 1):
-                entry = determinant * H[r][s] - dot(columns[r], image)
-                rows[r][s] = rows[s][r] = entry
-        return tuple(tuple(row) for row in rows)
+        return self.reduced.unit
 
     @cached_property
     def free_translations(self) -> tuple[Vector3[Fraction], ...]:
         """A basis of the kernel of S: shifts that no spring resists, at any rotation."""
-        return tuple(
-            (Fraction(a), Fraction(b), Fraction(c)) for a, b, c in nullspace(self.stiffness, 3)
-        )
+        free = self.joint_form.free_translations
+        return tuple((Fraction(a), Fraction(b), Fraction(c)) for a, b, c in free)
 
     # --- the objective
 
     @cached_property
     def quartic(self) -> tuple[int, ...]:
         """The 35 coefficients of F, in the order of `quartics.MONOMIALS`."""
-        return quartics.quartic_of_form(self._form)
+        return quartics.quartic_of_form(self.form())
 
     def form(self) -> SquareMatrix[int]:
         """Q, 10x10, with V(R) = unit * r^T Q r for r = (1, vec R), R by columns."""
-        return self._form
+        return self.reduced.rows
 
     def value(self, q: Sequence[T]) -> T:
         """F(q)."""
@@ -187,16 +128,10 @@ class Springs(Brief):
         return (x, y, z)
 
     def _solved(self, q: Sequence[int]) -> Vector3[Fraction]:
-        """The best translation that is zero in the rows that are no pivots: -S_pp^-1 H_pr r."""
-        H, (determinant, adjugate) = self.hessian_form, self._inverse
+        """The best translation that is zero in the rows that are no pivots."""
         norm = squared_norm(q)
         r = homogeneous(rotation_matrix(q), unit=norm)
-        sides = [-dot(H[TRANSLATION[k]][:10], r) for k in self._pivots]
-        entries = [Fraction(0)] * 3
-        for k, row in zip(self._pivots, adjugate, strict=True):
-            entries[k] = Fraction(dot(row, sides), norm * determinant) * power_of_two(self._least)
-        x, y, z = entries
-        return (x, y, z)
+        return self.reduced.best_translation(r, norm)
 
     def image_slopes(self, point: Sequence[Fraction]) -> tuple[tuple[Fraction, ...], ...]:
         """M, 3x9, with R point + (best translation at R) = M vec R + const, R by columns.
@@ -204,13 +139,8 @@ class Springs(Brief):
         Where `free_translations` are left there is none: asked for nevertheless, what it is along
         them means nothing.
         """
-        H, (determinant, adjugate) = self.hessian_form, self._inverse
-        unit = power_of_two(self._least) / determinant
-        slopes = [[Fraction(0)] * 9 for _ in range(3)]
-        for place, entry in enumerate(ROTATION):
-            column = [H[TRANSLATION[k]][entry] for k in self._pivots]
-            for k, row in zip(self._pivots, adjugate, strict=True):
-                slopes[k][place] = -dot(row, column) * unit
+        unit = power_of_two(self.reduced.length_exponent) / self.reduced.determinant
+        slopes = [[entry * unit for entry in row[1:]] for row in self.reduced.response]
         for j, a in product(range(3), repeat=2):
             slopes[a][3 * j + a] += point[j]
         return tuple(map(tuple, slopes))
@@ -262,7 +192,7 @@ class Springs(Brief):
         best = self._solved(q)
         offset = [entry - own for entry, own in zip(translation, best, strict=True)]
         weight = power_of_two(self.moments.weight_exponent)
-        return quadratic_form(self.stiffness, offset) * weight
+        return quadratic_form(self.joint_form.stiffness, offset) * weight
 
     def equilibrium_system(self, chart: Sequence[int]) -> PolynomialSystem:
         """dF/dq = l q and chart . q = 1 in (w, x, y, z, l); then l q.q = 4 F(q)."""
@@ -302,7 +232,7 @@ class Springs(Brief):
 
         where repeated indices within a bracket are summed: traces are orthogonal to the rest.
         """
-        Q = self._form
+        Q = self.form()
         linear, even = list[int](), list[list[int]]()
         for a, j in product(range(3), repeat=2):
             (b, c), (k, m) = _others(a), _others(j)
@@ -348,7 +278,7 @@ class Springs(Brief):
 
     def floating_form(self) -> tuple[NDArray[np.float64], Fraction]:
         """Q in doubles of at most 1, each rounded once, and what 1 is worth as an energy."""
-        entries, unit = self._rounded([entry for row in self._form for entry in row])
+        entries, unit = self._rounded([entry for row in self.form() for entry in row])
         return entries.reshape(10, 10), unit
 
     def floating_quartic(self) -> tuple[NDArray[np.float64], Fraction]:
@@ -361,23 +291,9 @@ class Springs(Brief):
         return np.array([entry / one for entry in entries]), self.unit * one
 
 
-def _adjugate(matrix: Sequence[Sequence[int]], rows: Sequence[int]) -> tuple[int, list[list[int]]]:
-    """The determinant and the adjugate of some rows and the same columns of a 3x3 matrix."""
-    if not rows:
-        return 1, []
-    part = [[matrix[i][j] for j in rows] for i in rows]
-    if len(rows) == 1:
-        return part[0][0], [[1]]
-    if len(rows) == 2:
-        (a, b), (c, d) = part
-        return a * d - b * c, [[d, -b], [-c, a]]
-    (a, b, c), (d, e, f), (g, h, i) = part
-    adjugate = [
-        [e * i - f * h, c * h - b * i, b * f - c * e],
-        [f * g - d * i, a * i - c * g, c * d - a * f],
-        [d * h - e * g, b * g - a * h, a * e - b * d],
-    ]
-    return a * adjugate[0][0] + b * adjugate[1][0] + c * adjugate[2][0], adjugate
+def _square(six: Sequence[int]) -> list[list[int]]:
+    """A symmetric 3x3 matrix, of which six entries are given."""
+    return [[six[FULL[3 * j + k]] for k in range(3)] for j in range(3)]
 
 
 def _entry(form: SquareMatrix[int], a: int, b: int, j: int, k: int) -> int:

@@ -24,11 +24,11 @@ from certreg.exact import nearest_double, nearest_root
 from certreg.geometry import Pose
 from certreg.objective import Springs
 from certreg.problem import spring_moments
+from certreg.registration.curvature import soft_axes
 from certreg.registration.freedom import Freedom
 from certreg.registration.loose_turns import axis_words
 from certreg.registration.parts import logged
 from certreg.registration.robustness import NONE_PROVED
-from certreg.registration.spring_curvature import soft_axes
 from certreg.registration.spring_result import (
     SpringRegistration,
     SpringSolution,
@@ -109,7 +109,7 @@ def spring_pose(problem: RegistrationProblem) -> Pose:
     """
     objective = Springs(spring_moments(problem))
     found = relaxation.find_optimum(objective)
-    open_ = Freedom.of(objective).words() or weak_shift_words(weak_shifts(objective))
+    open_ = Freedom.of(objective).words() or weak_shift_words(weak_shifts(objective.joint_form))
     if not open_ and len(soft := soft_axes(objective, found.quaternion)):
         about = " and ".join(axis_words(axis) for axis in soft)
         open_ = f"rotation about the source's axis {about} is undetermined to first order"
