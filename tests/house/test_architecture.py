@@ -6,6 +6,7 @@ import ast
 import re
 from dataclasses import dataclass
 from functools import cache
+from graphlib import CycleError, TopologicalSorter
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -134,6 +135,10 @@ def trespassing(texts: dict[str, str]) -> list[str]:
     return faults
 
 
+def is_face(module: str, text: str) -> bool:
+    return "lazy_face(" in text and module != "certreg._loading"
+
+
 def homes(source: str) -> dict[str, str]:
     """What the call of `lazy_face` says: the module of each name, relative to the package."""
     calls = [n for n in nodes(source) if isinstance(n, ast.Call)]
@@ -162,6 +167,31 @@ def test_imports_only_go_down_the_map():
 @pytest.mark.slow
 def test_a_wing_is_entered_through_its_face():
     assert trespassing(sources()) == []
+
+
+def circle(texts: dict[str, str]) -> list[str]:
+    """A circle of modules, each of which imports the one before it, for types alone, too."""
+    faces = {module: homes(text) for module, text in texts.items() if is_face(module, text)}
+    imported: dict[str, set[str]] = {module: set() for module in texts if module not in faces}
+    for one in all_imports(texts):
+        if one.by in imported:
+            home = faces.get(one.source, {}).get(one.name, one.name)
+            full = f"{one.source}.{home}"
+            imported[one.by].add(full if full in texts else one.source)
+    try:
+        TopologicalSorter(imported).prepare()
+    except CycleError as error:
+        return error.args[1]
+    return []
+
+
+@pytest.mark.slow
+def test_no_modules_import_one_another_in_a_circle():
+    planted = sources()
+    planted["certreg.geometry.so3"] += "\nfrom certreg.geometry import Pose\n"
+
+    assert circle(sources()) == []
+    assert {"certreg.geometry.so3", "certreg.geometry.pose"} <= set(circle(planted))
 
 
 @pytest.mark.slow
@@ -193,7 +223,7 @@ def test_a_planted_import_of_a_private_module_is_seen():
 @pytest.mark.slow
 def test_a_face_shows_what_its_types_say_and_no_name_of_a_module():
     for module, text in sources().items():
-        if "lazy_face(" not in text or module == "certreg._loading":
+        if not is_face(module, text):
             continue
         typed = {
             one.name: one.source.removeprefix(f"{module}.")
