@@ -162,7 +162,7 @@ def _summed(factors: Sequence[Sequence[int]], q: Sequence[int]) -> Fraction:
 def _checked(factors: Sequence[Sequence[int]], q: Sequence[int]) -> tuple[Fraction, int]:
     """By the checker: H of the objective, reordered to (t, R by columns, 1), then eliminated."""
     objective = _objective(factors)
-    H = objective.hessian_form
+    H = objective.joint_form.rows
     order = (10, 11, 12, *range(1, 10), 0)
     rows = [[H[i][j] for j in order[k:]] for k, i in enumerate(order)]
     found = CheckedSprings.of(rows, 0)

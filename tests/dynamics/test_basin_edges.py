@@ -12,11 +12,11 @@ import pytest
 from certreg.dynamics import basin, body
 from certreg.dynamics.basin import basin_gaps, certified_basin
 from certreg.dynamics.body import clearly_thick
-from certreg.dynamics.breathing import never_collapses
 from certreg.errors import DegenerateProblemError
 from certreg.objective.isotropic import Isotropic
 from certreg.problem.moments import exact_moments
 from certreg.problem.problem import RegistrationProblem
+from certreg.registration.breathing import never_collapses
 
 AXES = np.array([sign * row for row in np.eye(3) for sign in (1.0, -1.0)])
 
