@@ -50,7 +50,7 @@ def even_size(form: Sequence[Sequence[int]]) -> Fraction:
 
 def _parts(form: Sequence[Sequence[int]]) -> tuple[Fraction, Fraction]:
     shipped: Any = vars(Springs)["part_sizes"]
-    return shipped.func(SimpleNamespace(_form=form, unit=Fraction(1)))
+    return shipped.func(SimpleNamespace(form=lambda: form, unit=Fraction(1)))
 
 
 def proof(
