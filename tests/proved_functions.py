@@ -146,6 +146,11 @@ PROVED = (
         "label_sets _agree",
         "equilibrium/test_breaking_edges equilibrium/test_breaking_springs",
     ),
+    _of(
+        "equilibrium/breathing",
+        "breathing_equilibria BreathingEquilibria.count BreathingEquilibrium.stable",
+        "equilibrium/test_breathing_equilibria",
+    ),
     _of("equilibrium/krawczyk", "proved_root _krawczyk are_distinct", "equilibrium/test_krawczyk"),
     _of(
         "equilibrium/line_boxes",
