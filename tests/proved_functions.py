@@ -83,8 +83,11 @@ PROVED = (
     _of("certificate/thinning", "GraphThinning.closed transversal", "certificate/test_pair_edges"),
     _of("certificate/staging", "Stager.upper", "certificate/test_pair_edges"),
     _of(
-        "certificate/cones", "CappedMinimum.floor _curvature _width", "certificate/test_pair_edges"
+        "certificate/cones",
+        "CappedMinimum.floor _curvature _width _moves_all",
+        "certificate/test_pair_edges",
     ),
+    _of("certificate/squares", "_moves_all", "certificate/test_pair_edges"),
     _of(
         "certificate/producing_consensus", "Consensus.decided", "registration/test_flags_enumerated"
     ),
@@ -99,6 +102,7 @@ PROVED = (
         "certificate/test_pair_edges",
     ),
     _of("certificate/listing", "_below", "certificate/test_pair_edges"),
+    _of("certificate/listing", "_claimed", "certificate/test_list_produced"),
     _of("certificate/many", "_angles", "certificate/test_pair_edges"),
     _of(
         "objective/classification",
@@ -142,10 +146,19 @@ PROVED = (
         "label_sets _agree",
         "equilibrium/test_breaking_edges equilibrium/test_breaking_springs",
     ),
+    _of(
+        "equilibrium/breathing",
+        "breathing_equilibria BreathingEquilibria.count BreathingEquilibrium.stable",
+        "equilibrium/test_breathing_equilibria",
+    ),
     _of("equilibrium/krawczyk", "proved_root _krawczyk are_distinct", "equilibrium/test_krawczyk"),
     _of("equilibrium/line_boxes", "index_of", "equilibrium/test_line_edges"),
     _of("equilibrium/line_ranks", "at_most_forty", "equilibrium/test_line_edges"),
-    _of("equilibrium/spring_homotopy", "_least proved_lines", "equilibrium/test_line_edges"),
+    _of(
+        "equilibrium/spring_homotopy",
+        "_least proved_lines",
+        "equilibrium/test_line_edges equilibrium/test_spring_lists",
+    ),
     _of(
         "equilibrium/line_boxes", "BoxedLine.is_real all_different", "equilibrium/test_spring_lists"
     ),
@@ -155,7 +168,11 @@ PROVED = (
         "equilibrium/test_spring_lists",
     ),
     _of("equilibrium/line_set", "LineSet.separated finiteness_of", "equilibrium/test_spring_lists"),
-    _of("equilibrium/breathing", "breathing_equilibria", "equilibrium/test_breathing_equilibria"),
+    _of(
+        "equilibrium/spring_batch",
+        "SpringSolutions.guarantee",
+        "registration/test_flags_enumerated",
+    ),
     _of("equilibrium/counting", "at_most_four", "certificate/test_count_certificate"),
     _of(
         "equilibrium/critical_set",

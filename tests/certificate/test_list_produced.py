@@ -3,20 +3,32 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
+from fractions import Fraction
 from functools import cache
 from importlib import resources
+from types import SimpleNamespace
 from typing import Any
 
 import degenerate_springs
 import jsonschema
+import numpy as np
 import pytest
 from spring_families import LISTED, Cell, instance, statement
 
 from benchmarks.rates import list_certificates
 from certreg import RegistrationProblem
-from certreg.certificate import Certificate, list_body, springs_list_certificate, verify
+from certreg.certificate import (
+    Certificate,
+    list_body,
+    listing,
+    springs_list_certificate,
+    verify,
+)
 from certreg.equilibrium import critical_lines
 from certreg.errors import InvalidFileError
+from certreg.exact import Dyadic, dyadic_above, dyadic_below
+from certreg.geometry import squared_norm
 from certreg.objective import Springs
 from certreg.problem import spring_moments
 from certreg.report import report_of
@@ -59,6 +71,52 @@ def test_a_certificate_is_read_as_it_was_written():
     assert loaded.body == certificate.body
     assert json.loads(loaded.to_json()) == document
     assert len(json.dumps(document["proof"])) < 5000
+
+
+def test_a_list_claims_all_that_its_boxes_prove(monkeypatch):
+    """In a chart along an axis, which makes no sum of coefficients larger.
+
+    The checker accepts each number as it stands, and refuses the next one that says more.
+    """
+    problem, objective, _ = made(LISTED[3])
+    monkeypatch.setattr(listing, "_charts", lambda: np.array([[2, 0, 0, 0]]))
+    lines = critical_lines(objective.floating_quartic()[0])
+    certificate: Any = springs_list_certificate(problem, objective, lines)
+    claims = certificate.body.claims
+
+    assert verify(certificate).proved
+    for name, step in (("gap", -1), ("second", 1), ("sin2_half_angle", -1)):
+        mantissa, exponent = getattr(claims, name).pair
+        more = replace(claims, **{name: Dyadic(mantissa=mantissa + step, exponent=exponent)})
+        odd = replace(certificate, body=replace(certificate.body, claims=more))
+        assert verify(odd).words == f"claims.{name} is not proved"
+
+
+def test_the_best_of_a_list_is_unique_where_the_bounds_of_its_energies_are_apart(monkeypatch):
+    """With W >= max f - min f, an energy is off by less than 30 W |a|^2/|q|^2."""
+    chart, lines = (0, 2, 0, 0), ((1, 2, 2), (0, 0, 0))
+    norms = [4 * (256 + 9), 4 * 256]  # |q|^2 of q = a (2^4, line)
+    own, other = (30 * Fraction(1, 8) * Fraction(4, norm) for norm in norms)
+    quartic = SimpleNamespace(integers=(7, -5))  # 24 F but for its mean: W = 12 / 12 units
+    charted: Any = SimpleNamespace(chart=chart, quartic=quartic)
+    monkeypatch.setattr(listing, "_indices", lambda *_: (0, 0))
+
+    def claims(best: Fraction, second: Fraction) -> Any:
+        energies = dict(zip(norms, (best, second), strict=True))
+        objective: Any = SimpleNamespace(
+            energy=lambda q: energies[squared_norm(q)], unit=Fraction(1, 8)
+        )
+        return listing._claimed(objective, charted, 4, list(lines), []).claims
+
+    best, little = Fraction(5), Fraction(1, 10**20)
+    for step in (-little, 0, little):
+        found = claims(best, best + own + other + step)
+        assert found.unique is (True if step > 0 else None)
+        assert found.gap == dyadic_above(own, listing.GAP_BITS)
+        assert found.second == dyadic_below(best + own + step, listing.SECOND_BITS)
+        angle = dyadic_above(Fraction(3 * 4, norms[0]), listing.GAP_BITS)
+        assert found.sin2_half_angle == (angle if step > 0 else None)
+    assert claims(best, best + little).gap == dyadic_above(other - little, listing.GAP_BITS)
 
 
 def test_a_certificate_has_the_form_of_its_schema():

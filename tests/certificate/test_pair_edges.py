@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from certreg.certificate import cones, many
+from certreg.certificate import cones, many, squares
 from certreg.certificate.cones import RANGES, CappedMinimum, _curvature, _width
 from certreg.certificate.consensus import Witness
 from certreg.certificate.consistency import ExactRows
@@ -20,9 +20,10 @@ from certreg.certificate.many import _angles
 from certreg.certificate.scaled_consensus import ConsensusSimilarityBody, Piece, ScaleRange
 from certreg.certificate.scaled_pairs import ScaledPairs, _at_most
 from certreg.certificate.shared_motion import is_refuted
+from certreg.certificate.springs_list import quaternion_product
 from certreg.certificate.staging import Stager
 from certreg.certificate.thinning import GraphThinning, transversal
-from certreg.exact import Dyadic, dyadic_above, dyadic_below, half_angle_bound
+from certreg.exact import Dyadic, dyadic_above, dyadic_below, half_angle_bound, rank
 from certreg.geometry import rotation_matrix
 from certreg.objective.levelling import MONOMIALS, levelled_exactly
 from certreg.problem import ConsensusProblem, RegistrationProblem
@@ -215,6 +216,32 @@ def test_the_width_of_a_quartic_is_above_its_range():
 
         expected = sum(abs(e) * s for e, s in zip(integers, sizes, strict=True)) / 24
         assert _width(quartic) == expected
+
+
+def test_the_range_of_a_monomial_is_as_wide_as_said_or_little_less():
+    """On the unit sphere x^a y^b ... is at most the product of (a/4)^(a/2); its square is rational.
+
+    At least 0, or, where a power is odd, as much below it. Only of q_i^3 q_j, whose range is
+    no rational number, a larger one is said.
+    """
+    for powers, said in RANGES.items():
+        sides = 2 if any(k % 2 for k in powers) else 1
+        square = sides**2 * math.prod((Fraction(k, 4) ** k for k in powers), start=Fraction(1))
+
+        assert said**2 == square * (Fraction(4, 3) if 3 in powers else 1)
+
+
+@pytest.mark.parametrize("moves_all", [cones._moves_all, squares._moves_all])
+def test_a_turn_moves_every_rotation_where_no_quaternion_stands_still(moves_all: Any):
+    """Where q -> a q + q b has a determinant other than 0; of a alone, of b alone, of both."""
+    for turns in product((-1, 0, 2), repeat=6):
+        a, b = (0, *turns[:3]), (0, *turns[3:])
+        columns = [
+            [k + m for k, m in zip(quaternion_product(a, e), quaternion_product(e, b), strict=True)]
+            for e in np.eye(4, dtype=int).tolist()
+        ]
+
+        assert moves_all(turns) == (rank(columns) == 4)
 
 
 def test_a_curvature_is_proved_a_little_below_the_least_eigenvalue():

@@ -74,7 +74,7 @@ def test_doubles_enclose_the_gaps_and_the_share_is_above(gap: Fraction):
     assert replace(BOUNDS, least_range_squared=Fraction(0), absent={}).least_range_squared == 0
 
 
-def instance(kind: str = "generic") -> RegistrationProblem:
+def instance(kind: str = "generic", unit: float = 1.0) -> RegistrationProblem:
     rng = np.random.default_rng(5)
     source = rng.normal(size=(6, 3))
     target = source + 0.1 * rng.normal(size=(6, 3))
@@ -82,7 +82,7 @@ def instance(kind: str = "generic") -> RegistrationProblem:
         target = np.tile(target[0], (6, 1))
     if kind == "points":
         source, target = (np.tile(a[0], (6, 1)) for a in (source, target))
-    return RegistrationProblem(source, target, weights=np.arange(1.0, 7.0))
+    return RegistrationProblem(source, target, weights=unit * np.arange(1.0, 7.0))
 
 
 def energy_of(problem: RegistrationProblem, pose: ExactPose) -> Any:
@@ -137,8 +137,10 @@ def test_the_least_gap_of_a_symmetric_scale_is_below_the_exact_one():
     assert bounds.greatest_gap == above + certificate.body.gap
 
 
-def certified(kind: str = "generic") -> tuple[RegistrationProblem, Isotropic, Any]:
-    problem = instance(kind)
+def certified(
+    kind: str = "generic", unit: float = 1.0
+) -> tuple[RegistrationProblem, Isotropic, Any]:
+    problem = instance(kind, unit)
     objective = Isotropic(exact_moments(problem))
     made = produce(problem, objective)
     assert made is not None
@@ -171,8 +173,10 @@ def test_where_no_rotation_is_better_the_gap_is_exact():
     assert bounds.share_upper is None
 
 
-def test_the_shift_is_that_of_the_centroid_rounded_up():
-    problem, objective, body = certified()
+@pytest.mark.parametrize("unit", [1.0, 0.25, 1024.0])
+def test_the_shift_is_that_of_the_centroid_rounded_up(unit: float):
+    """Whatever the unit of the weights is, which `moments.mass` leaves out."""
+    problem, objective, body = certified(unit=unit)
     weights = [Fraction(float(w)) for w in problem.weights]
     x, y = (
         [

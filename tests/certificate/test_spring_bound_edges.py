@@ -116,6 +116,22 @@ def test_the_energy_is_that_of_the_translation_too():
     assert spring_pose_bounds(objective, body(q), pose).least_gap == 5
 
 
+def test_where_every_rotation_costs_the_same_only_the_translation_costs():
+    """No rotation is better than the certified one, whatever its gap says."""
+    factors = np.tile(np.diag([1.0, 2.0, 3.0]), (4, 1, 1))
+    problem = RegistrationProblem(
+        np.zeros((4, 3)), np.diag([1.0, 2.0, 3.0, 4.0])[:, :3], factors=factors
+    )
+    objective, best = Springs(spring_moments(problem)), (1, 2, 3, 4)
+    t = objective.best_translation(best)
+    pose = ExactPose(quaternion=(1, 0, 0, 0), translation=(t[0], t[1], t[2] + Fraction(1, 3)))
+    bounds = spring_pose_bounds(objective, body(best), pose)
+
+    assert objective.energy(best) > Fraction(1, 8)
+    assert bounds.least_gap == bounds.greatest_gap == 4 * 9 * Fraction(1, 9)
+    assert bounds.least_range_squared == 0
+
+
 def test_clouds_that_fit_exactly_are_measured_from_the_origin():
     objective, q = springs(exact=True), (1, 0, 0, 0)
     bounds = spring_pose_bounds(objective, body(q), at_best(objective, q))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from fractions import Fraction
+from itertools import product
 from types import SimpleNamespace
 from typing import Any
 
@@ -64,21 +65,54 @@ def test_one_two_and_three_equilibria(diagonal, scales, inside_out):
     assert found.inside_out[0].stable
 
 
-TURNS = np.array([[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]])  # no turn, and half turns
+def test_scale_index_and_energy_are_those_of_eigenvalues_that_are_known():
+    """Of all diagonal C of small integers: continua, too. The index counts what is farther off."""
+    for a, b, c in product(range(-2, 3), repeat=3):
+        values = (a + b + c, a - b - c, b - a - c, c - a - b)  # of K, over 2; Sxx is 6
+        spread = 2 * (a * a + b * b + c * c)
+        found = breathing_equilibria(of_axes([a, b, c]))
+        for listed, sign in ((found.upright, 1), (found.inside_out, -1)):
+            sizes = [sign * value for value in values]
+            expected = sorted({size for size in sizes if size > 0}, reverse=True)
+
+            assert [each.scale for each in listed] == pytest.approx(
+                [sign * size / 3 for size in expected], rel=1e-15
+            )
+            assert [each.energy for each in listed] == pytest.approx(
+                [spread - 2 * size * size / 3 for size in expected], rel=1e-14, abs=1e-14
+            )
+            assert [each.kind.dimension + 1 for each in listed] == list(map(sizes.count, expected))
+            assert [each.morse_index for each in listed] == [
+                sum(size > own for size in sizes) for own in expected
+            ]
+        positive = [value for value in values if value > 0]
+        alone = len(positive) == len(set(positive))
+        assert found.count == (len(positive) if alone else None)
 
 
-@pytest.mark.parametrize("diagonal", [[4, 3, 2], [4, 3, -2], [0.25, 0.125, 0.0625]])
-def test_each_scale_and_energy_is_that_of_the_points_at_its_turn(diagonal):
-    """At a turn diag(r): s = sum d r / 3, and V = 2 sum (d - s r)^2."""
-    scales = TURNS @ diagonal / 3
-    energies = 2 * ((diagonal - scales[:, np.newaxis] * TURNS) ** 2).sum(axis=1)
-    found = breathing_equilibria(of_axes(diagonal))
-    for parts, places in (
-        (found.upright, [k for k in np.argsort(-scales) if scales[k] > 0]),
-        (found.inside_out, [k for k in np.argsort(scales) if scales[k] < 0]),
-    ):
-        assert [part.scale for part in parts] == pytest.approx(scales[places], rel=1e-15)
-        assert [part.energy for part in parts] == pytest.approx(energies[places], rel=1e-14)
+@pytest.mark.parametrize(
+    ("value", "scale"),
+    [
+        (Fraction(1, 2), 1 / 12),
+        (Fraction(0), LOST_SCALE),
+        (Fraction(-1, 2), LOST_SCALE),
+        (Fraction(1, 2**1100), OUT_OF_RANGE),
+    ],
+)
+def test_a_scale_whose_sign_is_not_that_of_its_eigenvalue_is_lost(value, scale):
+    """As far as the fixed point tells; the count and the sign stay as they are proved."""
+    own = of_axes([4, 3, 2])
+    odd: Any = SimpleNamespace(
+        moments=own.moments,
+        classification=own.classification,
+        davenport=own.davenport,
+        eigenvalues=(value, *own.eigenvalues[1:]),
+    )
+
+    assert breathing_equilibria(odd).upright[0].stated("scale") == scale
+    odd.eigenvalues = (*own.eigenvalues[:3], -value)
+    mirrored = -scale if isinstance(scale, float) else scale
+    assert breathing_equilibria(odd).inside_out[0].stated("scale") == mirrored
 
 
 @pytest.mark.parametrize(

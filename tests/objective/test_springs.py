@@ -15,7 +15,7 @@ from certreg.objective import quartics
 from certreg.objective.isotropic import Isotropic
 from certreg.objective.levelling import levelled_exactly, norm_fourth
 from certreg.objective.quartics import MONOMIALS
-from certreg.objective.springs import Springs
+from certreg.objective.springs import FARTHEST, FARTHEST_OF_FIVE, Springs
 from certreg.problem.moments import exact_moments
 from certreg.problem.moments_of_springs import spring_moments
 from certreg.problem.problem import RegistrationProblem
@@ -146,6 +146,22 @@ def sphere_mean(factors):
         return 0
     above = prod(prod(range(1, e, 2)) for e in exponents)
     return Fraction(above, prod(range(4, 4 + len(factors), 2)))
+
+
+def test_no_two_rotations_are_farther_apart_than_said_nor_in_what_they_do_to_tensors():
+    """norm(R - I)^2 = 6 - 2 tr R; of symmetric traceless S -> R S R^T it is 10 - 2 trace.
+
+    That trace is (tr R)^2 / 2 + tr(R R) / 2 - 1. A cosine of -1/4 is that of no rational rotation.
+    """
+    linear, even = [], []
+    for q in product(range(6), repeat=4):
+        if any(q):
+            R = np.array(rotation_matrix(q), dtype=object) * Fraction(1, squared_norm(q))
+            linear.append(6 - 2 * R.trace())
+            even.append(10 - (R.trace() ** 2 + (R @ R).trace() - 2))
+
+    assert max(linear) == FARTHEST
+    assert FARTHEST_OF_FIVE - Fraction(1, 1000) < max(even) < FARTHEST_OF_FIVE
 
 
 def test_the_oscillation_is_exact_where_two_singular_values_are_equal_and_one_is_zero():

@@ -155,6 +155,9 @@ def test_partial_proofs_are_said_as_such():
     )
     codes = [replace(result, found=each).exit_code for each in (found, one, partly, none)]
     assert codes == [0, 3, 4, 4]
+    for each in (found, one, partly, none):
+        told = f"  within bounds     14 found, at most {each.upper} (proved)\n"
+        assert told in str(replace(result, found=each))
 
 
 def _headline(problem, found):

@@ -8,6 +8,7 @@ from itertools import product
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 
 from certreg.certificate import springs_basin
@@ -16,6 +17,7 @@ from certreg.certificate.springs_basin import Barrier, barrier_of, basin_of_spri
 from certreg.equilibrium.breaking import Labels
 from certreg.equilibrium.line_set import Finiteness, LineSet
 from certreg.equilibrium.presentation import WEAK_MARGIN, EquilibriumSet
+from certreg.equilibrium.spring_batch import SpringSolutions
 from certreg.objective.classification import Classification
 from certreg.registration import headlines
 from certreg.registration.any_registration import AnyRegistration
@@ -141,7 +143,7 @@ def test_labels_that_differ_are_those_of_the_other_side():
 
 
 def test_kept_pairs_are_consistent_where_a_motion_is_shown_and_refuted_where_none_is_possible():
-    for refuted, witness in product(((), (1,)), (None, object())):
+    for refuted, witness in product(((), (0, 1), (0, 2, 3)), (None, object())):
         motion = SimpleNamespace(refuted=refuted, witness=witness)
         verdict = asked(KeptPairs, "verdict", motion=motion)
 
@@ -164,6 +166,19 @@ def test_kept_pairs_are_the_inliers_where_all_is_decided_and_just_these_are_met(
     for decided, met in product(BOTH, ((0, 1), (0, 2))):
         most = SimpleNamespace(decided=decided, met=met)
         assert asked(KeptPairs, "unique", most=most, rows=(0, 1)) == (decided and met == (0, 1))
+
+
+def test_many_lists_of_springs_are_enclosed_where_each_is_decided_and_proved():
+    """Whatever was found: that all forty paths of each ended apart is no proof."""
+    for flags in product(BOTH, repeat=4):
+        decided, found = np.array(flags[:2]), np.array(flags[2:])
+        for lists in (None, (object(), object())):
+            guarantee = asked(
+                SpringSolutions, "guarantee", decided=decided, found=found, lists=lists
+            )
+
+            proved = all(flags[:2]) and lists is not None
+            assert guarantee is (Guarantee.ENCLOSED if proved else Guarantee.NUMERICAL)
 
 
 def test_equilibria_of_springs_are_counted_where_the_list_is_complete_and_all_are_points():
