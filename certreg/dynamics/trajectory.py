@@ -23,7 +23,8 @@ RATE_START = 1e-3  # of the energy at the start: transients are over
 RATE_END = 1e-13  # of the spread: rounding
 LEAST_SAMPLES = 4  # to fit a line through
 
-RATES = ("predicted_rate", "decay_rate")
+OF_THE_OPTIMUM = ("predicted_rate", "decay_rate", "energy_left")
+NO_SCALES = Absent("the scale is 1")
 TOO_FEW_SAMPLES = Absent("too few logged samples lie between the start and rest")
 
 
@@ -47,7 +48,7 @@ class Trajectory(Explained):
     """A simulated registration; logged at evenly spaced steps, the last one included.
 
     How it ended is known at once; its states, energies and rates are computed when they are first
-    asked for. Why there is no rate is stated, and not in `absent`.
+    asked for. Why there is no rate, and no scales, is stated, and not in `absent`.
 
     Attributes
     ----------
@@ -202,7 +203,9 @@ class Trajectory(Explained):
         Any
             Its value; where that is None, the reason.
         """
-        if name in RATES and getattr(self, name) is None:
+        if name == "scales" and self.scales is None:
+            return NO_SCALES
+        if name in OF_THE_OPTIMUM and getattr(self, name) is None:
             return self.moving.NO_RATE if self.predicted_rate is None else TOO_FEW_SAMPLES
         return Explained.stated(self, name)
 
