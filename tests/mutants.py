@@ -52,6 +52,7 @@ LINEAR, STEPS = "derivations/linearisation.py", "derivations/integrators.py"
 BREATHING = "derivations/breathing_motion.py"
 BREATHING_STEPS = "derivations/breathing_integrators.py"
 SCALING, SURE = "certreg/objective/scaling.py", "certreg/registration/covariance.py"
+POINTS, NEIGHBOURHOOD = "certreg/objective/isotropic.py", "certreg/objective/neighbourhood.py"
 
 MUTANTS = (
     Mutant(
@@ -1078,30 +1079,30 @@ MUTANTS = (
     ),
     Mutant(
         "a scale of variance 1 / Syy",
-        SURE,
-        "variance / objective.scaling.source",
-        "variance / objective.scaling.target",
+        POINTS,
+        "for entry in m.source_scatter[j]]",
+        "for entry in m.target_scatter[j]]",
         ("scale_covariance",),
     ),
     Mutant(
         "a shift with the scale the other way",
-        SURE,
-        "shift = [-unit * dot(row",
-        "shift = [unit * dot(row",
+        POINTS,
+        "-m.source_sum[j] << here",
+        "m.source_sum[j] << here",
         ("scale_covariance",),
     ),
     Mutant(
         "a covariance of turns without the scale",
-        SURE,
-        "spread = 2 * variance / (best * objective",
-        "spread = 2 * variance / (objective",
+        NEIGHBOURHOOD,
+        "turns = (scale * CROSSES",
+        "turns = (CROSSES",
         ("scale_covariance",),
     ),
     Mutant(
-        "a lever of the covariance without the scale",
+        "half the covariance of turns and scale",
         SURE,
-        "arm = best * power_of_two",
-        "arm = power_of_two",
+        "rows = 2 * weight.numerator",
+        "rows = weight.numerator",
         ("scale_covariance",),
     ),
     Mutant(

@@ -37,27 +37,26 @@ def is_positive_definite(matrix: Sequence[Sequence[int]]) -> bool:
 
 
 def definite_inverse(matrix: Sequence[Sequence[int]]) -> tuple[int, list[list[int]]] | None:
-    """The determinant and the adjugate of a positive definite matrix; None of any other.
+    """The determinant and the adjugate of a symmetric positive definite matrix; None of any other.
 
-    The same elimination, also of the rows above, beside the identity.
+    By the method of Faddeev and LeVerrier: M_0 = I, e_j = tr(A M_j-1) / j, M_j = e_j I - A M_j-1,
+    all in integers. The e_j are the sums of products of j eigenvalues: all of them are positive
+    exactly where the eigenvalues, which are real, are.
 
     >>> definite_inverse([[2, 1], [1, 1]]), definite_inverse([[1, 1], [1, 1]])
     ((1, [[1, -1], [-1, 2]]), None)
     """
-    size, previous = len(matrix), 1
-    rows = [[*row, *(int(i == j) for j in range(size))] for i, row in enumerate(matrix)]
+    size, value = len(matrix), 1
+    adjugate = part = [[int(i == j) for j in range(size)] for i in range(size)]
     for k in range(size):
-        first = rows[k]
-        pivot = first[k]
-        if pivot <= 0:
+        product = [[sum(map(mul, row, column)) for column in part] for row in matrix]
+        value = sum(product[i][i] for i in range(size)) // (k + 1)
+        if value <= 0:
             return None
-        for i, row in enumerate(rows):
-            if i != k:
-                factor = row[k]
-                pairs = zip(row, first, strict=True)
-                rows[i] = [(a * pivot - factor * b) // previous for a, b in pairs]
-        previous = pivot
-    return previous, [row[size:] for row in rows]
+        adjugate, part = part, [[-entry for entry in row] for row in product]
+        for i in range(size):
+            part[i][i] += value
+    return value, adjugate
 
 
 def rank(matrix: Sequence[Sequence[int]]) -> int:

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from certreg.objective.levelling import levelled as levelled
     from certreg.objective.levelling import levelled_exactly as levelled_exactly
     from certreg.objective.levelling import norm_fourth as norm_fourth
+    from certreg.objective.neighbourhood import Neighbourhood as Neighbourhood
     from certreg.objective.objective import Objective as Objective
     from certreg.objective.polynomials import PolynomialSystem as PolynomialSystem
     from certreg.objective.quartics import MONOMIALS as MONOMIALS
@@ -41,6 +42,7 @@ __getattr__ = lazy_face(
             "levelled_exactly",
             "norm_fourth",
         ),
+        "neighbourhood": ("Neighbourhood",),
         "objective": ("Objective",),
         "polynomials": ("PolynomialSystem",),
         "quartics": (

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from fractions import Fraction
-from itertools import combinations, product
+from itertools import chain, combinations, combinations_with_replacement, product
 from math import gcd
 from typing import TYPE_CHECKING
 
@@ -43,7 +43,7 @@ class Form(Brief):
     @classmethod
     def of(
         cls,
-        sources: Sequence[Sequence[Sequence[int]]],
+        sources: Sequence[SquareMatrix[int]],
         pulls: Sequence[Sequence[int]],
         spread: int,
         exponents: tuple[int, int, int],
@@ -55,13 +55,14 @@ class Form(Brief):
         """
         length = min(exponents[:2])
         here, there = exponents[0] - length, exponents[1] - length
-        places = (here, here, here, 0)
+        blocks = [_in_units(block, (here, here, here, 0)) for block in sources]
         rows = [[0] * SIZE for _ in range(SIZE)]
         rows[0][0] = spread << 2 * there
         for j, a in product(range(4), range(3)):
-            row, parts = rows[1 + 3 * j + a], [sources[FULL[3 * a + b]][j] for b in range(3)]
-            row[0] = rows[0][1 + 3 * j + a] = -pulls[a][j] << places[j] + there
-            row[1:] = [part[k] << places[j] + places[k] for k in range(4) for part in parts]
+            x, y, z = (blocks[FULL[3 * a + b]][j] for b in range(3))
+            pull = -pulls[a][j] << (here if j < 3 else 0) + there
+            rows[0][1 + 3 * j + a] = pull
+            rows[1 + 3 * j + a] = [pull, *chain(*zip(x, y, z, strict=True))]
         return cls(tuple(map(tuple, rows)), power_of_two(exponents[2] + 2 * length), length)
 
     def __add__(self, other: Form) -> Form:
@@ -78,11 +79,7 @@ class Form(Brief):
     def _in_lengths(self, exponent: int) -> Form:
         """The same energy with t in units of a power of two that is no smaller."""
         places = [exponent - self.length_exponent if k in TRANSLATION else 0 for k in range(SIZE)]
-        rows = tuple(
-            tuple(entry << p + q for entry, q in zip(row, places, strict=True))
-            for row, p in zip(self.rows, places, strict=True)
-        )
-        return Form(rows, self.unit, exponent)
+        return Form(_in_units(self.rows, places), self.unit, exponent)
 
     def energy(self, z: Sequence[Fraction | int]) -> Fraction:
         """The energy at z = (1, vec M, t)."""
@@ -102,36 +99,57 @@ class Form(Brief):
         return nullspace(self.stiffness, 3)
 
     @cached_property
-    def _pivots(self) -> tuple[tuple[int, ...], int, list[list[int]]]:
-        """Rows of S, as many as its rank, with their determinant, positive, and adjugate."""
+    def reduced(self) -> Reduced:
+        """The least energy over t, d (H_rr - H_rt C H_tr).
+
+        C = S_pp^-1, with 0 in the other rows, of as many rows p of S as its rank; d = det S_pp. H
+        is semidefinite in t, so the columns of H_tr are in the span of those of S: the energy does
+        not depend on what t is along the kernel of S.
+        """
         choices = [c for size in (3, 2, 1, 0) for c in combinations(range(3), size)]
         parts = ([[self.stiffness[i][j] for j in chosen] for i in chosen] for chosen in choices)
         inverses = zip(choices, map(definite_inverse, parts), strict=False)
-        return next((chosen, *inverse) for chosen, inverse in inverses if inverse is not None)
+        chosen, (determinant, adjugate) = next((c, found) for c, found in inverses if found)
+        compliance = [[0] * 3 for _ in range(3)]
+        for (i, a), (j, b) in product(enumerate(chosen), repeat=2):
+            compliance[a][b] = adjugate[i][j]
+        H, columns = self.rows, list(zip(*(row[:10] for row in self.rows[10:]), strict=True))
+        moves = [[-dot(row, column) for row in compliance] for column in columns]
+        rows = [[0] * 10 for _ in range(10)]
+        for r, s in combinations_with_replacement(range(10), 2):
+            rows[r][s] = rows[s][r] = determinant * H[r][s] + dot(H[r][10:], moves[s])
+        return Reduced(
+            rows=tuple(map(tuple, rows)),
+            unit=self.unit / determinant,
+            response=tuple(zip(*moves, strict=True)),
+            stiffness=self.stiffness,
+            compliance=tuple(map(tuple, compliance)),
+            determinant=determinant,
+            length_exponent=self.length_exponent,
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Reduced(Brief):
+    """The energy unit * r^T rows r of r = (1, vec M) with the best translation, 10x10 integers.
+
+    response: 3x10, the translation by r, in units of 2^length_exponent over the determinant.
+    stiffness, compliance: 3x3, S in the unit of a form, and S^-1 over the determinant; like the
+    response with 0 in rows that are no pivots, for which any translation is as good.
+    """
+
+    rows: SquareMatrix[int]
+    unit: Fraction
+    response: tuple[tuple[int, ...], ...]
+    stiffness: SquareMatrix[int]
+    compliance: SquareMatrix[int]
+    determinant: int
+    length_exponent: int
 
     @property
-    def determinant(self) -> int:
-        """Of as many rows of S as its rank: what `response` and `compliance` are over."""
-        return self._pivots[1]
-
-    @cached_property
-    def compliance(self) -> tuple[tuple[int, ...], ...]:
-        """3x3, over `determinant`: S^-1, or one with zero in the rows that are no pivots."""
-        chosen, _, adjugate = self._pivots
-        rows = [[0] * 3 for _ in range(3)]
-        for (i, a), (j, b) in product(enumerate(chosen), repeat=2):
-            rows[a][b] = adjugate[i][j]
-        return tuple(map(tuple, rows))
-
-    @cached_property
-    def response(self) -> tuple[tuple[int, ...], ...]:
-        """-S^-1 H_tr, 3x10, over `determinant`: the best translation by r.
-
-        H is semidefinite in t, so the columns of H_tr are in the span of those of S: the energy
-        does not depend on what t is along the kernel of S.
-        """
-        columns = list(zip(*(row[:10] for row in self.rows[10:]), strict=True))
-        return tuple(tuple(-dot(row, column) for column in columns) for row in self.compliance)
+    def stiffness_unit(self) -> Fraction:
+        """What 1 is worth in S, in units of the energy over those of length, squared."""
+        return self.unit * self.determinant / power_of_two(2 * self.length_exponent)
 
     def best_translation(self, r: Sequence[int], over: int) -> Vector3[Fraction]:
         """The translation of least energy at r / over; 0 in the rows that are no pivots."""
@@ -139,28 +157,18 @@ class Form(Brief):
         x, y, z = (dot(row, r) * unit for row in self.response)
         return (x, y, z)
 
-    # --- what is left without it
 
-    @property
-    def unit_without_translation(self) -> Fraction:
-        """What 1 is worth in `without_translation`."""
-        return self.unit / self.determinant
-
-    @cached_property
-    def without_translation(self) -> SquareMatrix[int]:
-        """Q = d (H_rr - H_rt S^-1 H_tr), 10x10, d the determinant: least energy = r^T Q r."""
-        H, determinant = self.rows, self.determinant
-        responses = list(zip(*self.response, strict=True))
-        rows = [[0] * 10 for _ in range(10)]
-        for r in range(10):
-            row, coupled = H[r], H[r][10:]
-            for s in range(r + 1):
-                rows[r][s] = rows[s][r] = determinant * row[s] + dot(coupled, responses[s])
-        return tuple(map(tuple, rows))
+def _in_units(rows: SquareMatrix[int], places: Sequence[int]) -> SquareMatrix[int]:
+    """A form of variables that are so many powers of two times others, by these."""
+    if not any(places):
+        return rows
+    return tuple(
+        tuple(entry << p + q for entry, q in zip(row, places, strict=True))
+        for row, p in zip(rows, places, strict=True)
+    )
 
 
-def bordered(
-    second: Sequence[Sequence[int]], first: Sequence[int], mass: int
-) -> list[tuple[int, ...]]:
+def bordered(second: Sequence[Sequence[int]], first: Sequence[int], mass: int) -> SquareMatrix[int]:
     """The sum of m u u^T, u = (x, 1), 4x4, from those of m x x^T, of m x and of m."""
-    return [*((*row, end) for row, end in zip(second, first, strict=True)), (*first, mass)]
+    above = ((*row, end) for row, end in zip(second, first, strict=True))
+    return (*above, (*first, mass))

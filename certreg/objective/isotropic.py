@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import product
 from operator import mul
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -32,7 +33,7 @@ from certreg.geometry import (
 )
 from certreg.native import FIXED_BITS, fixed_eigenbasis
 from certreg.objective.classification import classify, with_pattern
-from certreg.objective.form import Form, bordered
+from certreg.objective.form import Form, Reduced, bordered
 from certreg.objective.polynomials import multiplier_system
 from certreg.objective.scaling import Scaling
 from certreg.problem import UPPER, exact_moments, trace
@@ -83,15 +84,12 @@ class Isotropic(Brief):
     def joint_form(self) -> Form:
         """The energy at any scale and translation, a weight being that multiple of I.
 
-        Without a translation the sums of first order are 0, and so is the best one.
+        Its `reduced` is that of the centred sums, up to the unit.
         """
         m = self.moments
         total, first = m.target_sum, m.source_sum
         second, cross = (
-            [
-                [(entry + a * b) // m.mass for entry, b in zip(row, first, strict=True)]
-                for row, a in zip(centred, own, strict=True)
-            ]
+            [[(centred[i][j] + own[i] * first[j]) // m.mass for j in range(3)] for i in range(3)]
             for centred, own in ((m.source_scatter, first), (m.cross, total))
         )
         spread = (trace(m.target_scatter) + squared_norm(total)) // m.mass
@@ -101,6 +99,28 @@ class Isotropic(Brief):
             [(*row, pull) for row, pull in zip(cross, total, strict=True)],
             spread,
             (m.source_exponent, m.target_exponent, m.weight_exponent),
+        )
+
+    @cached_property
+    def reduced(self) -> Reduced:
+        """The energy at any scale with the best translation."""
+        m, least = self.moments, self._least
+        here, there = m.source_exponent - least, m.target_exponent - least
+        rows, moves = [[0] * 10 for _ in range(10)], [[0] * 10 for _ in range(3)]
+        rows[0][0] = trace(m.target_scatter) << 2 * there
+        for a, j in product(range(3), repeat=2):
+            place = 1 + 3 * j + a
+            rows[0][place] = rows[place][0] = -m.cross[a][j] << self._places
+            rows[place][1 + a :: 3] = [entry << 2 * here for entry in m.source_scatter[j]]
+            moves[a][0], moves[a][place] = m.target_sum[a] << there, -m.source_sum[j] << here
+        return Reduced(
+            rows=tuple(map(tuple, rows)),
+            unit=self.unit,
+            response=tuple(map(tuple, moves)),
+            stiffness=((m.mass, 0, 0), (0, m.mass, 0), (0, 0, m.mass)),
+            compliance=((1, 0, 0), (0, 1, 0), (0, 0, 1)),
+            determinant=m.mass,
+            length_exponent=least,
         )
 
     @cached_property

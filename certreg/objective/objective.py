@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from fractions import Fraction
 
     from certreg.geometry import Matrix4, SquareMatrix, T, Vector3, Vector4
-    from certreg.objective.form import Form
+    from certreg.objective.form import Form, Reduced
     from certreg.objective.polynomials import PolynomialSystem
 
 
@@ -36,6 +36,11 @@ class Objective(Protocol):
     @property
     def joint_form(self) -> Form:
         """The energy before a translation is chosen, of every motion alike."""
+        ...
+
+    @property
+    def reduced(self) -> Reduced:
+        """The same with the best translation, of every motion alike."""
         ...
 
     @property

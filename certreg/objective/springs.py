@@ -17,7 +17,7 @@ from certreg._loading import cached_property
 from certreg.exact import nullspace, power_of_two, rational_root_above
 from certreg.geometry import dot, homogeneous, quadratic_form, rotation_matrix, squared_norm
 from certreg.objective import quartics
-from certreg.objective.form import FULL, Form, bordered
+from certreg.objective.form import FULL, Form, Reduced, bordered
 from certreg.objective.polynomials import QUATERNION, PolynomialSystem, collected, exponents
 from certreg.problem import UPPER
 from certreg.results import Brief
@@ -66,9 +66,14 @@ class Springs(Brief):
         )
 
     @property
+    def reduced(self) -> Reduced:
+        """The energy with the best translation."""
+        return self.joint_form.reduced
+
+    @property
     def unit(self) -> Fraction:
         """What 1 is worth, in units of the energy."""
-        return self.joint_form.unit_without_translation
+        return self.reduced.unit
 
     @cached_property
     def free_translations(self) -> tuple[Vector3[Fraction], ...]:
@@ -85,7 +90,7 @@ class Springs(Brief):
 
     def form(self) -> SquareMatrix[int]:
         """Q, 10x10, with V(R) = unit * r^T Q r for r = (1, vec R), R by columns."""
-        return self.joint_form.without_translation
+        return self.reduced.rows
 
     def value(self, q: Sequence[T]) -> T:
         """F(q)."""
@@ -126,7 +131,7 @@ class Springs(Brief):
         """The best translation that is zero in the rows that are no pivots."""
         norm = squared_norm(q)
         r = homogeneous(rotation_matrix(q), unit=norm)
-        return self.joint_form.best_translation(r, norm)
+        return self.reduced.best_translation(r, norm)
 
     def image_slopes(self, point: Sequence[Fraction]) -> tuple[tuple[Fraction, ...], ...]:
         """M, 3x9, with R point + (best translation at R) = M vec R + const, R by columns.
@@ -134,9 +139,8 @@ class Springs(Brief):
         Where `free_translations` are left there is none: asked for nevertheless, what it is along
         them means nothing.
         """
-        form = self.joint_form
-        unit = power_of_two(form.length_exponent) / form.determinant
-        slopes = [[entry * unit for entry in row[1:]] for row in form.response]
+        unit = power_of_two(self.reduced.length_exponent) / self.reduced.determinant
+        slopes = [[entry * unit for entry in row[1:]] for row in self.reduced.response]
         for j, a in product(range(3), repeat=2):
             slopes[a][3 * j + a] += point[j]
         return tuple(map(tuple, slopes))

@@ -1,47 +1,47 @@
 """Uncertainty of the optimal pose: a covariance to first order, and residuals per point.
 
-The objective is twice the negative log-likelihood of Gaussian noise on the target, but a constant.
-With the error model R_true = R exp([phi]), phi in the source's (body) frame, and t_true = t + dt in
-the target's frame, P = 2 G^-1 (G the Hessian at the optimum) and mean source point m:
+The objective is twice the negative log-likelihood of Gaussian noise on the target, but a constant:
+of covariance W^-1, or, where W has no inverse, along its springs alone. With the error model
+R_true = R exp([phi]), phi in the source's (body) frame, t_true = t + dt in the target's frame and,
+where the scale is free, s_true = s + ds, the best translation follows (phi, ds) by a matrix L, and
 
-    cov(phi) = P,    cov(dt, phi) = R [m] P,    cov(dt) = I / M + R [m] P [m]^T R^T.
+    cov(phi, ds) = P,    cov(dt, (phi, ds)) = L P,    cov(dt) = S^-1 + L P L^T,
 
-Where the scale s of the asymmetric objective is free, s_true = s + ds, P = 2 (s G)^-1 with G of the
-same matrix C, var(ds) = 1 / Sxx, ds and phi are uncorrelated, and dt = e + s R [m] phi - R m ds, e
-the mean of the noise: the normal equations of e - ds R x~ + s R [x~] phi, whose blocks are Sxx and
-s^2 J, J the inertia, with none between them. Without a translation dt is 0, and sums are about the
-origin. Claims `covariance` and `scale_covariance`.
+P the inverse of half the Hessian of the objective over (phi, ds), S = sum W. Without a translation
+dt is 0. Of one weight per pair P = 2 G^-1 and L = R [m], m the mean source point; claims
+`covariance` and `scale_covariance`.
 
 To second order the turn moves t by -theta x (theta x R m) / 2 more, theta = R phi. Along an axis e
 that is theta^T A theta / 2 with a = R m, A = (a . e) I - (a e^T + e a^T) / 2; of a Gaussian theta
 with covariance C C^T the mean of its square is ((tr B)^2 + 2 |B|^2) / 4, B = C^T A C.
 
-Source: Gauss-Markov theory for the linearised problem; G as in certreg.equilibrium.stability.
+Source: Gauss-Markov theory for the linearised problem; the Hessian as in `Neighbourhood`.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from fractions import Fraction
-from math import hypot, inf, lcm, prod
+from math import hypot, inf
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.equilibrium import rotation_double, unit_double
+from certreg._loading import cached_property
+from certreg.equilibrium import rotation_double
 from certreg.exact import (
+    dyadic_below,
     nearest_double,
     nearest_or_zero,
-    nearest_root,
     power_of_two,
     root_of_quotient,
 )
-from certreg.geometry import body_frame, dot, rotation_matrix, squared_norm
+from certreg.objective import Neighbourhood
 from certreg.problem import Scale, contiguous, row_blocks
 from certreg.results import OUT_OF_RANGE, Absent, Explained, present
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from numpy.typing import NDArray
 
@@ -49,7 +49,7 @@ if TYPE_CHECKING:
     from certreg.objective import Isotropic
     from certreg.problem import Block, RegistrationProblem
 
-PARAMETERS = 6  # of a pose
+PARAMETERS = 6  # of a pose in a matrix: a translation that is given has rows of 0 there
 TURN = 3  # where its rotation begins
 # Six entries rounded once change the correlations by a matrix of norm 6 / 2^53 at most, so every
 # variance computed with them by less than this share of itself: a hundredth.
@@ -69,6 +69,12 @@ BIASED = Absent(
 )
 NO_SCALE = Absent("the scale was not asked for")
 NOT_TOLD_APART = Absent("the two best eigenvalues are not told apart")
+NO_FREEDOM = Absent(
+    "the springs leave no degree of freedom for the noise: give sigma, or covariances"
+)
+FLAT = Absent("the springs hardly resist a move of the pose: to first order it is undetermined")
+SCALE_BITS = 160  # of an optimal scale: its error counts by its square
+LEAST_CURVATURE = 1e-12  # of the largest, in the clouds' own unit: less is rounding
 LOST = "lost in rounding: variances computed with a matrix of doubles would be wrong, even negative"
 FAR = Absent(f"{LOST}, so far are the points from the origin: move it to them")
 LOOSE = Absent(f"{LOST}: one turn is hardly determined, beside the others")
@@ -151,172 +157,172 @@ class PoseCovariance(Explained):
         return None if self.matrix is None else change @ self.matrix[:6, :6] @ change.T
 
 
-def pose_covariance(problem: RegistrationProblem, objective: Isotropic) -> PoseCovariance | Absent:
-    """The covariance of the optimal pose; Absent if the optimum is not unique or doubles overflow.
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Conditions:
+    """What an optimum must be to have a covariance, and what is said of one that is not.
 
-    Also of a symmetric scale, which noise in the target shifts.
-
-    Where no noise was given the variance is estimated, which takes N >= 3 points with weight,
-    residuals that are not all zero, and weights that at least half of the points carry: relative
-    weights say little of noise, and rows that hardly count would count as degrees of freedom.
+    least_curvature: of half the Hessian about the centre of the points, each direction in its own
+        unit, as a share of the largest. 0: that the optimum is unique is decided exactly.
     """
-    biased = problem.scale is Scale.SYMMETRIC
-    if biased or not objective.classification.unique:
-        return BIASED if biased else NOT_UNIQUE
-    degrees = problem.degrees_of_freedom
-    least = objective.energy(objective.optimum)
-    if not problem.noise_given and (degrees <= 0 or least <= 0):
-        return NO_VARIANCE if degrees <= 0 else NO_RESIDUALS
-    if not problem.noise_given and 6 * effective_rows(problem) < problem.observations:
-        return FEW_CARRY
-    variance = Fraction(1) if problem.noise_given else least / degrees
-    parts = _Parts.of(objective, variance)
-    if parts is None:
-        return NOT_TOLD_APART
-    if problem.rotation_only:
-        parts = replace(parts, centre=Fraction(0))
-    exact, grown = parts.matrix(), _swelling(objective, variance)
-    if grown is not None:
-        exact = exact.grown(*grown)
-    sigmas = [root_of_quotient(row[i], exact.denominator) for i, row in enumerate(exact.rows)]
-    centre, loosest = nearest_root(parts.centre), nearest_root(parts.loosest)
-    if None in sigmas or centre is None or loosest is None:
+
+    no_freedom: Absent
+    undetermined: Absent
+    least_curvature: float
+
+
+OF_WEIGHTS = Conditions(no_freedom=NO_VARIANCE, undetermined=NOT_TOLD_APART, least_curvature=0.0)
+OF_SPRINGS = Conditions(no_freedom=NO_FREEDOM, undetermined=FLAT, least_curvature=LEAST_CURVATURE)
+
+
+def pose_covariance(problem: RegistrationProblem, objective: Isotropic) -> PoseCovariance | Absent:
+    """The covariance of the optimal pose of one weight per pair, as `covariance_at`.
+
+    Absent also of a symmetric scale, which noise in the target shifts.
+    """
+    if problem.scale is Scale.SYMMETRIC:
+        return BIASED
+    if not objective.classification.unique:
+        return NOT_UNIQUE
+    q = objective.optimum
+    scale = dyadic_below(objective.best_scale(q), SCALE_BITS).value
+    return covariance_at(
+        problem,
+        Neighbourhood(objective.reduced, q, problem.motion, scale),
+        objective.moments.source_centroid,
+        least=objective.energy(q),
+        carried=lambda: 6 * effective_rows(problem) >= problem.observations,
+        conditions=OF_WEIGHTS,
+    )
+
+
+def covariance_at(
+    problem: RegistrationProblem,
+    near: Neighbourhood,
+    centre: Sequence[Fraction],
+    *,
+    least: Fraction,
+    carried: Callable[[], bool],
+    conditions: Conditions,
+) -> PoseCovariance | Absent:
+    """The covariance of a unique optimum; Absent if it is flat or doubles overflow.
+
+    centre: a point of the source amid the others. least: the objective. carried: whether at least
+    half of the rows carry the weights. Where no noise was given the variance is estimated, which
+    takes degrees of freedom, residuals that are not all zero, and such rows: relative weights say
+    little of noise, and rows that hardly count would count as degrees of freedom.
+    """
+    degrees, variance = problem.degrees_of_freedom, _variance(problem, least, carried, conditions)
+    if isinstance(variance, Absent):
+        return variance
+    fault = _flatness(near, centre, conditions)
+    if fault is not None:
+        return fault
+    whole, shifted = _propagated(near, variance)
+    if whole.sigmas is None or shifted.sigmas is None:
         return OUT_OF_RANGE
-    told = np.array(sigmas, dtype=np.float64)
-    given = TURN if problem.rotation_only else 0
-    matrix, axis = _in_doubles(exact, given), unit_double(parts.axis)
-    factor = nearest_double(least / degrees) if degrees > 0 else None
-    rotation = rotation_double(objective.optimum)
-    best = objective.best_scale(objective.optimum)
-    arm = [nearest_or_zero(best * entry) for entry in objective.moments.source_centroid]
-    swung = second_order(rotation @ parts.turns(), rotation @ arm, told[:TURN])
-    size = float(told[PARAMETERS]) if problem.scaled else None
+    translation, rotation = whole.sigmas[:TURN], rotation_double(near.quaternion)
+    turning = whole.factor(slice(TURN, None))
+    middle = np.hstack([shifted.factor(), near.moves(centre) @ turning])
+    if not np.isfinite(middle).all():
+        return OUT_OF_RANGE
+    matrix = _in_doubles(whole, 0 if near.motion.translations else TURN)
+    axes, sizes, _ = np.linalg.svd(turning[:TURN])
+    size = float(whole.sigmas[PARAMETERS]) if near.motion.scaled else None
+    arm = [nearest_or_zero(near.scale * entry) for entry in centre]
+    swung = second_order(rotation @ turning[:TURN], rotation @ arm, translation)
     if size is not None and any(arm):  # ds theta x R m beside s theta x R m, of which dt has more
-        swung = hypot(swung, nearest_or_zero(Fraction(size) / best))
+        swung = hypot(swung, nearest_or_zero(Fraction(size) / near.scale))
     return PoseCovariance(
         matrix=present(matrix),
-        translation_sigma=told[:TURN],
+        translation_sigma=translation,
         second_order=swung,
-        rotation_sigma=told[TURN:PARAMETERS],
-        loosest_sigma=loosest,
-        loosest_axis=axis * np.sign(axis[np.argmax(np.abs(axis))]),
-        variance_factor=factor,
+        rotation_sigma=whole.sigmas[TURN:PARAMETERS],
+        loosest_sigma=float(sizes[0]),
+        loosest_axis=axes[:, 0] * np.sign(axes[np.argmax(np.abs(axes[:, 0])), 0]),
+        variance_factor=nearest_double(least / degrees) if degrees > 0 else None,
         degrees_of_freedom=max(degrees, 0),
-        centre_sigma=centre,
+        centre_sigma=float(np.linalg.norm(middle, 2)),
         estimated=not problem.noise_given,
         rotation=rotation,
         scale_sigma=size,
         absent={
             "scale_sigma": NO_SCALE,
-            "variance_factor": NO_VARIANCE if degrees <= 0 else OUT_OF_RANGE,
+            "variance_factor": conditions.no_freedom if degrees <= 0 else OUT_OF_RANGE,
             **({"matrix": matrix} if isinstance(matrix, Absent) else {}),
         },
     )
 
 
-@dataclass(frozen=True, kw_only=True)
-class _Parts:
-    """The covariance in rational numbers, as a sum over the principal axes of the rotation.
+def _variance(
+    problem: RegistrationProblem,
+    least: Fraction,
+    carried: Callable[[], bool],
+    conditions: Conditions,
+) -> Fraction | Absent:
+    """Of weight one; arguments as of `covariance_at`."""
+    if problem.noise_given:
+        return Fraction(1)
+    degrees = problem.degrees_of_freedom
+    if degrees <= 0 or least <= 0:
+        return conditions.no_freedom if degrees <= 0 else NO_RESIDUALS
+    return least / degrees if carried() else FEW_CARRY
 
-    P = sum_k f_k u_k u_k^T, u_k = L(q)^T q_k a unit vector, f_k = 2 v / (s (l1 - lk)), v the
-    variance of weight one, s the scale, 1 unless it is free; dt moves by s R (m x u_k) with it, and
-    by the centre's own: so every variance is a sum of squares.
 
-    All in integers: moves: (dt, phi) along each axis, times `denominator`. weights: of their
-    squares, f_k / |u_k|^2 in units of `unit` / `whole`. loosest: f_1. centre: v / M.
-    """
-
-    moves: list[list[int]]
-    axis: list[int]
-    denominator: int
-    weights: list[int]
-    unit: Fraction
-    whole: int
-    loosest: Fraction
-    centre: Fraction
-
-    @classmethod
-    def of(cls, objective: Isotropic, variance: Fraction) -> _Parts | None:
-        """None where two eigenvalues are not told apart."""
-        q, vectors = objective.optimum, objective.eigenvectors
-        drops, moments = objective.eigenvalue_drops[1:], objective.moments
-        best = objective.best_scale(q)
-        if min(drops) <= 0 or best <= 0:
-            return None
-        frame, turn = list(zip(*body_frame(q), strict=True)), rotation_matrix(q)
-        axes = [[dot(column, vector) for column in frame] for vector in vectors[1:]]
-        arm = best * power_of_two(moments.source_exponent) / (moments.mass * squared_norm(q))
-        levers = [[dot(row, _cross(moments.source_sum, axis)) for row in turn] for axis in axes]
-        ends = zip(levers, axes, strict=True)
-        shares = [drop * squared_norm(axis) for drop, axis in zip(drops, axes, strict=True)]
-        whole = prod(shares)
-        spread = 2 * variance / (best * objective.eigenvalue_unit)
-        return cls(
-            moves=[
-                [*(m * arm.numerator for m in lever), *(m * arm.denominator for m in axis)]
-                for lever, axis in ends
-            ],
-            axis=axes[0],
-            denominator=arm.denominator,
-            weights=[whole // share for share in shares],
-            unit=spread,
-            whole=whole,
-            loosest=spread / drops[0],
-            centre=variance / moments.total_weight,
-        )
-
-    def turns(self) -> NDArray[np.float64]:
-        """(3, 3), in its columns one deviation of the turn along each principal axis: C C^T = P."""
-        columns: list[NDArray[np.float64]] = []
-        below = self.unit.denominator * self.whole * self.denominator**2
-        for weight, move in zip(self.weights, self.moves, strict=True):
-            axis = move[TURN:]
-            sigma = root_of_quotient(self.unit.numerator * weight * squared_norm(axis), below)
-            columns.append(unit_double(axis) * (inf if sigma is None else sigma))
-        return np.array(columns).T
-
-    def matrix(self) -> RationalMatrix:
-        """(6, 6), the covariance of (dt, phi)."""
-        size, unit, centre = range(PARAMETERS), self.unit, self.centre
-        below = unit.denominator * self.whole * self.denominator**2
-        factor, own = unit.numerator * centre.denominator, centre.numerator * below
-        entries = [[0] * PARAMETERS for _ in size]
-        for i in size:
-            heavy = [w * moves[i] for w, moves in zip(self.weights, self.moves, strict=True)]
-            for j in range(i + 1):
-                products = (a * moves[j] for a, moves in zip(heavy, self.moves, strict=True))
-                entries[i][j] = entries[j][i] = factor * sum(products) + own * (i == j < TURN)
-        return RationalMatrix(rows=entries, denominator=below * centre.denominator)
+def _flatness(
+    near: Neighbourhood, centre: Sequence[Fraction], conditions: Conditions
+) -> Absent | None:
+    """Why some move is hardly resisted; None where each is."""
+    if near.inverse is None or not conditions.least_curvature:
+        return conditions.undetermined if near.inverse is None else None
+    half = near.half_hessian(centre)
+    if not np.isfinite(half).all():
+        return OUT_OF_RANGE
+    sizes = np.sqrt(np.maximum(np.diag(half), 0.0))
+    if not sizes.all():
+        return conditions.undetermined
+    levels = np.linalg.eigvalsh(half / sizes / sizes[:, np.newaxis])
+    told = levels[0] > conditions.least_curvature * levels[-1]
+    return None if told else conditions.undetermined
 
 
 @dataclass(frozen=True, kw_only=True)
 class RationalMatrix:
-    """A matrix of rational numbers, as integers over one denominator."""
+    """A covariance of rational numbers, as integers over one denominator."""
 
-    rows: list[list[int]]
+    rows: Any  # an array of Python's integers
     denominator: int
 
-    def grown(self, move: list[Fraction], variance: Fraction) -> RationalMatrix:
-        """With one more row and column, and the covariance of `move` times a number added."""
-        last = len(self.rows)
-        whole = lcm(*(entry.denominator for entry in move))
-        below = lcm(self.denominator, whole**2 * variance.denominator)
-        rows = [[0] * (last + 1) for _ in move]
-        for i, a in enumerate(move):
-            for j, b in enumerate(move):
-                own = self.rows[i][j] * (below // self.denominator) if max(i, j) < last else 0
-                rows[i][j] = own + int(a * b * variance * below)
-        return RationalMatrix(rows=rows, denominator=below)
+    @cached_property
+    def sigmas(self) -> NDArray[np.float64] | None:
+        """The roots of the diagonal, each rounded once; None beyond the doubles."""
+        roots = [root_of_quotient(entry, self.denominator) for entry in self.rows.diagonal()]
+        return None if None in roots else np.array(roots, dtype=np.float64)
+
+    def factor(self, chosen: slice = slice(None)) -> NDArray[np.float64]:
+        """F with F F^T a part of the matrix, in doubles: independent deviations in its columns."""
+        deviations: Any = self.sigmas
+        rows, sigmas = self.rows[chosen, chosen], deviations[chosen]
+        own = np.array([entry or 1 for entry in rows.diagonal()], dtype=object)
+        shares, sizes = rows / own[:, np.newaxis], np.where(sigmas > 0.0, sigmas, 1.0)
+        levels, axes = np.linalg.eigh(shares.astype(np.float64) * sizes[:, np.newaxis] / sizes)
+        return sigmas[:, np.newaxis] * axes * np.sqrt(np.maximum(levels, 0.0))
 
 
-def _swelling(objective: Isotropic, variance: Fraction) -> tuple[list[Fraction], Fraction] | None:
-    """What (dt, phi, ds) a growth of the scale is, and its variance; None where it is not free."""
-    if objective.scaling is None:
-        return None
-    moments, q = objective.moments, objective.optimum
-    unit = power_of_two(moments.source_exponent) / (moments.mass * squared_norm(q))
-    shift = [-unit * dot(row, moments.source_sum) for row in rotation_matrix(q)]
-    return [*shift, *[Fraction(0)] * TURN, Fraction(1)], variance / objective.scaling.source
+def _propagated(near: Neighbourhood, variance: Fraction) -> tuple[RationalMatrix, RationalMatrix]:
+    """Exactly, of (dt, phi) and a free scale, and of dt where these are fixed."""
+    inverse: Any = near.inverse
+    form, (adjugate, determinant), (moves, over) = near.form, inverse, near.shifts
+    length, weight = power_of_two(2 * form.length_exponent), variance / form.unit
+    moves = np.concatenate([moves, over * np.eye(len(adjugate), dtype=int).astype(object)])
+    rows = 2 * weight.numerator * (moves @ adjugate @ moves.T)
+    own = np.array(form.compliance, dtype=object) * (near.motion.translations > 0)
+    own = weight.numerator * length.numerator * own
+    rows[:TURN, :TURN] += determinant * own
+    below = weight.denominator * (over // near.over) ** 2
+    return (
+        RationalMatrix(rows=rows, denominator=determinant * below),
+        RationalMatrix(rows=own, denominator=below),
+    )
 
 
 def _in_doubles(exact: RationalMatrix, given: int = 0) -> NDArray[np.float64] | Absent:
@@ -360,10 +366,6 @@ def least_correlation(matrix: NDArray[np.float64]) -> float:
     """The least eigenvalue of a covariance divided by the standard deviations."""
     sigmas = np.sqrt(np.diag(matrix))
     return float(np.linalg.eigvalsh(matrix / sigmas / sigmas[:, None])[0])
-
-
-def _cross(a: Sequence[int], b: Sequence[int]) -> list[int]:
-    return [a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3] for i in range(3)]
 
 
 def residual_distances(

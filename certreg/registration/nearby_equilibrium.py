@@ -15,7 +15,7 @@ import numpy as np
 
 from certreg.certificate import sin2_half_angle_between
 from certreg.exact import half_angle_bound
-from certreg.registration.spring_curvature import slope_and_curvature
+from certreg.registration.curvature import slope_and_curvature
 from certreg.relaxation import refined
 
 if TYPE_CHECKING:

@@ -24,11 +24,11 @@ from certreg.exact import nearest_double, nearest_root
 from certreg.geometry import Pose
 from certreg.objective import Springs
 from certreg.problem import spring_moments
+from certreg.registration.curvature import soft_axes
 from certreg.registration.freedom import Freedom
 from certreg.registration.loose_turns import axis_words
 from certreg.registration.parts import logged
 from certreg.registration.robustness import NONE_PROVED
-from certreg.registration.spring_curvature import soft_axes
 from certreg.registration.spring_result import (
     SpringRegistration,
     SpringSolution,

@@ -12,10 +12,10 @@ import numpy as np
 from certreg.equilibrium import Finiteness, unit_double
 from certreg.exact import nearest_double, nearest_root
 from certreg.geometry import canonical, dot, squared_norm
+from certreg.registration.curvature import slope_and_curvature
 from certreg.registration.freedom import Freedom
 from certreg.registration.outlying import LISTED
 from certreg.registration.spring_certification import rounded_spring_pose
-from certreg.registration.spring_curvature import slope_and_curvature
 from certreg.registration.spring_rows import ResidualSums
 from certreg.registration.weak_shifts import weak_shift_words, weak_shifts
 from certreg.results import OUT_OF_RANGE, Absent, ComponentKind, Explained, Guarantee, Presented

@@ -37,7 +37,6 @@ from certreg.registration.findings import (
 from certreg.registration.loose_turns import LOOSE_SIGMA, TURNED_FAR, beyond_first_order
 from certreg.registration.nearby_equilibrium import equilibrium_near
 from certreg.registration.rounding import rounding_errors
-from certreg.registration.spring_covariance import half_hessian, source_centre
 from certreg.registration.tails import log_chi2_above
 from certreg.results import OUT_OF_RANGE, Absent, Limits, PoseVerdict
 
@@ -140,7 +139,7 @@ def _exact_pose(registration: SpringRegistration, given: GivenPose) -> ExactPose
     shift = [Fraction(t) for t in given.translation.tolist()]
     if not given.is_matrix:
         return ExactPose(quaternion=q, translation=tuple(shift))
-    x = [Fraction(entry) for entry in source_centre(registration.problem).tolist()]
+    x = registration.solution.centre
     return pose_through(q, x, added(turned(given.turn, x), shift))
 
 
@@ -150,13 +149,12 @@ def _cost_of_rounding(registration: SpringRegistration, given: GivenPose) -> Fra
     A turn by a about the source's mean and a shift of its image by d cost at most
     (sqrt(G_dd) |d| + sqrt(G_aa) a)^2, G half the Hessian, which is semidefinite at the optimum.
     """
-    pose, problem = registration.pose, registration.problem
+    pose, solution = registration.pose, registration.solution
     turn = pose.rotation if given.is_matrix else pose.quaternion_wxyz
     shift = None if given.translation is None else pose.translation
-    centre = source_centre(problem)
-    sine, away = rounding_errors(turn, shift, [Fraction(entry) for entry in centre.tolist()])
+    sine, away = rounding_errors(turn, shift, solution.centre)
     with np.errstate(all="ignore"):
-        half = half_hessian(problem, pose, centre)
+        half = solution.near.half_hessian(solution.centre)
         if not np.isfinite(half).all():
             return Fraction(0)
         shifted, spun = (float(np.linalg.norm(half[k, k], 2)) for k in (slice(3), slice(3, 6)))

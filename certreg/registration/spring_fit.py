@@ -6,10 +6,10 @@ import math
 from typing import TYPE_CHECKING
 
 from certreg.exact import nearest_double
+from certreg.registration.covariance import NO_FREEDOM
 from certreg.registration.fit import NO_NOISE, ROUNDED, ZERO_MEDIAN, Fit, FitRow
 from certreg.registration.misfits import ChiSquared, FitCode, FitWarning, chi2_remedy, chi2_words
 from certreg.registration.outlying import LISTED, ROUNDING
-from certreg.registration.spring_covariance import NO_FREEDOM
 from certreg.registration.tails import log_chi2_above
 from certreg.results import OUT_OF_RANGE, Absent, present
 

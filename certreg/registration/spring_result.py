@@ -9,14 +9,15 @@ from typing import TYPE_CHECKING, Any
 from certreg._loading import cached_property
 from certreg.certificate import sin2_half_angle_between
 from certreg.exact import half_angle_bound
+from certreg.objective import Neighbourhood
 from certreg.problem import lift
 from certreg.registration.any_registration import UNDECIDED, AnyRegistration, AnySolution, Method
+from certreg.registration.covariance import FLAT, NOT_UNIQUE, OF_SPRINGS, covariance_at
+from certreg.registration.curvature import soft_axes
 from certreg.registration.freedom import Freedom
 from certreg.registration.outlying import LISTED
-from certreg.registration.spring_covariance import FLAT, spring_covariance
-from certreg.registration.spring_curvature import soft_axes
 from certreg.registration.spring_fit import spring_fit
-from certreg.registration.spring_rows import ResidualSums, blocks_at
+from certreg.registration.spring_rows import ResidualSums, blocks_at, source_centre
 from certreg.registration.weak_shifts import WeakShift, weak_shifts
 from certreg.results import Absent
 
@@ -74,16 +75,31 @@ class SpringSolution(AnySolution):
         return self.objective.energy(self.quaternion)
 
     @cached_property
+    def near(self) -> Neighbourhood:
+        """The energy about the optimum, exactly."""
+        return Neighbourhood(self.objective.reduced, self.quaternion, self.problem.motion)
+
+    @cached_property
+    def centre(self) -> tuple[Fraction, ...]:
+        """The mean of the source in doubles, about which nothing cancels."""
+        return source_centre(self.problem)
+
+    @cached_property
     def sums(self) -> ResidualSums:
         """What one look at the rows says of the pose."""
         return ResidualSums.of(self.problem, self.pose, LISTED)
 
     def measured_covariance(self) -> PoseCovariance | Absent:
         """The covariance of the pose, computed now; why there is none."""
-        if self.unique is None:
-            return UNDECIDED
-        return spring_covariance(
-            self.problem, self.pose, self.least, self.sums, unique=bool(self.unique)
+        if not self.unique:
+            return UNDECIDED if self.unique is None else NOT_UNIQUE
+        return covariance_at(
+            self.problem,
+            self.near,
+            self.centre,
+            least=self.least,
+            carried=lambda: 2 * self.sums.effective_rows >= self.sums.rows,
+            conditions=OF_SPRINGS,
         )
 
     def measured_fit(self, names: RowNames) -> Fit:

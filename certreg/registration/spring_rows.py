@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from fractions import Fraction
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -104,6 +105,15 @@ def blocks_at(problem: RegistrationProblem, pose: Pose) -> Iterator[tuple[slice,
     """All rows at a pose, block by block."""
     for rows in row_blocks(problem.n):
         yield rows, rows_at(problem.spring_block(rows), pose)
+
+
+def source_centre(problem: RegistrationProblem) -> tuple[Fraction, ...]:
+    """The mean of the source as doubles have it; the origin where they do not."""
+    blocks = (problem.spring_block(rows) for rows in row_blocks(problem.n))
+    with np.errstate(all="ignore"):
+        sums = [block.source.mean(axis=0) * len(block.source) for block in blocks]
+        mean = np.sum(sums, axis=0) / problem.n
+    return tuple(map(Fraction, np.where(np.isfinite(mean), mean, 0.0).tolist()))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -38,7 +38,6 @@ HOW = {
     Method.CONES: "branch and bound on cones of quaternions",
     Method.ENERGY: "the energy itself, which is a sum of squares",
 }
-PARAMETERS = 6  # of a pose
 TIGHT = 1e-6  # of the range of energies: a relaxation that is this near is called tight
 ACROSS = "add pairs with springs across what is undetermined: they may single one pose out"
 RMSE_WORDS = "along the springs, unit of the clouds"
@@ -120,13 +119,12 @@ def few_words(registration: SpringRegistration) -> str:
     at most the sum of those of the springs. No more is said: five planes that cannot be met may
     single one pose out.
     """
-    springs = registration.problem.springs
-    ranks = PARAMETERS if springs is None else sum(k * n for k, n in enumerate(springs.ranks))
-    if ranks >= PARAMETERS:
+    problem = registration.problem
+    if problem.degrees_of_freedom >= 0:
         return ""
     return (
-        f"the ranks of the springs add up to {ranks} (a plane 1, a line 2, a full spring 3): a "
-        "pose that fits exactly needs six at least to be determined to first order"
+        f"the ranks of the springs add up to {problem.observations} (a plane 1, a line 2, a full "
+        "spring 3): a pose that fits exactly needs six at least to be determined to first order"
     )
 
 

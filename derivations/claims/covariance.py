@@ -140,7 +140,7 @@ def _shipped_inverse() -> Proof:
     L = Matrix(body_frame((1, 0, 0, 0)))
     axes = [L.T * sympy.eye(4).col(k) for k in (1, 2, 3)]
     yield identity(
-        r"The shipped inverse is $G^{-1} = \sum_k u_k u_k^{\mathsf T} / (\lambda_1 - \lambda_k)$, "
+        r"The inverse is $G^{-1} = \sum_k u_k u_k^{\mathsf T} / (\lambda_1 - \lambda_k)$, "
         r"$u_k = L(q)^{\mathsf T} q_k$. In the frame in which $C$ is diagonal and the optimum is "
         r"$R = I$, the $u_k$ are the unit vectors and $G = 2 \operatorname{tr}(R^{\mathsf T} C) I "
         r"- R^{\mathsf T} C - C^{\mathsf T} R = \sum_k (\lambda_1 - \lambda_k)\, u_k "

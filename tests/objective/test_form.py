@@ -87,9 +87,9 @@ def test_the_quartic_of_the_form_is_that_of_one_weight_per_pair(specimen: Specim
     for weight in (1.0, 0.3):
         given = RegistrationProblem(source, target, weights=np.full(len(source), weight))
         objective = Isotropic.of(given)
-        form = objective.joint_form
-        ratio = form.unit_without_translation / objective.unit
-        quartic = [ratio * c for c in quartic_of_form(form.without_translation)]
+        form = objective.joint_form.reduced
+        ratio = form.unit / objective.unit
+        quartic = [ratio * c for c in quartic_of_form(form.rows)]
 
         assert quartic == list(quartic_of_form(objective.form()))
         for q in QUATERNIONS:
@@ -108,22 +108,41 @@ def test_what_is_left_without_the_translation_is_the_least_over_it(motion: Any):
     wall[:, 3] = WEIGHTS  # springs along the third axis alone
     r = z_of(motion)[:10]
     for form, free in ((springs(1.0), ()), (springs(1.0, wall), ((1, 0, 0), (0, 1, 0)))):
-        best = form.best_translation([2 * entry for entry in r], 2)
+        best = form.reduced.best_translation([2 * entry for entry in r], 2)
         least = form.energy([*r, *best])
         value = sum(
             a * b * entry
-            for a, row in zip(r, form.without_translation, strict=True)
+            for a, row in zip(r, form.reduced.rows, strict=True)
             for b, entry in zip(r, row, strict=True)
         )
 
         assert form.free_translations == free
-        assert least == value * form.unit_without_translation
+        assert least == value * form.reduced.unit
         for k in range(3):
             moved = [
                 form.energy([*r, *(t + s * (i == k) for i, t in enumerate(best))]) for s in (1, -1)
             ]
             assert moved[0] == moved[1]
             assert (moved[0] == least) == (k < len(free))
+
+
+@pytest.mark.parametrize("specimen", ZOO, ids=lambda specimen: specimen.name)
+@pytest.mark.parametrize("motion", [{}, {"rotation_only": True}])
+def test_centred_sums_make_what_the_elimination_makes(specimen: Specimen, motion: Any):
+    source, target = OFFSET + np.array(specimen.source), 0.3 * np.array(specimen.target)
+    weights = np.arange(1.0, len(source) + 1.0)
+    objective = Isotropic.of(RegistrationProblem(source, target, weights=weights, **motion))
+    fast, slow = objective.reduced, objective.joint_form.reduced
+
+    assert fast.length_exponent == slow.length_exponent
+    assert fast.stiffness == slow.stiffness
+    assert fast.stiffness_unit == slow.stiffness_unit
+    for ratio, one, other in (
+        (slow.unit / fast.unit, fast.rows, slow.rows),
+        (Fraction(fast.determinant, slow.determinant), fast.response, slow.response),
+        (Fraction(fast.determinant, slow.determinant), fast.compliance, slow.compliance),
+    ):
+        assert [list(row) for row in one] == [[ratio * entry for entry in row] for row in other]
 
 
 def test_a_translation_is_counted_in_the_units_of_the_form():

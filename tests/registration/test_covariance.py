@@ -357,6 +357,21 @@ def test_deviations_are_right_where_a_matrix_of_doubles_would_lose_them(source, 
             np.asarray(found)
 
 
+@pytest.mark.parametrize("turned", [False, True])
+@pytest.mark.parametrize("width", [1e-20, 1e-60, 1e-100])
+def test_a_turn_about_a_line_is_told_however_near_it_the_points_are(width: float, *, turned: bool):
+    """The optimum has as many bits as that takes; the deviation is inverse to the width."""
+    line = np.outer([-2.0, -1.0, 0.0, 1.0, 3.0], [1.0, 0.0, 0.0])
+    aside = np.array([[0, 0, 0], [0, 1, 0], [0, 0, 0], [0, 0, 1], [0, -1, 0]])
+    turn = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]) if turned else np.eye(3)
+
+    near, far = (
+        covariance_of(RegistrationProblem(x, x @ turn.T, sigma=0.01)).loosest_sigma * e
+        for e, x in ((e, line + e * aside) for e in (1e-10, width))
+    )
+    assert far == pytest.approx(near, rel=1e-12)
+
+
 def test_where_a_matrix_is_lost_the_reason_names_what_to_do():
     far, bent = (
         covariance_of(RegistrationProblem(points, points, sigma=0.001)).stated("matrix").reason
@@ -371,8 +386,8 @@ def test_a_matrix_is_lost_just_where_a_variance_could_be_off_by_a_hundredth():
     """Two turns whose correlation leaves 1 - c, the least eigenvalue of the correlations."""
 
     def kept(rest: Fraction) -> bool:
-        rows = [[rest.denominator * (i == j) for j in range(6)] for i in range(6)]
-        rows[3][4] = rows[4][3] = rest.denominator - rest.numerator
+        rows = rest.denominator * np.eye(6, dtype=int).astype(object)
+        rows[3, 4] = rows[4, 3] = rest.denominator - rest.numerator
         exact = RationalMatrix(rows=rows, denominator=rest.denominator)
         return not isinstance(_in_doubles(exact), Absent)
 

@@ -14,9 +14,8 @@ from exact_springs import two_optima
 from certreg.equilibrium import critical_lines
 from certreg.problem import RegistrationProblem
 from certreg.registration import assess, certify
+from certreg.registration.covariance import OF_SPRINGS, covariance_at
 from certreg.registration.freedom import Freedom
-from certreg.registration.spring_covariance import spring_covariance
-from certreg.registration.spring_rows import ResidualSums
 from certreg.report import html_page
 from certreg.report.pages import report_on
 from certreg.results import Absent, Limits, PoseVerdict
@@ -96,9 +95,9 @@ def test_a_symmetry_of_both_sides_is_told():
 def test_as_many_springs_as_unknowns_leave_nothing_for_the_noise():
     rng = np.random.default_rng(2)
     x, normals = rng.normal(size=(2, 6, 3))
-    problem, pose = RegistrationProblem(x, x, normals=normals), seven_planes().pose
-    sums = ResidualSums.of(problem, pose, 3)
-    absent = spring_covariance(problem, pose, Fraction(1), sums, unique=True)
+    problem, near = RegistrationProblem(x, x, normals=normals), seven_planes().solution.near
+    terms: Any = {"least": Fraction(1), "carried": lambda: True, "conditions": OF_SPRINGS}
+    absent = covariance_at(problem, near, (Fraction(0),) * 3, **terms)
 
     words = "the springs leave no degree of freedom for the noise: give sigma, or covariances"
     assert absent == Absent(words)

@@ -113,14 +113,11 @@ def test_minima_are_near_up_to_the_proved_gap(beside: Fraction):
 
 def cost_of(monkeypatch: Any, half: Any, sine: Fraction, away: Fraction) -> Fraction:
     """Of a turn and a shift of these sizes, squared, beside half a Hessian."""
-    for name, value in (
-        ("source_centre", np.zeros(3)),
-        ("half_hessian", np.asarray(half, dtype=float)),
-        ("rounding_errors", (sine, away)),
-    ):
-        monkeypatch.setattr(spring_findings, name, lambda *_, value=value: value)
+    monkeypatch.setattr(spring_findings, "rounding_errors", lambda *_: (sine, away))
+    near = SimpleNamespace(half_hessian=lambda _: np.asarray(half, dtype=float))
     registration: Any = SimpleNamespace(
-        pose=SimpleNamespace(rotation=None, quaternion_wxyz=None, translation=None), problem=None
+        pose=SimpleNamespace(rotation=None, quaternion_wxyz=None, translation=None),
+        solution=SimpleNamespace(near=near, centre=()),
     )
     given: Any = SimpleNamespace(is_matrix=True, translation=())
     return _cost_of_rounding(registration, given)

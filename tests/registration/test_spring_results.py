@@ -16,9 +16,8 @@ from certreg.errors import InvalidProblemError
 from certreg.problem import RegistrationProblem
 from certreg.registration import certify, optimally_damped
 from certreg.registration.assessment import assess
+from certreg.registration.curvature import slope_and_curvature
 from certreg.registration.exit_codes import code_of_registration
-from certreg.registration.spring_covariance import half_hessian, source_centre
-from certreg.registration.spring_curvature import slope_and_curvature
 from certreg.registration.spring_rows import SpringAxes, lower_triangles
 from certreg.relaxation import refined
 from certreg.results import PoseVerdict
@@ -78,8 +77,8 @@ def test_the_pose_of_each_family_is_certified_and_no_small_move_lowers_its_objec
 @pytest.mark.parametrize("family", FAMILIES)
 def test_half_the_hessian_is_that_of_finite_differences(family: str):
     found = registered(family)
-    pose, centre = found.pose, source_centre(found.problem)
-    half, h = half_hessian(found.problem, pose, centre), 1e-4
+    pose, solution, h = found.pose, found.solution, 1e-4
+    half, centre = solution.near.half_hessian(solution.centre), np.array(solution.centre, float)
     image = pose.rotation @ centre + pose.translation
 
     def at(move: Array) -> float:

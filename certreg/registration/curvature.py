@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from fractions import Fraction
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.exact import nearest_or_zero
-from certreg.geometry import body_frame, squared_norm
+from certreg.exact import quotient_or_zero
+from certreg.objective import Neighbourhood
+from certreg.problem import Motion
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -25,18 +25,14 @@ def slope_and_curvature(
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """(3,) and (3, 3): derivatives in rotation angle about the source's axes, over the oscillation.
 
-    At the unit quaternion u with body frame E they are E^T F'(u) / 2 and
-    (E^T F''(u) E - 4 F(u) I) / 4. Zero where the energy is constant.
+    Zero where the energy is constant.
     """
-    frame, norm = np.array(body_frame(tuple(q)), dtype=object), squared_norm(q)
-    scale = objective.oscillation / objective.unit * norm**2
-    first = frame.T @ np.array(objective.gradient(q), dtype=object)
-    second = frame.T @ np.array(objective.hessian(q), dtype=object) @ frame
-    second = second - 4 * objective.value(q) * np.eye(3, dtype=object)
-    if not scale:
+    if not objective.oscillation:
         return np.zeros(3), np.zeros((3, 3))
-    slope = [nearest_or_zero(Fraction(entry) / scale) / 2 for entry in first]
-    curved = [[nearest_or_zero(Fraction(entry) / scale) / 4 for entry in row] for row in second]
+    near = Neighbourhood(objective.reduced, q, Motion())
+    above, below = (near.unit / objective.oscillation).as_integer_ratio()
+    rows = [near.gradient, *near.hessian]
+    slope, *curved = [[quotient_or_zero(entry * above, below) for entry in row] for row in rows]
     return np.array(slope), np.array(curved)
 
 
