@@ -227,7 +227,8 @@ def _read_each(
 ) -> list[Any]:
     """The entries of a list of so many, or more."""
     if value.__class__ is not list or len(value) < count or (len(value) > count and not more):
-        raise MisreadError(f"is not a list of {count}{' or more' * more} entries")
+        size = f" of {count}{' or more' * more} entries" if count else ""
+        raise MisreadError(f"is not a list{size}")
     found = list[Any]()
     try:
         found.extend(map(APPLY, reads, value))
