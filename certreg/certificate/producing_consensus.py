@@ -17,8 +17,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from certreg.certificate.consensus import (
-    INLIER,
-    OUTLIER,
     UNDECIDED,
     ConsensusBody,
     Reach,
@@ -34,11 +32,10 @@ from certreg.certificate.consistency import (
 from certreg.certificate.envelope import Certificate
 from certreg.certificate.reach import ANGLE_BITS, turn_about
 from certreg.certificate.refuting import PointRows
-from certreg.certificate.staging import Stager
+from certreg.certificate.staging import Part, Stager, settled
 from certreg.certificate.thinning import Graph
 from certreg.exact import dyadic_above
 from certreg.geometry import Pose, davenport_matrix, quaternion_from_matrix, rotation_matrix
-from certreg.native import mask_of
 from certreg.problem import LEAST_PAIRS
 
 if TYPE_CHECKING:
@@ -106,22 +103,9 @@ class ConsensusProver:
         met = self._exact.met_by(witness)
         if len(met) < LEAST_PAIRS:
             return None
-        n, within = self.problem.n, mask_of(met)
-        stages = list[Stage]()
-        first, stager = Stager(self.graph, met, whole).first(stages, (1 << n) - 1)
-        upper, sure = first.bit_count(), within if first == within else 0
-        if not sure:
-            upper = stager.upper(stages, first, whole=whole)
-            sure = stager.inliers(stages, first) if whole else 0
-        labels = labels_of(n, sure, first)
-        return Consensus(witness, tuple(met), tuple(stages), labels, upper)
-
-
-def labels_of(n: int, sure: int, left: int) -> str:
-    """Of n rows: inliers those that are sure, outliers those that are not left; both as bits."""
-    return "".join(
-        INLIER if sure >> i & 1 else UNDECIDED if left >> i & 1 else OUTLIER for i in range(n)
-    )
+        part = Part.of(Stager(self.graph, met, whole))
+        labels, upper = settled([part], whole=whole)
+        return Consensus(witness, tuple(met), tuple(part.stages), labels, upper)
 
 
 def witness_of(rotation: NDArray[np.float64], translation: NDArray[np.float64]) -> Witness:

@@ -10,27 +10,24 @@ from __future__ import annotations
 import heapq
 import logging
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from fractions import Fraction
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.certificate.consensus import Reach, Stage
 from certreg.certificate.envelope import Certificate
 from certreg.certificate.producing_consensus import (
     ANGLE_BITS,
     Consensus,
     centred,
-    labels_of,
     reach_of,
     unheld,
     witness_of,
 )
 from certreg.certificate.scaled_consensus import (
-    NONE,
     OPEN,
-    SAME,
     ConsensusSimilarityBody,
     Piece,
     ScaledWitness,
@@ -38,7 +35,7 @@ from certreg.certificate.scaled_consensus import (
     ranges,
 )
 from certreg.certificate.scaled_pairs import ScaledPairs
-from certreg.certificate.staging import MOST, Stager, length_of
+from certreg.certificate.staging import MOST, Part, Stager, length_of, settled
 from certreg.certificate.thinning import Graph
 from certreg.errors import UndecidedError
 from certreg.exact import Dyadic, dyadic_above, dyadic_below
@@ -49,11 +46,13 @@ from certreg.problem import LEAST_PAIRS
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from certreg.certificate.consensus import Reach
     from certreg.certificate.similarity import SimilarityBody
     from certreg.native import Neighbours
     from certreg.problem import ConsensusProblem
 
 LOG = logging.getLogger(__name__)
+OPEN_TOLD = "ranges of scales left open are looked at one by one ..."
 TOLD = "%d ranges of scales, %d of them still open; proving on ..."
 MOST_PIECES = 400  # that are kept, at effort 1
 # At effort 1, at once: where labels are proved, two or three; where pairs agree by chance, they are
@@ -80,24 +79,11 @@ class ScaledConsensus(Consensus):
         return ranges(self.pieces, self.states, OPEN)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Thinned:
-    """A piece after its first stage."""
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Piece(Part):
+    """Motions with these scales."""
 
     scales: ScaleRange
-    stages: list[Stage]
-    left: int
-    stager: Stager
-
-    @property
-    def length(self) -> int:
-        """Of its stages in a certificate."""
-        return length_of(self.stages)
-
-    def state(self, within: int) -> str:
-        if self.left.bit_count() < within.bit_count():
-            return NONE
-        return SAME if self.left == within else OPEN
 
 
 class ScaledProver:
@@ -131,39 +117,28 @@ class ScaledProver:
         met = self.pairs.met_by(witness)
         if len(met) < LEAST_PAIRS:
             return None
-        n, within = self.problem.n, mask_of(met)
-        upper, sure, union, pieces, states = len(met), (1 << n) - 1, 0, list[Piece](), ""
         parts = self._parts(met, witness.factor.value, MOST_OPEN if whole else FEW_OPEN)
-        spare = max(MOST - sum(part.length for part in parts), 0)
-        for part in parts:
-            state, own, length = part.state(within), within, part.length
-            if state == OPEN:
-                LOG.info("ranges of scales left open are looked at one by one ...")
-                stager = replace(part.stager, most=length + spare)
-                upper = max(upper, stager.upper(part.stages, part.left, whole=whole))
-                own = stager.inliers(part.stages, part.left) if whole else 0
-                spare = max(spare - (part.length - length), 0)
-            if state != NONE:
-                sure, union = sure & own, union | part.left
-            end = None if part.scales.high is None else _dyadic(part.scales.high)
-            pieces.append(Piece(end=end, stages=tuple(part.stages)))
-            states += state
-        labels = labels_of(n, sure, union)
-        return ScaledConsensus(witness, tuple(met), (), labels, upper, tuple(pieces), states)
+        labels, upper = settled(parts, whole=whole, progress=partial(LOG.info, OPEN_TOLD))
+        ends = [part.scales.high for part in parts]
+        pieces = tuple(
+            Piece(end=None if end is None else _dyadic(end), stages=tuple(part.stages))
+            for end, part in zip(ends, parts, strict=True)
+        )
+        states = "".join(part.state for part in parts)
+        return ScaledConsensus(witness, tuple(met), (), labels, upper, pieces, states)
 
-    def _parts(self, met: list[int], scale: Fraction, most_open: int) -> list[_Thinned]:
+    def _parts(self, met: list[int], scale: Fraction, most_open: int) -> list[_Piece]:
         """Of all scales, in order: the widest of those that are open is cut, again and again.
 
         Until so many are open at once that cutting will not end, or the certificate is full.
         """
-        within = mask_of(met)
         near = dyadic_below(scale, END_BITS).value
         ends = [near / 2, near * 2]
-        found: list[_Thinned] = []
-        queue: list[tuple[float, Fraction, _Thinned]] = []
+        found: list[_Piece] = []
+        queue: list[tuple[float, Fraction, _Piece]] = []
 
-        def add(part: _Thinned) -> None:
-            width = self._width(part.scales) if part.state(within) == OPEN else 0.0
+        def add(part: _Piece) -> None:
+            width = self._width(part.scales) if part.state == OPEN else 0.0
             if width > 0.0:
                 heapq.heappush(queue, (-width, part.scales.low, part))
             else:
@@ -206,12 +181,9 @@ class ScaledProver:
         finite = self.pairs.most[np.isfinite(self.pairs.most)]
         return bool((finite >= low).any())
 
-    def _thinned(self, scales: ScaleRange, met: list[int]) -> _Thinned:
+    def _thinned(self, scales: ScaleRange, met: list[int]) -> _Piece:
         graph = Graph(self.pairs.near(scales), self.pairs.points(scales), self._effort)
-        stages, stager = list[Stage](), Stager(graph, met)
-        clique = _clique(graph.near, met)
-        left, later = stager.first(stages, (1 << self.problem.n) - 1, clique)
-        return _Thinned(scales, stages, left, later)
+        return _Piece.of(Stager(graph, met, most=MOST), _clique(graph.near, met), scales=scales)
 
 
 def _clique(near: Neighbours, met: list[int]) -> int:

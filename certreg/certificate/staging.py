@@ -7,16 +7,18 @@ tried, and whether the others are enough without each met pair.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from certreg.certificate.assuming import Assuming
-from certreg.certificate.consensus import Stage
+from certreg.certificate.consensus import INLIER, OUTLIER, UNDECIDED, Stage
 from certreg.certificate.parting import Parting
+from certreg.certificate.scaled_consensus import NONE, OPEN, SAME
 from certreg.certificate.thinning import GraphThinning
 from certreg.native import mask_of
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
+    from typing import Self
 
     from certreg.certificate.consensus import Strike
     from certreg.certificate.thinning import Graph
@@ -38,6 +40,11 @@ class Stager:
     met: Sequence[int]
     whole: bool = True
     most: int = MOST
+
+    @property
+    def count(self) -> int:
+        """Of all rows."""
+        return len(self.graph.points.bounds)
 
     def first(
         self, stages: list[Stage], alive: int, clique: int | None = None
@@ -73,7 +80,7 @@ class Stager:
         return thinning.alive
 
     def _kept(self, thinning: GraphThinning, without: int | None = None) -> Stage:
-        left_out = len(self.graph.points.bounds) if without is None else without
+        left_out = self.count if without is None else without
         return Stage(least=thinning.least, without=left_out, strikes=tuple(thinning.strikes))
 
     def _thinned(self, alive: int, least: int, clique: int) -> GraphThinning:
@@ -115,6 +122,64 @@ class Stager:
             left = self.stage(stages, first & others, len(met), within & others, row)
             sure |= (left.bit_count() < len(met)) << row
         return sure
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Part:
+    """Motions of one graph after their first stage: the rows left, and who makes later stages."""
+
+    stages: list[Stage]
+    left: int
+    stager: Stager
+
+    @classmethod
+    def of(cls, stager: Stager, clique: int | None = None, **own: Any) -> Self:
+        """After the first stage. clique: of `Stager.first`. own: further fields of the class."""
+        stages = list[Stage]()
+        left, later = stager.first(stages, (1 << stager.count) - 1, clique)
+        return cls(stages=stages, left=left, stager=later, **own)
+
+    @property
+    def length(self) -> int:
+        """Of its stages in a certificate."""
+        return length_of(self.stages)
+
+    @property
+    def state(self) -> str:
+        """NONE where no motion meets as many rows as the witness, SAME where all meet the same."""
+        within = mask_of(self.stager.met)
+        if self.left.bit_count() < within.bit_count():
+            return NONE
+        return SAME if self.left == within else OPEN
+
+
+def settled(
+    parts: Sequence[Part], *, whole: bool, progress: Callable[[], object] = tuple
+) -> tuple[str, int]:
+    """Labels of all rows, and how many a motion meets at most, of the motions of all parts.
+
+    What holds in each part holds of all. Later stages are added to those that are open, until the
+    certificate is full; whole: False: no more than the bound is tried. progress: called for each.
+    """
+    stager = parts[0].stager
+    within, everything = mask_of(stager.met), (1 << stager.count) - 1
+    upper, sure, union = len(stager.met), everything, 0
+    spare = stager.most - sum(part.length for part in parts)
+    for part in parts:
+        own, length = within, part.length
+        if part.state == OPEN:
+            progress()
+            stager = replace(part.stager, most=length + spare)
+            upper = max(upper, stager.upper(part.stages, part.left, whole=whole))
+            own = stager.inliers(part.stages, part.left) if whole else 0
+            spare -= part.length - length
+        if part.state != NONE:
+            sure, union = sure & own, union | part.left
+    labels = (
+        INLIER if sure >> i & 1 else UNDECIDED if union >> i & 1 else OUTLIER
+        for i in range(stager.count)
+    )
+    return "".join(labels), upper
 
 
 def length_of(stages: Sequence[Stage]) -> int:
