@@ -70,29 +70,31 @@ class Reach(FilePart):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class ConsensusBody(FilePart):
+class LabelledBody(FilePart):
     """What is proved of the pairs, and of the least squares over those that the witness meets.
 
     labels: of each pair "i", an inlier in every motion that meets as many as the witness, "o", an
         outlier in all of them, or "?", not proved.
     upper: no motion meets more pairs.
     fit: the certificate of the least-squares pose, as a file holds it; None where none was found.
-    springs: whether that is of general springs, which are in the data.
     """
 
-    KIND: ClassVar[str] = "consensus"
-    PLACES: ClassVar = {
-        "labels": "claims.labels",
-        "upper": "claims.upper",
-        "reach": "reach?",
-        "springs": "springs?",
-    }
     COMPACT: ClassVar[bool] = True  # thousands of small integers: no line for each
+    PLACES: ClassVar = {"labels": "claims.labels", "upper": "claims.upper", "reach": "reach?"}
 
     witness: Witness
     labels: str
     upper: int
-    stages: tuple[Stage, ...]
     fit: dict[str, Any] | None
     reach: Reach | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ConsensusBody(LabelledBody):
+    """Of rigid motions. springs: whether the fit is of general springs, which are in the data."""
+
+    KIND: ClassVar[str] = "consensus"
+    PLACES: ClassVar = {**LabelledBody.PLACES, "springs": "springs?"}
+
+    stages: tuple[Stage, ...]
     springs: bool = False

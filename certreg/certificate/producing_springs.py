@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from certreg.problem import RegistrationProblem
     from certreg.relaxation import Found
 
-SpringsBody = TypeVar("SpringsBody", "SpringsSosBody", "SpringsConesBody")
+AnyBody = TypeVar("AnyBody", "SpringsSosBody", "SpringsConesBody")
 
 
 def springs_certificate(
@@ -71,7 +71,7 @@ def springs_list_certificate(
     return None if body is None else enclosed(problem, body, about)
 
 
-def _moving(objective: Springs, body: SpringsBody, degrees: float | None) -> SpringsBody:
+def _moving(objective: Springs, body: AnyBody, degrees: float | None) -> AnyBody:
     """The same body, with how far the points may move where that is proved and asked for."""
     if degrees is None:
         return body

@@ -8,10 +8,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
-from certreg.certificate.consensus import Reach, Stage, Witness
-from certreg.certificate.file_parts import FilePart, FileRow
+from certreg.certificate.consensus import LabelledBody, Stage, Witness
+from certreg.certificate.file_parts import FileRow
 from certreg.exact import Dyadic
 
 if TYPE_CHECKING:
@@ -57,36 +57,29 @@ def ranges(pieces: Sequence[Piece], states: str, wanted: str) -> list[ScaleRange
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class ConsensusSimilarityBody(FilePart):
-    """What is proved of the pairs, and of the least squares over those that the witness meets.
+class ConsensusSimilarityBody(LabelledBody):
+    """Of motions with a scale.
 
-    labels, upper, fit, reach: as in `ConsensusBody`. scale: of the fit, "asymmetric" or
-    "symmetric". scale_lower, scale_upper: of all motions that meet the pairs that the witness
-    meets. states: of each piece "-", no motion with such a scale meets as many pairs as the
-    witness; "=", those that do meet the same; "?", not proved.
+    states: of each piece "-", no motion with such a scale meets as many pairs as the witness; "=",
+        those that do meet the same; "?", not proved.
+    scale: of the fit, "asymmetric" or "symmetric".
+    scale_lower, scale_upper: of all motions that meet the pairs that the witness meets.
     """
 
     KIND: ClassVar[str] = "consensus-similarity"
     PLACES: ClassVar = {
-        "labels": "claims.labels",
-        "upper": "claims.upper",
+        **LabelledBody.PLACES,
         "states": "claims.states",
         "scale_lower": "claims.scale_lower",
         "scale_upper": "claims.scale_upper",
-        "reach": "reach?",
     }
-    COMPACT: ClassVar[bool] = True
 
     witness: ScaledWitness
-    labels: str
-    upper: int
     pieces: tuple[Piece, ...]
     states: str
     scale: str
     scale_lower: Dyadic
     scale_upper: Dyadic
-    fit: dict[str, Any] | None
-    reach: Reach | None = None
 
     @property
     def met_elsewhere(self) -> bool:

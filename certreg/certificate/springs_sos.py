@@ -31,33 +31,21 @@ class SpringsClaims(FilePart):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class SpringsSosBody(FilePart):
-    """A proof that a pose of general springs is optimal: integers over 2^unit, and what follows.
+class SpringsBody(FilePart):
+    """A proof that a pose of general springs is optimal.
 
     quaternion: integers (w, x, y, z), the certified rotation is R(q) of the unit vector along it.
-    level, mu: the objective exceeds level + mu sin^2(theta/2), theta the angle to that rotation.
-    gram: the twenty entries of the Gram matrix that its identity leaves free, and k: over
-        2^(unit + k).
     symmetry: turns (a, b) of world and body that keep the objective; where there are many optima.
     radius: how far points may move before an optimum turns by more than an angle.
     """
 
-    KIND: ClassVar[str] = "springs-sos"
     PLACES: ClassVar = {
         "quaternion": "proof.pose",
-        "unit": "proof.unit",
-        "level": "proof.level",
-        "mu": "proof.mu",
-        "gram": "proof.gram",
         "symmetry": "proof.symmetry",
         "radius": "radius?",
     }
 
     quaternion: tuple[int, int, int, int]
-    unit: int
-    level: int
-    mu: int
-    gram: Annotated[tuple[int, ...], (21,)]
     claims: SpringsClaims
     symmetry: Annotated[tuple[int, ...], (6,)] | None = None
     radius: Radius | None = None
@@ -66,6 +54,30 @@ class SpringsSosBody(FilePart):
     def gap(self) -> Fraction:
         """The claimed bound on objective(R(q)) - minimum."""
         return self.claims.gap.value
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SpringsSosBody(SpringsBody):
+    """A proof that a pose of general springs is optimal: integers over 2^unit, and what follows.
+
+    level, mu: the objective exceeds level + mu sin^2(theta/2), theta the angle to that rotation.
+    gram: the twenty entries of the Gram matrix that its identity leaves free, and k: over
+        2^(unit + k).
+    """
+
+    KIND: ClassVar[str] = "springs-sos"
+    PLACES: ClassVar = {
+        **SpringsBody.PLACES,
+        "unit": "proof.unit",
+        "level": "proof.level",
+        "mu": "proof.mu",
+        "gram": "proof.gram",
+    }
+
+    unit: int
+    level: int
+    mu: int
+    gram: Annotated[tuple[int, ...], (21,)]
 
     @property
     def growth(self) -> Fraction:

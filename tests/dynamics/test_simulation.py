@@ -339,7 +339,7 @@ def test_a_state_outside_the_basin_is_refused(name, what):
 
     assert verdict.words == "claims.basin is not proved of the state in basin"
     if any(quaternion):
-        state = RotationState(quaternion=tuple(quaternion), angular_velocity=tuple(velocity))
+        state = RotationState.from_fields(document["basin"])
         assert not proves_basin(registration.solution.objective, state, level_of(registration))
 
 
