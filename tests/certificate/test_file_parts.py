@@ -30,7 +30,22 @@ REFUSED = r"^the certificate: is no certificate \((.*)\): give a file that certr
 OTHERS = {"about", "fit", "data"}  # of formats of their own
 LISTS = {"stages", "pieces"}  # whose entries the checker reads where it proves
 OPTIONAL = {"basin", "radius", "reach", "sdp"}  # objects that may be null
-WRONG = (True, 0, -1, 0.5, "x", None, [], [1], [0, 0], [0, EXPONENT_MAX + 1], [[]], [None], {})
+WRONG = (
+    True,
+    0,
+    -1,
+    0.5,
+    "x",
+    None,
+    [],
+    [1],
+    [0, 0],
+    [0, EXPONENT_MAX + 1],
+    [[]],
+    [None],
+    {},
+    {"more": None},
+)
 ENVELOPE = {"format", "kind", "problem"}
 
 
