@@ -18,7 +18,7 @@ import numpy as np
 
 from benchmarks.measuring import Figure, Quantity, Series, fastest
 from certreg.dynamics.batch import bodies_of
-from certreg.dynamics.body import Body, state_at_rest
+from certreg.dynamics.states import state_at_rest
 from certreg.equilibrium.batch import Solutions, exactly, solve_many
 from certreg.geometry.so3 import davenport_matrix, rotation_matrix
 from certreg.native.engine import current_engine
@@ -153,11 +153,10 @@ def _timed_loops(times: dict[str, list[float]], clouds: Any, found: Solutions) -
 
 def _jacobians(bodies: Any, quaternions: Any) -> tuple[Any, Any]:
     """The Jacobians at four equilibria of each body, (4 count, 12, 12) and (4 count, 18, 18)."""
-    intrinsic, ambient = [], []
+    intrinsic, ambient, evaluate = list[Any](), list[Any](), current_engine().evaluate
     for record, rows in zip(bodies, quaternions, strict=True):
-        body = Body(record=record, length_exponent=0)
         for q in rows:
             state = state_at_rest(np.array(rotation_matrix(q.tolist())))
-            intrinsic.append(body.intrinsic_jacobian(state))
-            ambient.append(body.ambient_jacobian(state))
-    return np.array(intrinsic), np.array(ambient)
+            intrinsic += evaluate("certreg_intrinsic_jacobian", state, record)
+            ambient += evaluate("certreg_ambient_jacobian", state, record)
+    return np.reshape(intrinsic, (-1, 12, 12)), np.reshape(ambient, (-1, 18, 18))

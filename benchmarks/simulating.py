@@ -18,11 +18,12 @@ from benchmarks.clouds import random_problem
 from benchmarks.measuring import Figure, Quantity, fastest
 from certreg.dynamics.basin import certified_basin
 from certreg.dynamics.batch import Bodies, bodies_of
-from certreg.dynamics.body import body_of, start_at_rest
+from certreg.dynamics.body import steps_of
 from certreg.dynamics.integrators import SimulationSettings, step_parameters
+from certreg.dynamics.rigid import rigid_body
 from certreg.dynamics.simulation import simulate
-from certreg.dynamics.spring_body import MovingSprings, moving_springs
-from certreg.dynamics.spring_simulation import spring_steps
+from certreg.dynamics.springs import SpringBody, spring_body
+from certreg.dynamics.states import start_at_rest
 from certreg.native.engine import current_engine
 from certreg.native.layout import MATRIX_STATE, named
 from certreg.native.layout import plain as doubles
@@ -113,12 +114,12 @@ def _splitting() -> Figure:
 def _springs() -> Iterator[Figure]:
     """Steps of the splitting on general springs: 73 sums, so that no step knows how many points."""
     rng = np.random.default_rng(0)
-    bodies: list[MovingSprings] = []
+    bodies: list[SpringBody] = []
     for count in (20, 200, 2000) * 5 + (20,):
         source = rng.normal(size=(count, 3))
         target = source + 0.1 * rng.normal(size=(count, 3))
         planes = RegistrationProblem(source, target, normals=rng.normal(size=(count, 3)))
-        bodies.append(moving_springs(spring_moments(planes), DAMPING))
+        bodies.append(spring_body(spring_moments(planes), DAMPING))
     for what, some, steps, least in (
         ("single", bodies[:1], SPRING_STEPS, SPRING_SINGLE),
         ("batched", bodies * 16, SPRING_STEPS // 40, SPRING_BATCHED),
@@ -128,7 +129,7 @@ def _springs() -> Iterator[Figure]:
         batch = Batch.of(
             Integrator.SPLITTING,
             bodies=np.array([body.record for body in some]),
-            steps=spring_steps(Integrator.SPLITTING, some, starts, settings),
+            steps=steps_of(Integrator.SPLITTING, some, starts, settings),
             states=starts,
         )
         (seconds,) = fastest(_again(batch, settings), rounds=ROUNDS)
@@ -197,7 +198,7 @@ def _registered(moments: ExactMoments) -> Callable[[], object]:
 
 def _single(problem: RegistrationProblem, integrator: Integrator) -> Batch:
     found = Isotropic(exact_moments(problem))
-    moving = body_of(found.moments, DAMPING)
+    moving = rigid_body(found.moments, DAMPING)
     basin = certified_basin(found, moving.length_exponent)
     start = named(start_at_rest(found.moments, moving.length_exponent), MATRIX_STATE)
     records = (moving.record, basin.record, start)
@@ -254,7 +255,7 @@ class Loop:
 
     def __init__(self, problem: RegistrationProblem, *, products: bool) -> None:
         moments = exact_moments(problem)
-        moving = body_of(moments, DAMPING)
+        moving = rigid_body(moments, DAMPING)
         self.start = start_at_rest(moments, moving.length_exponent)
         unit, w = 2.0**moving.length_exponent, problem.weights
         self.w, self.mass = w, w.sum()
@@ -296,7 +297,7 @@ class Flow:
 
     def __init__(self, problem: RegistrationProblem) -> None:
         moments = exact_moments(problem)
-        moving = body_of(moments, DAMPING)
+        moving = rigid_body(moments, DAMPING)
         self.start = start_at_rest(moments, moving.length_exponent)
         self.C, self.J = moving.cross_covariance, moving.inertia
         self.inverse = np.linalg.inv(self.J)

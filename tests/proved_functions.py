@@ -284,7 +284,7 @@ PROVED = (
     ),
     _of("dynamics/basin", "certified_basin basin_gaps", "dynamics/test_simulation"),
     _of("dynamics/body", "clearly_thick", "dynamics/test_simulation"),
-    _of("dynamics/breathing", "never_collapses", "dynamics/test_breathing"),
+    _of("registration/breathing", "never_collapses", "dynamics/test_breathing"),
     _of("problem/breaking", "BreakingProblem.broken_energy", "equilibrium/test_breaking_springs"),
     _of("problem/truncated", "_require_narrow", "problem/test_truncated_problem"),
     _of("problem/consensus", "_require_narrow", "registration/test_bounds_at_the_ends"),

@@ -8,9 +8,11 @@ from typing import Any
 
 from spring_families import Cell, instance, statement
 
+from certreg import simulate
 from certreg.certificate import springs_certificate
 from certreg.objective import Springs
 from certreg.problem import RegistrationProblem, spring_moments
+from certreg.registration.spring_simulation import SimulatedSprings
 from certreg.relaxation import find_optimum
 
 
@@ -34,3 +36,10 @@ def certified(family: str, n: int, noise: float, seed: int = 0) -> Certified:
     """A problem of a family, and its certificate."""
     problem = RegistrationProblem(**statement(instance(Cell(family, n, noise), seed)))
     return Certified(problem, Springs(spring_moments(problem)), certificate_of(problem))
+
+
+def moved_springs(problem: RegistrationProblem, integrator: str | None = None) -> SimulatedSprings:
+    """The simulated motion of a problem of general springs."""
+    run = simulate(problem, integrator)
+    assert isinstance(run, SimulatedSprings)
+    return run

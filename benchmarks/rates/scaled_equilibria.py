@@ -14,16 +14,21 @@ from __future__ import annotations
 import sys
 from collections import Counter
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from certreg.dynamics.breathing import BreathingBody, breathing_body, breathing_state
+from certreg.dynamics.breathing import breathing_body
+from certreg.dynamics.states import breathing_state
 from certreg.equilibrium.breathing import BreathingEquilibrium, breathing_equilibria
 from certreg.equilibrium.presentation import unit_double
 from certreg.objective.isotropic import Isotropic
 from certreg.problem.moments import exact_moments
 from certreg.problem.problem import RegistrationProblem
+
+if TYPE_CHECKING:
+    from certreg.dynamics.breathing import BreathingBody
 
 INSTANCES = 5_000
 AT_REST = 1e-9  # |s'| at an equilibrium, in units near the clouds' sizes

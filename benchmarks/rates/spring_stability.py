@@ -17,7 +17,7 @@ import numpy as np
 from spring_families import FAMILIES, statement
 
 from certreg.certificate.listing import list_body
-from certreg.dynamics.spring_body import MovingSprings, moving_springs
+from certreg.dynamics.springs import spring_body
 from certreg.equilibrium.paths import critical_lines
 from certreg.objective.springs import Springs
 from certreg.problem.moments_of_springs import spring_moments
@@ -25,6 +25,8 @@ from certreg.problem.problem import RegistrationProblem
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
+
+    from certreg.dynamics.springs import SpringBody
 
 DAMPING = 1.3
 INSTANCES, LEAST = 130, 5_000  # of each family; equilibria in all
@@ -42,7 +44,7 @@ class Tally:
 
 
 def unstable_directions(
-    moving: MovingSprings, q: NDArray[np.float64], drag: NDArray[np.float64] | None = None
+    moving: SpringBody, q: NDArray[np.float64], drag: NDArray[np.float64] | None = None
 ) -> int:
     """Eigenvalues with positive real part; drag: another damping, (6, 6), over M."""
     jacobian = moving.jacobian(moving.balanced(q)).copy()
@@ -72,7 +74,7 @@ def _count(problem: RegistrationProblem, rng: np.random.Generator, tally: Tally)
     if body is None:
         tally.unlisted += 1
         return
-    moving = moving_springs(moments, DAMPING)
+    moving = spring_body(moments, DAMPING)
     for q, index in zip(body.quaternions, body.claims.indices, strict=True):
         place = np.array([float(entry >> 40) for entry in q])
         place /= np.linalg.norm(place)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shlex
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING
 
 import click
 
@@ -11,47 +11,37 @@ from certreg.cli.as_json import json_option
 from certreg.cli.numbers import NUMBER
 from certreg.cli.options import CLOUD, EXIT_CODES, FOLDER, cloud_options
 from certreg.cli.writing import WritingCommand
-from certreg.dynamics import Record, SimulationSettings
+from certreg.dynamics import Record
 from certreg.io import require_vacant, write_atomically, write_together
 from certreg.registration import (
     DONE,
     NOT_CERTIFIED,
     NOT_UNIQUE,
-    SimulatedBreathing,
     certified_count,
     certified_list,
     enumerated,
     enumerated_springs,
     equilibrium_poses,
     scaled_equilibria,
-    simulated,
-    simulated_springs,
 )
 from certreg.registration import simulate as run
 from certreg.report import (
-    breathing_document,
-    breathing_summary,
     dumps,
     enumeration_summary,
     equilibria_document,
     printable,
     scaled_document,
     scaled_enumeration_summary,
-    simulation_document,
-    simulation_summary,
     spring_enumeration_summary,
     spring_equilibria_document,
-    spring_simulation_document,
-    spring_simulation_summary,
 )
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from certreg.dynamics import Trajectory
     from certreg.io import Pair
     from certreg.problem import RegistrationProblem
-    from certreg.registration import Enumeration, SimulatedSprings, SpringEnumeration
+    from certreg.registration import Enumeration, SpringEnumeration
 
 LIST_CODES = """
 \b
@@ -223,27 +213,13 @@ def simulate(
             f"--out {printable(out)}: a trajectory is written as {TRAJECTORY}: end the name so"
         )
         raise click.UsageError(message)
-    trajectory, text = _simulated(problem, integrator, step, as_json=as_json)
+    trajectory = run(problem, integrator, step=step)
+    text = dumps(trajectory.to_dict()) if as_json else str(trajectory)
     if out is not None:
         write_atomically(out, Record.of(problem, trajectory).to_bytes())
-    for note in () if isinstance(trajectory, SimulatedBreathing) else trajectory.notes:
+    for note in trajectory.notes:
         click.echo(f"note: {note}", err=True)
     click.echo(text)
     if out is not None and not as_json:
         click.echo(f"Trajectory: {len(trajectory.times)} states written to {printable(out)}")
     return DONE if trajectory.converged else NOT_CERTIFIED
-
-
-def _simulated(
-    problem: RegistrationProblem, integrator: str | None, step: float | None, *, as_json: bool
-) -> tuple[Trajectory | SimulatedSprings | SimulatedBreathing, str]:
-    """The motion, and what is printed of it."""
-    if problem.scaled:
-        moved = cast("SimulatedBreathing", run(problem, integrator, step=step))
-        return moved, dumps(breathing_document(moved)) if as_json else breathing_summary(moved)
-    if problem.factors is not None:
-        pulled = simulated_springs(problem, integrator, settings=SimulationSettings(step=step))
-        document = spring_simulation_document(pulled) if as_json else None
-        return pulled, spring_simulation_summary(pulled) if document is None else dumps(document)
-    end = simulated(problem, integrator, step=step)
-    return end.trajectory, dumps(simulation_document(end)) if as_json else simulation_summary(end)

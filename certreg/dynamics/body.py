@@ -1,88 +1,81 @@
-"""The registration dynamics: what it knows of a problem, and its functions.
+"""The moving body: what the dynamics knows of a problem, and its functions.
 
-The body moves under springs 2 w and damping mu w per point; only moments enter [Yang2020]:
+A point of the source has a mass and a damping mu times that; a spring pulls it to its target. Only
+sums over the points enter, as a record of numbers per unit of mass, lengths over a power of two;
+time has its own unit. R takes body to world coordinates, omega is in the body frame. There are
+three bodies. On springs 2 w of one weight per pair, masses w [Yang2020]:
 
     c' = v,    R' = R [omega],    v' = -2 c - mu v,
     J omega' = 2 vee(R^T C - C^T R) - mu J omega - omega x J omega,
 
-c the source's centre of mass minus the target's, omega in the body frame. The mass is divided out
-and lengths are over a power of two (|s'| mixes lengths and angles); time has its own unit.
+c the source's centre of mass minus the target's. On springs that are matrices W, masses tr(W) / 3:
 
-A state is 18 numbers, the parts of the record MATRIX_STATE: c, R row by row, v, omega, the order of
-[Yang2020]. Nothing is evaluated here: the functions are generated from the derivation
+    v' = f - mu v,    J omega' = tau - mu J omega - omega x J omega,
+
+f and tau the force and the torque of the springs, c from `SpringBody.origin`. And one that
+breathes: a point stands at s R x + c, and the size s is a state:
+
+    s J omega' = 2 vee(R^T C - C^T R) - s omega x J omega - (mu s + 2 p) J omega,    s' = p,
+    Sxx p' = s omega^T J omega - 2 s Sxx + 2 tr(R^T C) - mu Sxx p.
+
+Nothing is evaluated here: the functions are generated from the derivations
 (certreg/native/generated), and run compiled or in Python (certreg/native).
 """
 
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
+from certreg.dynamics.integrators import own_steps
 from certreg.errors import DegenerateProblemError
-from certreg.native import (
-    BODY,
-    ENERGIES,
-    MATRIX_STATE,
-    current_engine,
-    named,
-    plain,
-    record_of,
-    symmetric,
-)
-from certreg.problem import trace
-from certreg.results import Brief
+from certreg.native import BASIN, Integrator, Kind, current_engine, named, symmetric
+from certreg.problem import Cell, Verb, require_supported
+from certreg.results import Absent, Brief
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Sequence
+    from fractions import Fraction
 
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import NDArray
 
-    from certreg.geometry import Matrix3
-    from certreg.native import Records
-    from certreg.problem import ExactMoments
+    from certreg.dynamics.basin import Basin
+    from certreg.dynamics.integrators import SimulationSettings
+    from certreg.dynamics.status import Status
+    from certreg.native import Records, RecordType
 
 SMALLEST_INERTIA = 1e-14  # of the clouds' spread: below, rounding is larger than J itself
 CLEARLY_THICK = 1e-10  # far above that and all rounding
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Energies:
-    """|v|^2/2, omega^T J omega/2, V_p, tr(R^T C), per mass, lengths over 2^length_exponent."""
-
-    translation: float
-    rotation: float
-    potential: float
-    alignment: float
-
-    @property
-    def kinetic(self) -> float:
-        """V_k, of translation and rotation."""
-        return self.translation + self.rotation
-
-
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Body(Brief):
+class Body(Brief, ABC):
     """What the dynamics knows of a problem: per unit of mass, lengths over 2^length_exponent.
 
-    record: () of BODY: C / M, the upper triangles of J / M and of its inverse, the spread of both
-    clouds over M, the damping mu > 0.
+    record: () of numbers, as certreg/native/generated lists them. basin: what is certified of the
+    optimum, if anything is.
     """
+
+    CELL: ClassVar[Cell]  # of the table of what is supported
+    KIND: ClassVar[Kind]
+    ENERGIES: ClassVar[RecordType]
+    SAMPLE: ClassVar[RecordType | None] = None  # as the integrator has it
+    STATUSES: ClassVar[type[Status]]
+    INTEGRATOR: ClassVar[Integrator] = Integrator.MIDPOINT  # where the user names none
+    NO_RATE: ClassVar[Absent]  # why there is no rate of decay, where there is none
 
     record: Records
     length_exponent: int
+    basin: Basin | None = None
 
     @property
-    def parameters(self) -> NDArray[np.float64]:
-        """The record as 23 doubles, as certreg/native/generated/dynamics.h lists them."""
-        return plain(self.record)
-
-    @property
-    def cross_covariance(self) -> NDArray[np.float64]:
-        """C / M, (3, 3)."""
-        return self.record["cross"]
+    @abstractmethod
+    def mass(self) -> Fraction:
+        """M, exact, in the user's unit."""
 
     @property
     def inertia(self) -> NDArray[np.float64]:
@@ -90,88 +83,113 @@ class Body(Brief):
         return symmetric(self.record["inertia"])
 
     @property
-    def spread(self) -> float:
-        """(sum w |x - mean|^2 + sum w |y - mean|^2) / M."""
-        return float(self.record["spread"])
-
-    @property
     def damping(self) -> float:
         """The damping mu."""
         return float(self.record["damping"])
 
-    def rate(self, state: NDArray[np.float64]) -> NDArray[np.float64]:
-        """The rates of change s' = F(s), (18,), at a state (18,), R any matrix [Yang2020]."""
-        return self._evaluated("certreg_rate", state)
+    @property
+    @abstractmethod
+    def start(self) -> Records:
+        """The state () at rest where the source was given."""
 
-    def energies(self, state: NDArray[np.float64]) -> Energies:
-        """The energies at a state (18,) whose R is a rotation."""
-        energies = named(self._evaluated("certreg_energies", state), ENERGIES)
-        return Energies(**{name: float(energies[name]) for name in ENERGIES.names or ()})
+    def sample(self, integrator: Integrator) -> RecordType:
+        """The record of a logged state: time, state, energies."""
+        return self.SAMPLE or integrator.sample
 
-    def ambient_jacobian(self, state: NDArray[np.float64]) -> NDArray[np.float64]:
-        """The derivative of F in all 18 numbers of the state, (18, 18): six structural zeros."""
-        return self._evaluated("certreg_ambient_jacobian", state).reshape(18, 18)
+    def stated(self, start: Records | None, integrator: Integrator) -> Records:
+        """A start (1,) as an integrator keeps it, copied; None: where the source was given."""
+        del integrator
+        return (self.start if start is None else start)[np.newaxis].copy()
 
-    def intrinsic_jacobian(self, state: NDArray[np.float64]) -> NDArray[np.float64]:
-        """The linearised dynamics in (c, phi, v, omega), (12, 12), R turned to R exp([phi]x)."""
-        return self._evaluated("certreg_intrinsic_jacobian", state).reshape(12, 12)
+    @abstractmethod
+    def steps(
+        self, integrator: Integrator, start: Records, settings: SimulationSettings
+    ) -> Records:
+        """The step (1,), a record `integrator.step`: the body's own, or the user's where stable."""
 
-    def _evaluated(self, name: str, state: NDArray[np.float64]) -> NDArray[np.float64]:
-        return current_engine().evaluate(name, state, self.record)[0]
+    @property
+    def basins(self) -> Records:
+        """(1,), what the loops take of the basin, where there is one."""
+        return np.zeros(1, BASIN) if self.basin is None else self.basin.record[np.newaxis]
+
+    @property
+    def spread(self) -> float:
+        """The energy over M of both clouds about their means, uncorrelated."""
+        return float(self.record["spread"])
+
+    @property
+    def least_energy(self) -> float | None:
+        """V_p / M at the optimum; None where nothing is certified of it."""
+        return None
+
+    @property
+    def slowest_rate(self) -> float | None:
+        """Of decay, by the linearised dynamics; None where no one optimum is certified."""
+        return None
+
+    def energies(self, state: NDArray[Any]) -> Records:
+        """The energies () over M at a state, by name; potential, V_p; others as in `kinetic`."""
+        return named(self._evaluated("energies", state)[0], self.ENERGIES)
+
+    def kinetic(self, energies: Records) -> NDArray[np.float64]:
+        """V_k / M of records of energies."""
+        return energies["translation"] + energies["rotation"]
+
+    def speed(self, state: Records) -> float:
+        """|s'|, the norm of the rates of change at a state, nine of them those of R."""
+        return math.sqrt(self.squared_speed(state))
+
+    def squared_speed(self, state: Records) -> float:
+        """|s'|^2."""
+        return float(self._evaluated("squared_speed", state)[0][0])
+
+    def quaternion(self, state: Records) -> NDArray[np.float64]:
+        """(4,), of a state."""
+        return state["q"]
+
+    def scales(self, states: Records) -> NDArray[np.float64] | None:
+        """The scales of states, target over source; None of a body whose scale is 1."""
+        del states
+
+    def _evaluated(self, name: str, state: NDArray[Any]) -> tuple[NDArray[np.float64], ...]:
+        full = f"{self.KIND.value}{name}"
+        return current_engine().evaluate(full, self._taken(state), self.record)
+
+    def _taken(self, state: NDArray[Any]) -> NDArray[Any]:
+        """A state as the generated functions take it."""
+        return state
 
 
-def body_of(moments: ExactMoments, damping: float, *, length_exponent: int | None = None) -> Body:
-    """The body of a problem whose source is not collinear (J positive definite).
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ValleyBody(Body):
+    """A body of whose optimum nothing is certified: it rests in the valley that it comes to."""
 
-    The unit of length is 2^length_exponent, 0 for the user's own; None: the power of two next to
-    the root-mean-square radius of both clouds. Raises DegenerateProblemError where no double
-    matrix is the inverse of J.
+    @abstractmethod
+    def stiffest(self, start: Records) -> float:
+        """The largest curvature of the energy beside the inertia, a proposal."""
+
+    def steps(
+        self, integrator: Integrator, start: Records, settings: SimulationSettings
+    ) -> Records:
+        """The step (1,). Raises InvalidProblemError for integrators that do not move it."""
+        return steps_of(integrator, (self,), start[np.newaxis], settings)
+
+
+def steps_of(
+    integrator: Integrator,
+    bodies: Sequence[ValleyBody],
+    starts: Records,
+    settings: SimulationSettings,
+) -> Records:
+    """The steps (count,), records `integrator.step`: the bodies' own, or the user's where stable.
+
+    Raises InvalidProblemError for an integrator that does not move such bodies.
     """
-    core = core_of(moments, length_exponent)
-    places = 2 * (moments.source_exponent - core.length_exponent)
-    inverse = _inverse(moments.inertia, places, moments.mass**2)
-    numbers = [*core.cross, *core.inertia, *inverse, core.spread, damping]
-    return Body(record=record_of(numbers, BODY), length_exponent=core.length_exponent)
-
-
-def _inverse(inertia: Matrix3[int], places: int, over: int) -> list[float]:
-    """The upper triangle of the inverse of integers times 2^places, over an integer."""
-    (a, b, c), (_, d, e), (_, _, f) = inertia
-    first, second, third = d * f - e * e, c * e - b * f, b * e - c * d
-    cofactors = (first, second, third, a * f - c * c, b * c - a * e, a * d - b * b)
-    determinant = a * first + b * second + c * third
-    return _in_doubles([entry * over for entry in cofactors], -places, determinant)
-
-
-@dataclass(frozen=True, slots=True)
-class Core:
-    """What the springs of a body are made of, as in its record: cross and inertia flat."""
-
-    length_exponent: int
-    cross: list[float]
-    inertia: list[float]
-    spread: float
-
-
-def core_of(moments: ExactMoments, length_exponent: int | None = None) -> Core:
-    """The numbers of a body that are sums over its points; as `body_of`, which adds the rest."""
-    a, b, square = moments.source_exponent, moments.target_exponent, moments.mass**2
-    least = min(a, b)
-    spread = trace(moments.source_scatter) << 2 * (a - least)
-    spread += trace(moments.target_scatter) << 2 * (b - least)
-    exponent = length_exponent
-    if exponent is None:
-        exponent = exponent_of(spread, square, 2 * least) // 2
-    (xx, xy, xz), (_, yy, yz), (_, _, zz) = moments.inertia
-    inertia = _in_doubles((xx, xy, xz, yy, yz, zz), 2 * (a - exponent), square)
-    require_thick(inertia)
-    cross = [entry for row in moments.cross for entry in row]
-    return Core(
-        exponent,
-        cross=_in_doubles(cross, a + b - 2 * exponent, square),
-        inertia=inertia,
-        spread=_in_doubles([spread], 2 * (least - exponent), square)[0],
-    )
+    for cell in {body.CELL for body in bodies}:
+        require_supported(cell, Verb(integrator.value))
+    stiffest = [body.stiffest(start) for body, start in zip(bodies, starts, strict=True)]
+    damping = np.array([body.damping for body in bodies])
+    return own_steps(integrator, np.array(stiffest), damping, settings.step)
 
 
 def exponent_of(dividend: int, divisor: int, places: int) -> int:
@@ -179,6 +197,13 @@ def exponent_of(dividend: int, divisor: int, places: int) -> int:
     dividend, divisor = dividend << max(places, 0), divisor << max(-places, 0)
     common = math.gcd(dividend, divisor)
     return (dividend // common).bit_length() - (divisor // common).bit_length()
+
+
+def require_rank(found: int) -> None:
+    """Raises DegenerateProblemError where the source, of a scatter of this rank, is collinear."""
+    if found < 2:
+        message = "the source points are collinear: the rotational dynamics is not defined"
+        raise DegenerateProblemError(message, rank=found)
 
 
 def require_thick(inertia: list[float]) -> None:
@@ -209,33 +234,3 @@ def clearly_thick(inertia: list[float]) -> bool:
 def _full(upper: list[float]) -> NDArray[np.float64]:
     a, b, c, d, e, f = upper
     return np.array([[a, b, c], [b, d, e], [c, e, f]])
-
-
-def _in_doubles(entries: Iterable[int], places: int, over: int) -> list[float]:
-    """The integers times 2^places, over an integer, each rounded once."""
-    if places >= 0:
-        return [(entry << places) / over for entry in entries]
-    over <<= -places
-    return [entry / over for entry in entries]
-
-
-def start_at_rest(moments: ExactMoments, length_exponent: int) -> NDArray[np.float64]:
-    """The start of [Yang2020], (18,): the source where it was given, R = I, no velocity."""
-    return state_at_rest(np.eye(3), centres_apart(moments, length_exponent))
-
-
-def centres_apart(moments: ExactMoments, length_exponent: int) -> list[float]:
-    """The source's centre of mass where it was given minus the target's, over 2^length_exponent."""
-    a, b = moments.source_exponent, moments.target_exponent
-    least = min(a, b)
-    x, y = a - least, b - least
-    pairs = zip(moments.source_sum, moments.target_sum, strict=True)
-    apart = [(here << x) - (there << y) for here, there in pairs]
-    return _in_doubles(apart, least - length_exponent, moments.mass)
-
-
-def state_at_rest(rotation: ArrayLike, c: ArrayLike = (0.0, 0.0, 0.0)) -> NDArray[np.float64]:
-    """The state (18,) at rest with a rotation, the centres of mass together unless c is given."""
-    state = np.zeros((), dtype=MATRIX_STATE)
-    state["c"], state["R"] = c, rotation
-    return plain(state)

@@ -20,8 +20,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.dynamics.body import core_of, state_at_rest
-from certreg.dynamics.simulation import require_dynamics, simulate
+from certreg.dynamics.rigid import core_of, require_dynamics
+from certreg.dynamics.simulation import simulate
+from certreg.dynamics.states import state_at_rest
 from certreg.errors import DegenerateProblemError
 from certreg.native import MATRIX_STATE, Integrator, named
 from certreg.objective import Isotropic

@@ -137,8 +137,22 @@ def step_parameters(
         own = _own_step(integrator, stiffest, bodies["damping"].item(0), settings.step, _FLOATS)
         return record_of(own, integrator.step, (1,))
     _, _, stiffest = spring_ratios(bodies, basins).T
-    own = _own_step(integrator, stiffest, bodies["damping"], settings.step, np)
-    steps = np.empty(len(bodies), dtype=integrator.step)
+    return own_steps(integrator, stiffest, bodies["damping"], settings.step)
+
+
+def own_steps(
+    integrator: Integrator,
+    stiffest: NDArray[np.float64],
+    damping: NDArray[np.float64],
+    given: float | None,
+) -> Records:
+    """The steps (count,) of the midpoint rule or the splitting, records `integrator.step`.
+
+    stiffest, damping: (count,), of bodies. given: by the user; less is taken where that is unstable
+    or gains nothing.
+    """
+    own = _own_step(integrator, stiffest, damping, given, np)
+    steps = np.empty(len(stiffest), dtype=integrator.step)
     for part, numbers in zip(integrator.step.names or (), own, strict=True):
         steps[part] = numbers
     return steps

@@ -6,6 +6,11 @@ near a saddle it is small, too, and where springs are weak, everywhere. So a run
 is small *and* the state is in the certified basin (documented at `Basin`), from which the exact
 flow can end nowhere but at the optimum, *and* so deep in it that the flow stays near. A stop at a
 saddle is noticed from the curvature, perturbed along the direction of escape, and continued.
+
+On general springs there are stable equilibria that are not the optimum, and with a free scale no
+basin is certified. There a run ends when the body is slow, in a valley of the energy, and the
+springs would take it no further than `rest_angle`. Where no spring resists a shift the body coasts
+along it until damping has stopped it; where the scale falls to 0 the run stops before it.
 """
 
 from __future__ import annotations
@@ -17,8 +22,8 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
-from certreg.dynamics.basin import basin_gaps, certified_basin
-from certreg.dynamics.body import body_of, centres_apart, core_of
+from certreg._loading import late
+from certreg.dynamics.basin import basin_gaps
 from certreg.dynamics.integrators import (
     DEFAULT_SETTINGS,
     integrate,
@@ -26,36 +31,35 @@ from certreg.dynamics.integrators import (
     step_parameters,
 )
 from certreg.dynamics.pencil import spring_ratios_of_one
-from certreg.dynamics.trajectory import Course, SimulationStatus, Trajectory, with_matrices
+from certreg.dynamics.rigid import body_on_weights, core_of
+from certreg.dynamics.trajectory import Course, Trajectory
 from certreg.equilibrium import TRANSLATION_STIFFNESS, unit_double
 from certreg.errors import DegenerateProblemError
 from certreg.exact import rank
-from certreg.geometry import quaternion_from_matrix
 from certreg.native import (
     LARGEST_PERTURBATION,
-    MATRIX_STATE,
     PERTURBATION_GROWTH,
-    QUATERNION_STATE,
     Batch,
     Ending,
     Integrator,
     Log,
-    named,
-    plain,
-    record_of,
 )
+from certreg.objective import Isotropic
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
     from numpy.typing import NDArray
 
+    from certreg.dynamics import breathing, springs
     from certreg.dynamics.basin import Basin
     from certreg.dynamics.body import Body
     from certreg.dynamics.integrators import SimulationSettings
     from certreg.native import Records
-    from certreg.objective import Isotropic
-    from certreg.problem import ExactMoments
+    from certreg.objective import Springs
+else:  # of a free scale, and of general springs
+    breathing = late("certreg.dynamics.breathing")
+    springs = late("certreg.dynamics.springs")
 
 Run = TypeVar("Run")
 
@@ -65,72 +69,79 @@ FAR_DAMPING = 4.0  # times the best one, or a fourth of it: as above
 NO_SPRING = 1e-12  # of the stiffest: what rounding makes of none, a thousand times over
 LARGE_TURN = 0.5  # radians of all perturbations, from which on a run is told of them
 MODEST = 1e60  # norm of a state: no product of three of its numbers and those of a body overflows
-NO_TURN, NO_TURN_QUATERNION = np.eye(3).ravel().tolist(), (1.0, 0.0, 0.0, 0.0)
 
 
 def simulate(
-    objective: Isotropic,
+    objective: Isotropic | Springs,
     damping: float,
-    integrator: Integrator = Integrator.EULER,
+    integrator: Integrator | None = None,
     *,
-    start: NDArray[np.float64] | None = None,
+    start: NDArray[Any] | None = None,
     settings: SimulationSettings | None = None,
     kind: Callable[..., Run] = Trajectory,
 ) -> Run:
     """The trajectory of the body of a problem, by default released at rest where it was given.
 
-    start: (18,), see `certreg.dynamics.body`, lengths over 2^length_exponent of the body. kind: of
-    trajectory, made of the fields of one.
+    integrator: None for the body's own. start: a state of the body, see `certreg.dynamics.body`.
+    kind: of trajectory, made of the fields of one.
     Raises DegenerateProblemError where the dynamics is undefined, too stiff for explicit Euler, or
-    so little damped that the integrator gains energy without end.
+    so little damped that the integrator gains energy without end; InvalidProblemError for an
+    integrator that does not move such a body; ValueError for a start without a scale above 0.
     """
-    settings = settings or DEFAULT_SETTINGS
-    require_dynamics(objective)
-    moving = body_of(objective.moments, damping)
-    basin = certified_basin(objective, moving.length_exponent)
-    bodies, basins = moving.record[np.newaxis], basin.record[np.newaxis]
+    settings, moving = settings or DEFAULT_SETTINGS, moving_body(objective, damping)
+    integrator = integrator or moving.INTEGRATOR
+    states = moving.stated(start, integrator)
     batch = Batch.single(
         integrator,
-        bodies=bodies,
-        basins=basins,
-        steps=step_parameters(integrator, bodies, basins, settings),
-        start=(
-            _released(objective.moments, moving, integrator)
-            if start is None
-            else _stepped(np.array(start, dtype=float), integrator)
+        bodies=moving.record[np.newaxis],
+        basins=moving.basins,
+        steps=moving.steps(integrator, states[0], settings),
+        start=states,
+    )
+    log = Log.of_capacity(LOG_CAPACITY, moving.sample(integrator))
+    integrate(batch, settings, log)
+    if moving.basin is not None and (start is None or np.isfinite(start).all()):
+        _require_no_gain(moving, batch)
+    notes = () if moving.basin is None else tuple(_notes(moving.basin, batch, settings))
+    return kind(
+        integrator=integrator,
+        status=moving.STATUSES[Ending(batch.status.item(0)).name],
+        step=batch.steps["h"].item(0),
+        steps=batch.taken.item(0),
+        escapes=batch.escapes.item(0),
+        moving=moving,
+        course=Course(
+            samples=log.samples, last=batch.states, time=batch.times.item(0), notes=notes
         ),
     )
-    log = Log.of_capacity(LOG_CAPACITY, integrator.sample)
-    integrate(batch, settings, log)
-    if (start is None or np.isfinite(start).all()) and _overflows(moving, batch):
-        raise _gains_energy(moving, integrator)
-    return kind(**_told(moving, basin, batch, log, settings))
 
 
-def require_dynamics(objective: Isotropic) -> None:
-    """Raises DegenerateProblemError where the source is collinear."""
-    if not objective.classification.inertia_definite:
-        message = "the source points are collinear: the rotational dynamics is not defined"
-        raise DegenerateProblemError(message, rank=rank(objective.moments.source_scatter))
+def moving_body(objective: Isotropic | Springs, damping: float) -> Body:
+    """The body that moves down an objective, with what is certified of its optimum.
+
+    Raises DegenerateProblemError where the dynamics is not defined, or not in doubles.
+    """
+    if not isinstance(objective, Isotropic):
+        return springs.body_on_springs(objective, damping)
+    if objective.scaling is not None:
+        return breathing.breathing_body(objective.moments, damping)
+    return body_on_weights(objective, damping)
 
 
-def _overflows(moving: Body, batch: Batch) -> bool:
-    """Whether the energy of the last state of a body is beyond the doubles."""
+def _require_no_gain(moving: Body, batch: Batch) -> None:
+    """Raises DegenerateProblemError where a step too long for its spin drove a body too far."""
     if math.hypot(*array("d", batch.states.tobytes())) < MODEST:
-        return False
+        return
     with np.errstate(over="ignore", invalid="ignore"):
-        end = moving.energies(plain(with_matrices(batch.states, batch.integrator))[0])
-    return not math.isfinite(end.kinetic + end.potential)
-
-
-def _gains_energy(moving: Body, integrator: Integrator) -> DegenerateProblemError:
-    """A step too long for its spin drove a body beyond the doubles."""
+        end = moving.energies(batch.states[0])
+        if math.isfinite(moving.kinetic(end) + end["potential"]):
+            return
     message = (
-        f"the {integrator.value} integrator gained energy without end under the damping "
+        f"the {batch.integrator.value} integrator gained energy without end under the damping "
         f"{moving.damping:.3g}: take the midpoint integrator, whose energy never rises, or "
         "more damping"
     )
-    return DegenerateProblemError(message, value=moving.damping)
+    raise DegenerateProblemError(message, value=moving.damping)
 
 
 def optimal_damping(objective: Isotropic) -> float:
@@ -147,49 +158,6 @@ def optimal_damping(objective: Isotropic) -> float:
     basin_gaps(objective, core.length_exponent)  # raises where doubles do not tell the optimum
     optimum = unit_double(objective.eigenvectors[0]).tolist()
     return _of_springs(spring_ratios_of_one(optimum, core.cross, core.inertia)[0])
-
-
-def _released(moments: ExactMoments, moving: Body, integrator: Integrator) -> Records:
-    """The start of [Yang2020] as the integrator keeps it, (1,): see `start_at_rest`."""
-    turn = NO_TURN if integrator is Integrator.EULER else NO_TURN_QUATERNION
-    numbers = [*centres_apart(moments, moving.length_exponent), *turn, *[0.0] * 6]
-    return record_of(numbers, integrator.state, (1,))
-
-
-def _stepped(state: NDArray[np.float64], integrator: Integrator) -> Records:
-    """A state (18,) as the integrator keeps it, with a quaternion if it has one: (1,) record."""
-    given = named(state, MATRIX_STATE)[np.newaxis]
-    if integrator is Integrator.EULER:
-        return given
-    states = np.empty(1, dtype=QUATERNION_STATE)
-    states["q"] = quaternion_from_matrix(given["R"][0])
-    for part in ("c", "v", "omega"):
-        states[part] = given[part]
-    return states
-
-
-_STATUSES = {
-    Ending.OUT_OF_STEPS: SimulationStatus.OUT_OF_STEPS,
-    Ending.CONVERGED: SimulationStatus.CONVERGED,
-    Ending.AT_REST: SimulationStatus.AT_REST,
-}
-
-
-def _told(
-    moving: Body, basin: Basin, batch: Batch, log: Log, settings: SimulationSettings
-) -> dict[str, Any]:
-    """What is told of a run, by the names of the fields of `Trajectory`."""
-    return {
-        "integrator": batch.integrator,
-        "status": _STATUSES[Ending(batch.status.item(0))],
-        "step": batch.steps["h"].item(0),
-        "steps": batch.taken.item(0),
-        "escapes": batch.escapes.item(0),
-        "notes": tuple(_notes(basin, batch, settings)),
-        "moving": moving,
-        "basin": basin,
-        "course": Course(samples=log.samples, last=batch.states, time=batch.times.item(0)),
-    }
 
 
 def _notes(basin: Basin, batch: Batch, settings: SimulationSettings) -> Iterator[str]:

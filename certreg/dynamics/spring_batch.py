@@ -20,9 +20,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from certreg.dynamics.body import steps_of
 from certreg.dynamics.ends import ManyEnds, run_all
 from certreg.dynamics.integrators import SimulationSettings
-from certreg.dynamics.spring_simulation import moving_of, spring_steps
+from certreg.dynamics.springs import body_on_springs
 from certreg.equilibrium import many_springs
 from certreg.errors import DegenerateProblemError
 from certreg.native import QUATERNION_STATE, Batch, Ending, Integrator
@@ -35,7 +36,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import ArrayLike, NDArray
 
-    from certreg.dynamics.spring_body import MovingSprings
+    from certreg.dynamics.springs import SpringBody
     from certreg.native import Records
 
 PORTION = 1024  # bodies, after which somebody is told: full lanes
@@ -49,7 +50,7 @@ class SpringBodies(Brief):
     lengths over 2^length_exponent of the body, c from its origin.
     """
 
-    bodies: tuple[MovingSprings, ...]
+    bodies: tuple[SpringBody, ...]
     starts: Records
 
 
@@ -127,10 +128,10 @@ def bodies_on_springs(  # noqa: PLR0913 - each is one question, and has its usua
         sigma=sigma,
         weights=weights,
     )
-    bodies: list[MovingSprings] = []
+    bodies: list[SpringBody] = []
     for k in range(given.count):
         try:
-            bodies.append(moving_of(Springs(spring_moments(given.problem(k))), damping))
+            bodies.append(body_on_springs(Springs(spring_moments(given.problem(k))), damping))
         except DegenerateProblemError as error:
             message = f"instance {k}: {error}"
             raise DegenerateProblemError(
@@ -154,7 +155,7 @@ def simulate_on_springs(
     batch = Batch.of(
         integrator,
         bodies=np.array([body.record for body in bodies.bodies]),
-        steps=spring_steps(integrator, bodies.bodies, bodies.starts, settings),
+        steps=steps_of(integrator, bodies.bodies, bodies.starts, settings),
         states=bodies.starts,
     )
     run_all(batch, settings, PORTION, progress)

@@ -8,12 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.dynamics.breathing import BreathingTrajectory
-
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from certreg.dynamics.spring_simulation import SpringTrajectory
     from certreg.dynamics.trajectory import Trajectory
     from certreg.problem import RegistrationProblem
 
@@ -37,11 +34,7 @@ class Record:
     scales: NDArray[np.float64] | None = None
 
     @classmethod
-    def of(
-        cls,
-        problem: RegistrationProblem,
-        trajectory: Trajectory | SpringTrajectory | BreathingTrajectory,
-    ) -> Record:
+    def of(cls, problem: RegistrationProblem, trajectory: Trajectory) -> Record:
         """What is kept of a trajectory of a problem."""
         return cls(
             times=trajectory.times,
@@ -51,7 +44,7 @@ class Record:
             length_exponent=trajectory.length_exponent,
             damping=problem.damping,
             digest=problem.digest(),
-            scales=trajectory.scales if isinstance(trajectory, BreathingTrajectory) else None,
+            scales=trajectory.scales,
         )
 
     def to_bytes(self) -> bytes:

@@ -2,72 +2,45 @@
 
 from __future__ import annotations
 
-import enum
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from certreg._loading import cached_property
-from certreg.dynamics.body import state_at_rest
-from certreg.geometry import quaternion_from_matrix, rotation_matrices, rotation_matrix
-from certreg.native import MATRIX_STATE, Integrator, plain
+from certreg.dynamics.states import with_matrices
+from certreg.native import Integrator, plain
 from certreg.results import Absent, Brief, Explained
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from certreg.dynamics.basin import Basin
     from certreg.dynamics.body import Body
+    from certreg.dynamics.status import Status
     from certreg.native import Records
 
 RATE_START = 1e-3  # of the energy at the start: transients are over
 RATE_END = 1e-13  # of the spread: rounding
 LEAST_SAMPLES = 4  # to fit a line through
 
-RATES = ("predicted_rate", "decay_rate")
-NO_RATE = Absent("the optimum is not unique: no rate belongs to it")
+OF_THE_OPTIMUM = ("predicted_rate", "decay_rate", "energy_left")
+NO_SCALES = Absent("the scale is 1")
 TOO_FEW_SAMPLES = Absent("too few logged samples lie between the start and rest")
-
-
-class SimulationStatus(enum.Enum):
-    """How a simulation ended; the value is the message shown to the user."""
-
-    CONVERGED = (
-        "The body is at rest (slower than the tolerance), its rotation with too little energy to "
-        "leave the optimum."
-    )
-    AT_REST = (
-        "The body is at rest (slower than the tolerance); where no optimum is unique, no more is "
-        "asked."
-    )
-    OUT_OF_STEPS = (
-        "The steps ran out before the body was at rest at the optimum. The certificate does not "
-        "depend on it."
-    )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Course(Brief):
     """What the loops wrote of a run.
 
-    samples: (L,) records `integrator.sample`. last: (1,), the last state, a record
-    `integrator.state`; time: of it.
+    samples: (L,) records of time, state and energies. last: (1,), the last state; time: of it.
+    notes: what else is to be known: a step that was not taken as given, perturbations that did the
+    work of the springs, and, where the steps ran out, what makes them too few.
     """
 
     samples: Records
     last: Records
     time: float
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class _Logged:
-    """The samples and the last state: times (L,), states (L,) with matrices, energies (L,)."""
-
-    times: NDArray[np.float64]
-    states: Records
-    potential: NDArray[np.float64]
-    kinetic: NDArray[np.float64]
+    notes: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -75,7 +48,7 @@ class Trajectory(Explained):
     """A simulated registration; logged at evenly spaced steps, the last one included.
 
     How it ended is known at once; its states, energies and rates are computed when they are first
-    asked for. Why there is no rate is stated, and not in `absent`.
+    asked for. Why there is no rate, and no scales, is stated, and not in `absent`.
 
     Attributes
     ----------
@@ -83,11 +56,8 @@ class Trajectory(Explained):
         Which, and how it ended.
     step, steps, escapes
         The largest; how many; how often the body was perturbed off a saddle.
-    notes
-        What else is to be known: a step that was not taken as given, perturbations that did the
-        work of the springs, and, where the steps ran out, what makes them too few.
-    moving, basin
-        The body, and what is certified of it.
+    moving
+        The body, with what is certified of its optimum.
     course
         What all else is made of.
     absent
@@ -95,13 +65,11 @@ class Trajectory(Explained):
     """
 
     integrator: Integrator
-    status: SimulationStatus
+    status: Status
     step: float
     steps: int
     escapes: int
-    notes: tuple[str, ...]
     moving: Body
-    basin: Basin
     course: Course
 
     def __repr__(self) -> str:
@@ -109,22 +77,19 @@ class Trajectory(Explained):
         return f"<Trajectory: {self.status.name} after {how}>"
 
     @property
-    def energy_left(self) -> float:
-        """The share, at the end, of the energy above the optimum that the body began with.
-
-        Near 0 where it came to the optimum; a body that is slow because of its damping, or not yet
-        under way, has much of it left. 0 where it began with no more than rounding.
-        """
-        above = self.potential + self.kinetic
-        above = above - self.moving.energies(_at_rest(self.basin.optimum)).potential
-        if not above[0] > RATE_END * self.moving.spread:
-            return 0.0
-        return max(0.0, float(above[-1] / above[0]))
+    def at_rest(self) -> bool:
+        """Whether the body came to rest, wherever that is."""
+        return self.status.at_rest
 
     @property
     def converged(self) -> bool:
         """Whether the body came to rest where it had to."""
-        return self.status in {SimulationStatus.CONVERGED, SimulationStatus.AT_REST}
+        return self.at_rest
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What else is to be known."""
+        return self.course.notes
 
     @property
     def length_exponent(self) -> int:
@@ -132,53 +97,86 @@ class Trajectory(Explained):
         return self.moving.length_exponent
 
     @property
+    def time(self) -> float:
+        """At the end, in the time unit of the springs."""
+        return self.course.time
+
+    @property
+    def last(self) -> Records:
+        """The last state, ()."""
+        return self.course.last[0]
+
+    @cached_property
+    def samples(self) -> Records:
+        """What is logged, (L,) records of time, state and energies, the end included."""
+        samples, last = self.course.samples, self.course.last
+        if samples["time"][-1] == self.time and (plain(samples["state"][-1:]) == plain(last)).all():
+            return samples
+        end = np.empty(1, dtype=samples.dtype)
+        end["time"], end["state"] = self.time, last
+        end["energies"] = self.moving.energies(self.last)
+        return np.append(samples, end)
+
+    @property
     def times(self) -> NDArray[np.float64]:
         """(L,), in the time unit of the springs."""
-        return self._logged.times
+        return self.samples["time"]
 
     @cached_property
     def states(self) -> NDArray[np.float64]:
-        """(L, 18), with lengths over 2^length_exponent; see `certreg.dynamics.body`."""
-        return plain(self._logged.states)
+        """(L, 18): c, R row by row, v, omega, with lengths over 2^length_exponent."""
+        return plain(with_matrices(self.samples["state"]))
+
+    @property
+    def scales(self) -> NDArray[np.float64] | None:
+        """(L,), target over source, where the scale is a state; None where it is 1."""
+        return self.moving.scales(self.samples["state"])
 
     @property
     def potential(self) -> NDArray[np.float64]:
         """(L,), V_p / M over 4^length_exponent."""
-        return self._logged.potential
+        return self.samples["energies"]["potential"]
 
     @property
     def kinetic(self) -> NDArray[np.float64]:
         """(L,), V_k / M over 4^length_exponent."""
-        return self._logged.kinetic
+        return self.moving.kinetic(self.samples["energies"])
 
     @cached_property
     def quaternion(self) -> NDArray[np.float64]:
         """(4,), of the last state: what the basin proof is about."""
-        return quaternion_from_matrix(self._last["R"][0])
+        return self.moving.quaternion(self.last)
 
     @property
     def angular_velocity(self) -> NDArray[np.float64]:
         """(3,), of the last state: what the basin proof is about."""
-        return self.course.last["omega"][0]
+        return self.last["omega"]
 
     @cached_property
     def speed(self) -> float:
         """|s'| at the end, the residual of the equilibrium equations."""
-        return float(np.linalg.norm(self.moving.rate(plain(self._last)[0])))
+        return self.moving.speed(self.last)
 
-    @cached_property
-    def _last(self) -> Records:
-        """The last state, (1,), with a rotation matrix."""
-        return with_matrices(self.course.last, self.integrator)
+    @property
+    def energy_left(self) -> float | None:
+        """The share, at the end, of the energy above the optimum that the body began with.
 
-    @cached_property
-    def _logged(self) -> _Logged:
-        return _logged(self.course, self._last, self.moving, self.integrator)
+        Near 0 where it came to the optimum; a body that is slow because of its damping, or not yet
+        under way, has much of it left. 0 where it began with no more than rounding; None where
+        nothing is certified of the optimum.
+        """
+        least = self.moving.least_energy
+        if least is None:
+            return None
+        above = self.potential + self.kinetic - least
+        if not above[0] > RATE_END * self.moving.spread:
+            return 0.0
+        return max(0.0, float(above[-1] / above[0]))
 
     @cached_property
     def predicted_rate(self) -> float | None:
         """Of the slowest mode at the optimum, by the linearised dynamics; None if not unique."""
-        return _predicted_rate(self.moving, self.basin) if self._unique else None
+        return self.moving.slowest_rate
 
     @cached_property
     def decay_rate(self) -> float | None:
@@ -186,14 +184,11 @@ class Trajectory(Explained):
 
         Or where too few samples lie between a thousandth of the energy at the start and rounding.
         """
-        if not self._unique:
+        least = self.moving.least_energy
+        if least is None or self.predicted_rate is None:
             return None
-        energy = self.potential + self.kinetic
-        return _decay_rate(self.times, energy, self.moving, self.basin)
-
-    @property
-    def _unique(self) -> bool:
-        return self.basin.barrier > 0.0
+        above = self.potential + self.kinetic - least
+        return _decay_rate(self.times, above, self.moving.spread)
 
     def stated(self, name: str) -> Any:
         """The attribute of that name, or the Absent that stands for it.
@@ -208,53 +203,19 @@ class Trajectory(Explained):
         Any
             Its value; where that is None, the reason.
         """
-        if name in RATES and getattr(self, name) is None:
-            return TOO_FEW_SAMPLES if self._unique else NO_RATE
+        if name == "scales" and self.scales is None:
+            return NO_SCALES
+        if name in OF_THE_OPTIMUM and getattr(self, name) is None:
+            return self.moving.NO_RATE if self.predicted_rate is None else TOO_FEW_SAMPLES
         return Explained.stated(self, name)
 
 
-def with_matrices(states: Records, integrator: Integrator) -> Records:
-    """States (L,) with rotation matrices."""
-    if integrator is Integrator.EULER:
-        return states
-    turned = np.empty(len(states), dtype=MATRIX_STATE)
-    turned["R"] = rotation_matrices(states["q"])
-    for part in ("c", "v", "omega"):
-        turned[part] = states[part]
-    return turned
-
-
-def _logged(course: Course, last: Records, moving: Body, integrator: Integrator) -> _Logged:
-    """All that is logged of a run, its end included; last: as in `course`, with a matrix."""
-    samples = course.samples
-    times, states = samples["time"], with_matrices(samples["state"], integrator)
-    energies = samples["energies"]
-    kinetic, potential = energies["translation"] + energies["rotation"], energies["potential"]
-    if times[-1] != course.time or (plain(states)[-1] != plain(last)[0]).any():
-        end = moving.energies(plain(last)[0])
-        times, states = np.append(times, course.time), np.append(states, last)
-        kinetic, potential = np.append(kinetic, end.kinetic), np.append(potential, end.potential)
-    return _Logged(times=times, states=states, potential=potential, kinetic=kinetic)
-
-
-def _predicted_rate(moving: Body, basin: Basin) -> float:
-    """The decay rate of the slowest mode of the linearised dynamics at the optimum."""
-    optimum = _at_rest(basin.optimum)
-    return -float(np.linalg.eigvals(moving.intrinsic_jacobian(optimum)).real.max())
-
-
 def _decay_rate(
-    times: NDArray[np.float64], energy: NDArray[np.float64], moving: Body, basin: Basin
+    times: NDArray[np.float64], above: NDArray[np.float64], spread: float
 ) -> float | None:
     """Half the slope of the logarithm of the energy above the optimum's: amplitudes decay so."""
-    above = energy - moving.energies(_at_rest(basin.optimum)).potential
-    tail = (above < RATE_START * above[0]) & (above > RATE_END * moving.spread)
+    tail = (above < RATE_START * above[0]) & (above > RATE_END * spread)
     if np.count_nonzero(tail) < LEAST_SAMPLES:
         return None
     slope = np.polyfit(times[tail], np.log(above[tail]), 1)[0]
     return -0.5 * float(slope)
-
-
-def _at_rest(q: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The state (18,) at rest with the rotation of a unit quaternion, the centroids together."""
-    return state_at_rest(np.array(rotation_matrix(q.tolist())))

@@ -69,6 +69,7 @@ if TYPE_CHECKING:
     from certreg.native.loops import Batch as Batch
     from certreg.native.loops import Ending as Ending
     from certreg.native.loops import Integrator as Integrator
+    from certreg.native.loops import Kind as Kind
     from certreg.native.loops import Log as Log
     from certreg.native.loops import Rules as Rules
     from certreg.native.optima import ProvedOptima as ProvedOptima
@@ -164,6 +165,7 @@ __getattr__ = lazy_face(
             "Batch",
             "Ending",
             "Integrator",
+            "Kind",
             "LARGEST_PERTURBATION",
             "Log",
             "PERTURBATION_GROWTH",

@@ -1,7 +1,7 @@
 /* A slow body on general springs: is it at rest, or at a saddle? And the log.
  *
  * Formulas are generated; here is the logic, and the linear algebra of six dimensions.
- * spring_runs.py does the same where nothing is compiled. */
+ * runs.py does the same where nothing is compiled. */
 #include "loops.h"
 
 #include <math.h>

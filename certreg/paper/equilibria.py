@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.dynamics import body_of
+from certreg.dynamics import rigid_body
 from certreg.equilibrium import method_named, rotation_double, unit_double
 from certreg.geometry import rotation_matrix
 from certreg.objective import Isotropic
@@ -26,7 +26,7 @@ from certreg.registration import horn
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from certreg.dynamics import Body
+    from certreg.dynamics import RigidBody
     from certreg.problem import RegistrationProblem
 
 ZERO_EIGENVALUE = 1e-9  # of the largest: a computed zero is below, a true one far above
@@ -83,7 +83,7 @@ def equilibrium_run(problem: RegistrationProblem) -> EquilibriumRun:
     Raises DegenerateProblemError where the source is collinear.
     """
     moments = exact_moments(problem)
-    moving = body_of(moments, problem.damping, length_exponent=RAW_UNIT)
+    moving = rigid_body(moments, problem.damping, length_exponent=RAW_UNIT)
     particles = Particles.of(problem)
     objective = Isotropic(moments)
     critical = method_named("groebner")(objective)
@@ -149,7 +149,7 @@ def _across(p: NDArray[np.float64], q: NDArray[np.float64]) -> float:
 
 def _stationary_pose(
     integers: tuple[int, int, int, int],
-    moving: Body,
+    moving: RigidBody,
     particles: Particles,
     best: NDArray[np.float64],
 ) -> StationaryPose:

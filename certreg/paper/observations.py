@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
-from certreg.dynamics import body_of
+from certreg.dynamics import rigid_body
 from certreg.geometry import rotation_matrix
 from certreg.paper.construction import Scene, scene
 from certreg.paper.equilibria import EquilibriumRun, equilibrium_run
@@ -151,11 +151,11 @@ def compare(
     problem: RegistrationProblem, rng: np.random.Generator, states: int
 ) -> FormulaComparison:
     """The comparison at random states whose R is a rotation."""
-    moving = body_of(exact_moments(problem), problem.damping, length_exponent=RAW_UNIT)
+    moving = rigid_body(exact_moments(problem), problem.damping, length_exponent=RAW_UNIT)
     particles = Particles.of(problem)
     drawn = [_random_state(rng) for _ in range(states)]
     objectives = [_likelihood(particles, state) for state in drawn]
-    potentials = [particles.mass * moving.energies(state).potential for state in drawn]
+    potentials = [particles.mass * float(moving.energies(state)["potential"]) for state in drawn]
     printed, derived = [particles.rate(s) for s in drawn], [moving.rate(s) for s in drawn]
     claimed = [particles.dissipation(s) for s in drawn]
     computed = [particles.energy_rate(s) for s in drawn]

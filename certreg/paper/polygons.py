@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from certreg._loading import library
-from certreg.dynamics import body_of
+from certreg.dynamics import rigid_body
 from certreg.paper.equilibria import signs
 from certreg.paper.particles import Particles, at_rest
 from certreg.paper.scheme import RAW_UNIT
@@ -103,7 +103,7 @@ def turn(polygon: Polygon, damping: float, steps: int = 360) -> Turn:
     corners = np.array(polygon.points(math.sqrt(3.0))) / 2.0
     cloud = np.column_stack([corners, np.zeros(len(corners))])
     problem = RegistrationProblem(cloud, cloud, damping=damping)
-    moving = body_of(exact_moments(problem), damping, length_exponent=RAW_UNIT)
+    moving = rigid_body(exact_moments(problem), damping, length_exponent=RAW_UNIT)
     particles = Particles.of(problem)
     angles = np.linspace(0.0, 2.0 * math.pi, steps + 1)
     states = [at_rest(turned_over(polygon, theta)) for theta in angles.tolist()]

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.dynamics import SimulationSettings, body_of, start_at_rest
+from certreg.dynamics import SimulationSettings, rigid_body, start_at_rest
 from certreg.native import (
     BASIN,
     MATRIX_STATE,
@@ -81,7 +81,7 @@ def descend(
     Raises DegenerateProblemError for a collinear source.
     """
     moments = exact_moments(problem)
-    moving = body_of(moments, problem.damping, length_exponent=RAW_UNIT)
+    moving = rigid_body(moments, problem.damping, length_exponent=RAW_UNIT)
     batch = Batch.of(
         Integrator.EULER,
         bodies=moving.record[np.newaxis],

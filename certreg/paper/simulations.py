@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.dynamics import body_of, simulate
+from certreg.dynamics import rigid_body, simulate
 from certreg.geometry import quaternion_from_matrix, rotation_matrix
 from certreg.native import Integrator
 from certreg.objective import Isotropic
@@ -75,7 +75,7 @@ def simulation_run(
 ) -> SimulationRun:
     """The experiment on one instance. Raises DegenerateProblemError for a collinear source."""
     moments = exact_moments(problem)
-    moving = body_of(moments, problem.damping, length_exponent=RAW_UNIT)
+    moving = rigid_body(moments, problem.damping, length_exponent=RAW_UNIT)
     descent = descend(problem)
     particles = Particles.of(problem)
     best, truth = horn(moving.cross_covariance), quaternion_from_matrix(true_rotation)

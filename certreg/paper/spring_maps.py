@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.dynamics import simulate_springs
+from certreg.dynamics import simulate
 from certreg.equilibrium import FloatingQuartic, PathsOutcome, critical_lines
 from certreg.objective import Springs
 from certreg.problem import RegistrationProblem, gaussian_instances, spring_moments
@@ -166,7 +166,7 @@ def observed(problem: RegistrationProblem) -> SpringObservation:
     values, _, curvatures = FloatingQuartic.of(quartic).curvatures(lines.quaternions)
     stable = np.linalg.eigvalsh(curvatures)[:, 0] > 0.0
     above = values - values.min() > TIED * np.ptp(values)
-    run = simulate_springs(objective, problem.damping)
+    run = simulate(objective, problem.damping)
     cosines = np.abs(lines.quaternions @ run.quaternion)
     place = int(cosines.argmax())
     settled = run.at_rest and bool(stable[place]) and bool(cosines[place] > NEAR)

@@ -31,9 +31,7 @@ if TYPE_CHECKING:
     from certreg.registration.certification import NOT_ASKED as NOT_ASKED
     from certreg.registration.certification import certified as certified
     from certreg.registration.certification import optimally_damped as optimally_damped
-    from certreg.registration.certification import proved_end as proved_end
     from certreg.registration.certification import simulate as simulate
-    from certreg.registration.certification import simulated as simulated
     from certreg.registration.closed_form import horn as horn
     from certreg.registration.closed_form import register as register
     from certreg.registration.consensus import ConsensusRegistration as ConsensusRegistration
@@ -100,9 +98,7 @@ if TYPE_CHECKING:
     from certreg.registration.misfits import FitCode as FitCode
     from certreg.registration.misfits import FitWarning as FitWarning
     from certreg.registration.pair_angles import widest_angles as widest_angles
-    from certreg.registration.result import ProblemTrajectory as ProblemTrajectory
     from certreg.registration.result import Registration as Registration
-    from certreg.registration.result import SimulatedRegistration as SimulatedRegistration
     from certreg.registration.result import Solution as Solution
     from certreg.registration.robustness import ROBUSTNESS_ANGLE as ROBUSTNESS_ANGLE
     from certreg.registration.robustness import Robustness as Robustness
@@ -116,6 +112,10 @@ if TYPE_CHECKING:
         restated_scaled_consensus as restated_scaled_consensus,
     )
     from certreg.registration.scaled_poses import unit_of as unit_of
+    from certreg.registration.simulation import ProblemTrajectory as ProblemTrajectory
+    from certreg.registration.simulation import SimulatedMotion as SimulatedMotion
+    from certreg.registration.simulation import SimulatedRegistration as SimulatedRegistration
+    from certreg.registration.simulation import proved_end as proved_end
     from certreg.registration.slips import Slip as Slip
     from certreg.registration.slips import SlipCode as SlipCode
     from certreg.registration.spring_certification import certified_springs as certified_springs
@@ -141,11 +141,9 @@ if TYPE_CHECKING:
     from certreg.registration.spring_result import SpringRegistration as SpringRegistration
     from certreg.registration.spring_result import SpringSolution as SpringSolution
     from certreg.registration.spring_rows import SpringAxes as SpringAxes
-    from certreg.registration.spring_simulation import NO_RATE as NO_RATE
     from certreg.registration.spring_simulation import SimulatedSprings as SimulatedSprings
     from certreg.registration.spring_simulation import at_end_words as at_end_words
     from certreg.registration.spring_simulation import moving_words as moving_words
-    from certreg.registration.spring_simulation import simulated_springs as simulated_springs
     from certreg.registration.truncated import TruncatedRegistration as TruncatedRegistration
     from certreg.registration.truncated import restated_truncated as restated_truncated
     from certreg.registration.truncated_labels import TruncatedLabels as TruncatedLabels
@@ -190,9 +188,7 @@ __getattr__ = lazy_face(
             "NOT_ASKED",
             "certified",
             "optimally_damped",
-            "proved_end",
             "simulate",
-            "simulated",
         ),
         "closed_form": (
             "horn",
@@ -278,9 +274,7 @@ __getattr__ = lazy_face(
         ),
         "pair_angles": ("widest_angles",),
         "result": (
-            "ProblemTrajectory",
             "Registration",
-            "SimulatedRegistration",
             "Solution",
         ),
         "robustness": (
@@ -290,6 +284,12 @@ __getattr__ = lazy_face(
         "rounding": ("rounding_remedy",),
         "row_names": ("RowNames",),
         "scaled_poses": ("unit_of",),
+        "simulation": (
+            "ProblemTrajectory",
+            "SimulatedMotion",
+            "SimulatedRegistration",
+            "proved_end",
+        ),
         "slips": (
             "Slip",
             "SlipCode",
@@ -326,11 +326,9 @@ __getattr__ = lazy_face(
         "truncated_labels": ("TruncatedLabels", "judged_truncated_labels"),
         "weak_shifts": ("weak_shift_words",),
         "spring_simulation": (
-            "NO_RATE",
             "SimulatedSprings",
             "at_end_words",
             "moving_words",
-            "simulated_springs",
         ),
     },
 )

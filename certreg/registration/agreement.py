@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.certificate import SimilarityBody
-    from certreg.dynamics import BreathingTrajectory, Trajectory
+    from certreg.dynamics import Trajectory
     from certreg.objective import Isotropic
     from certreg.problem import RegistrationProblem
     from certreg.relaxation import Relaxation
@@ -53,7 +53,7 @@ def agreement(
     objective: Isotropic,
     *,
     relaxation: Relaxation | Absent,
-    trajectory: Trajectory | BreathingTrajectory | Absent,
+    trajectory: Trajectory | Absent,
 ) -> Agreement:
     """How well the methods agree. Raises ContradictionError if one ends where it must not."""
     relaxed = None
@@ -77,7 +77,7 @@ def agreement(
 def require_sound_trajectory(
     objective: Isotropic,
     body: IsotropicBody | SimilarityBody,
-    trajectory: Trajectory | BreathingTrajectory,
+    trajectory: Trajectory,
 ) -> None:
     """Nothing, if a trajectory respects what is proved; ContradictionError if not.
 
@@ -106,12 +106,11 @@ def require_sound_trajectory(
         )
 
 
-def _squares(objective: Isotropic, trajectory: Trajectory | BreathingTrajectory) -> Fraction:
+def _squares(objective: Isotropic, trajectory: Trajectory) -> Fraction:
     """Syy + s^2 Sxx, with the largest scale of a run: of what the terms of V_p are made."""
     spread = objective.moments.spread
-    if objective.scaling is not None:
-        scales = cast("BreathingTrajectory", trajectory).scales
-        largest = Fraction(float(scales.max())) ** 2
+    if trajectory.scales is not None:
+        largest = Fraction(float(trajectory.scales.max())) ** 2
         spread += (largest - 1) * equilibrium.source_size(objective)
     return spread
 

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.certificate import Certificate, PoseBounds
-    from certreg.dynamics import BreathingTrajectory, Trajectory
+    from certreg.dynamics import Trajectory
     from certreg.geometry import Pose, Similarity
     from certreg.problem import RegistrationProblem
     from certreg.registration.covariance import PoseCovariance, Residual
@@ -192,7 +192,7 @@ class AnyRegistration(Explained, Saved, ABC):
 
     @property
     @abstractmethod
-    def trajectory(self) -> Trajectory | BreathingTrajectory | None:
+    def trajectory(self) -> Trajectory | None:
         """The simulated motion; None where none was taken."""
 
     @property

@@ -7,29 +7,27 @@ size is rigid, and has the equilibria of the rigid body.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
 from certreg._loading import cached_property
-from certreg.dynamics import (
-    BreathingTrajectory,
-    never_collapses,
-    simulate_breathing,
-)
-from certreg.equilibrium import breathing_equilibria
-from certreg.exact import nearest_double, power_of_two
-from certreg.native import Integrator
-from certreg.problem import Verb, lift, require_supported
+from certreg.dynamics import Trajectory
+from certreg.equilibrium import breathing_equilibria, source_size
+from certreg.exact import nearest_double
+from certreg.problem import lift
+from certreg.registration.simulation import SimulatedMotion
 from certreg.results import OUT_OF_RANGE, Absent, Explained, Presented
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from certreg.dynamics import SimulationSettings
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from certreg.dynamics import BreathingBody
     from certreg.equilibrium import BreathingEquilibria, Component, EquilibriumSet
     from certreg.objective import Isotropic
-    from certreg.problem import RegistrationProblem
 
 CONTINUUM = Absent("the equilibria form a continuum: there are infinitely many")
 
@@ -118,16 +116,18 @@ def _equilibrium(objective: Isotropic, component: Component, q: Sequence[int]) -
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class SimulatedBreathing(BreathingTrajectory, Presented):
-    """A simulation with a free scale, and where it ended beside the optimum.
+class SimulatedBreathing(SimulatedMotion):
+    """With a free scale; where it ended beside the optimum."""
 
-    problem, objective: that it is of.
-    """
-
-    problem: RegistrationProblem
     objective: Isotropic
+    moving: BreathingBody
 
-    __repr__ = BreathingTrajectory.__repr__
+    __repr__ = Trajectory.__repr__
+
+    @property
+    def scales(self) -> NDArray[np.float64]:
+        """(L,), target over source."""
+        return self.moving.scales(self.samples["state"])
 
     @cached_property
     def angle_to_optimum(self) -> float:
@@ -139,37 +139,19 @@ class SimulatedBreathing(BreathingTrajectory, Presented):
         """That of the optimum, target over source; None where no double holds it."""
         return nearest_double(self.objective.best_scale(self.objective.optimum))
 
-    @property
-    def energies(self) -> tuple[float | Absent, ...]:
-        """V_p + V_k at the start and at the end, in objective units."""
-        unit = self.objective.moments.total_weight * power_of_two(2 * self.length_exponent)
-        ends = (self.potential + self.kinetic)[[0, -1]].tolist()
-        energies = [nearest_double(Fraction(value) * unit) for value in ends]
-        return tuple(OUT_OF_RANGE if energy is None else energy for energy in energies)
-
     @cached_property
     def never_collapses(self) -> bool:
         """Whether it is proved that the exact motion from the start never comes to the scale 0."""
         return never_collapses(self.objective)
 
 
-_RUN = tuple(one.name for one in fields(BreathingTrajectory))
+def never_collapses(objective: Isotropic) -> bool:
+    """Whether the exact motion from where the source was given, at rest at scale 1, keeps s > 0.
 
-
-def simulated_breathing(
-    problem: RegistrationProblem,
-    objective: Isotropic,
-    integrator: str | None,
-    *,
-    settings: SimulationSettings,
-) -> SimulatedBreathing:
-    """The motion of a body whose scale is free, released at rest where it was given at scale 1.
-
-    Raises InvalidProblemError for other integrators than midpoint and for the symmetric scale,
-    DegenerateProblemError where the dynamics is not defined.
+    Proved, in rationals: it begins with less energy than Syy (derivations, breathing_confined).
+    False means not proved, not disproved. Raises as `source_size`.
     """
-    chosen = Integrator(integrator or Integrator.MIDPOINT)
-    require_supported(problem.cell, Verb(chosen.value))
-    run = simulate_breathing(objective, problem.damping, settings=settings)
-    kept: dict[str, Any] = {name: getattr(run, name) for name in _RUN}
-    return SimulatedBreathing(**kept, problem=problem, objective=objective)
+    still = (1, 0, 0, 0)
+    shifted = objective.translation_energy(still, (Fraction(0),) * 3)
+    released = objective.energy_at(still, shifted, Fraction(1))
+    return released < objective.moments.spread - source_size(objective)

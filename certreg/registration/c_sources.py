@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from certreg.dynamics import EULER_STEP, SimulationSettings, body_of, start_at_rest
+from certreg.dynamics import EULER_STEP, SimulationSettings, rigid_body, start_at_rest
 from certreg.errors import InvalidFileError
 from certreg.io import remedy_of, write_atomically
 from certreg.native import C_FILE, GENERATED, HEADER_FILE, HERE
@@ -44,7 +44,7 @@ def example_input(problem: RegistrationProblem) -> str:
     """What example.c reads, one number a line: body, start at rest, step, tolerance, most steps."""
     settings = SimulationSettings()
     moments = exact_moments(problem)
-    moving = body_of(moments, problem.damping)
+    moving = rigid_body(moments, problem.damping)
     start = start_at_rest(moments, moving.length_exponent)
     control = [EULER_STEP, settings.speed_tolerance, float(settings.max_steps)]
     numbers = [*moving.parameters.tolist(), *start.tolist(), *control]

@@ -5,10 +5,8 @@ from __future__ import annotations
 import logging
 import time
 from dataclasses import replace
-from functools import partial
 from typing import TYPE_CHECKING, Any, Literal
 
-from certreg._loading import late
 from certreg.certificate import (
     check_own,
     pose_bounds,
@@ -17,8 +15,7 @@ from certreg.certificate import (
     produce_similarity,
     require_accepted,
 )
-from certreg.dynamics import DEFAULT_SETTINGS, SimulationSettings, Trajectory, optimal_damping
-from certreg.dynamics import simulate as run
+from certreg.dynamics import DEFAULT_SETTINGS, SimulationSettings, optimal_damping
 from certreg.errors import (
     DegenerateProblemError,
     InvalidProblemError,
@@ -29,18 +26,12 @@ from certreg.exact import (
 )
 from certreg.native import Integrator
 from certreg.objective import Isotropic
-from certreg.problem import RegistrationProblem, Verb, lift, refusal, require_supported
+from certreg.problem import RegistrationProblem, Verb, refusal, require_supported
 from certreg.registration.agreement import agreement, require_sound_trajectory
 from certreg.registration.optimum import exact_pose, optimal_pose
 from certreg.registration.parts import logged
-from certreg.registration.result import (
-    ProblemTrajectory,
-    Registration,
-    SimulatedRegistration,
-    Solution,
-    exact_energy_unit,
-    final_state,
-)
+from certreg.registration.result import Registration, Solution
+from certreg.registration.simulation import final_state, objective_of, simulated_motion
 from certreg.registration.stating import require_problem
 from certreg.relaxation import relax
 from certreg.results import OUT_OF_RANGE, Absent, Limits
@@ -49,18 +40,12 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from certreg.certificate import Certificate, IsotropicBody, SimilarityBody
-    from certreg.registration import breathing, spring_simulation
-    from certreg.registration.breathing import SimulatedBreathing
-    from certreg.registration.spring_simulation import SimulatedSprings
+    from certreg.registration.simulation import SimulatedMotion
     from certreg.relaxation import Relaxation
     from certreg.results import Verdict
-else:  # of a free scale, and of general springs
-    breathing = late("certreg.registration.breathing")
-    spring_simulation = late("certreg.registration.spring_simulation")
 
 LOG = logging.getLogger(__name__)
 PARTS = 3  # of certify, besides relaxation and simulation: sums, certificate, checker
-DEFAULT_INTEGRATOR = Integrator.EULER  # the paper's
 NOT_ASKED = Absent("not asked for")
 NOT_CERTIFIED = Absent("not certified")
 NO_SCALE_THERE = Absent("the relaxation is of scale 1, not of a free one")
@@ -116,7 +101,7 @@ def simulate(
     *,
     step: float | None = None,
     settings: SimulationSettings | None = None,
-) -> Trajectory | SimulatedSprings | SimulatedBreathing:
+) -> SimulatedMotion:
     """The trajectory of the damped body, released at rest where the source was given.
 
     Parameters
@@ -135,10 +120,9 @@ def simulate(
 
     Returns
     -------
-    Trajectory | SimulatedSprings | SimulatedBreathing
-        Whether it converged is in its `status`; on general springs a `SimulatedSprings`, whose
-        body may come to rest elsewhere than at the optimum; with a free scale a
-        `SimulatedBreathing`, whose size moves, too.
+    SimulatedMotion
+        A `Trajectory` with its problem; how it ended is in its `status`. On general springs the
+        body may come to rest elsewhere than at the optimum; with a free scale its size moves, too.
 
     Raises
     ------
@@ -152,45 +136,7 @@ def simulate(
     """
     require_problem(problem, "simulate")
     settings = _with_step(settings, step)
-    if problem.factors is not None:
-        return spring_simulation.simulated_springs(problem, integrator, settings=settings)
-    objective = Isotropic.of(problem)
-    if problem.scaled:
-        return breathing.simulated_breathing(problem, objective, integrator, settings=settings)
-    chosen = Integrator(integrator or DEFAULT_INTEGRATOR)
-    of_problem = partial(ProblemTrajectory, problem=problem, objective=objective)
-    return run(objective, problem.damping, chosen, settings=settings, kind=of_problem)
-
-
-def simulated(
-    problem: RegistrationProblem, integrator: str | None = None, *, step: float | None = None
-) -> SimulatedRegistration:
-    """As `simulate` of scale 1 and one weight per pair, with what is proved of where it ended.
-
-    Raises ContradictionError or RefusedCertificateError where certreg contradicts itself.
-    """
-    chosen, settings = Integrator(integrator or DEFAULT_INTEGRATOR), _with_step(None, step)
-    objective = Isotropic.of(problem)
-    return proved_end(
-        problem, objective, run(objective, problem.damping, chosen, settings=settings)
-    )
-
-
-def proved_end(
-    problem: RegistrationProblem, objective: Isotropic, trajectory: Trajectory
-) -> SimulatedRegistration:
-    """A trajectory of a problem with what the checker has proved of its end; as `simulated`."""
-    certificate = produce(problem, objective, state=final_state(trajectory))
-    if certificate is not None:
-        require_accepted(check_own(certificate, problem))
-        require_sound_trajectory(objective, certificate.body, trajectory)
-    return SimulatedRegistration(
-        trajectory=trajectory,
-        energy_unit=exact_energy_unit(objective.moments, trajectory),
-        angle_to_optimum=objective.angle_to_optimum(lift(trajectory.quaternion).integers),
-        in_certified_basin=certificate is not None and bool(certificate.body.claims.basin),
-        unique=objective.classification.unique,
-    )
+    return simulated_motion(problem, objective_of(problem), integrator, settings=settings)
 
 
 def solve(  # noqa: PLR0913 - as above
@@ -242,7 +188,7 @@ def _certificate(
     problem: RegistrationProblem,
     objective: Isotropic,
     relaxed: Relaxation | Absent,
-    trajectory: Trajectory | SimulatedBreathing | Absent,
+    trajectory: SimulatedMotion | Absent,
     *,
     robustness_angle: float | None,
     about: dict[str, Any],
@@ -256,7 +202,7 @@ def _certificate(
         problem,
         objective,
         proposal=None if isinstance(relaxed, Absent) else relaxed.proposal,
-        state=final_state(trajectory) if isinstance(trajectory, Trajectory) else None,
+        state=None if isinstance(trajectory, Absent) else final_state(trajectory),
         robustness_angle=robustness_angle,
         about=about,
     )
@@ -289,17 +235,13 @@ def _simulation(
     problem: RegistrationProblem,
     integrator: str,
     settings: SimulationSettings,
-) -> Trajectory | SimulatedBreathing | Absent:
+) -> SimulatedMotion | Absent:
     """The simulated registration, or why there is none."""
     unmoved = refusal(problem.cell, Verb.MIDPOINT)  # the integrator that takes most
     if unmoved is not None:
         return Absent(unmoved.sentence)
     try:
-        if problem.scaled:
-            return breathing.simulated_breathing(problem, objective, integrator, settings=settings)
-        of_problem = partial(ProblemTrajectory, problem=problem, objective=objective)
-        chosen = Integrator(integrator)
-        return run(objective, problem.damping, chosen, settings=settings, kind=of_problem)
+        return simulated_motion(problem, objective, integrator, settings=settings)
     except DegenerateProblemError as error:
         return Absent(str(error))
 

@@ -4,17 +4,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from fractions import Fraction
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from certreg._loading import cached_property
-from certreg.certificate import RotationState, SimilarityBody
-from certreg.dynamics import Trajectory
+from certreg.certificate import SimilarityBody
 from certreg.equilibrium import by_eigenspaces
-from certreg.exact import nearest_double, power_of_two
-from certreg.problem import lift, row_blocks
+from certreg.problem import row_blocks
 from certreg.registration.ambiguity import equilibria_at
 from certreg.registration.any_registration import AnyRegistration, AnySolution
 from certreg.registration.covariance import (
@@ -23,27 +20,27 @@ from certreg.registration.covariance import (
     worst_residuals,
 )
 from certreg.registration.fit import fit_of
+from certreg.registration.simulation import final_state
 from certreg.results import (
-    OUT_OF_RANGE,
     Absent,
-    Brief,
-    Presented,
     present,
 )
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+    from fractions import Fraction
 
+    from certreg.certificate import RotationState
     from certreg.equilibrium import EquilibriumSet
     from certreg.objective import Isotropic
-    from certreg.problem import ExactMoments, RegistrationProblem
+    from certreg.problem import ExactMoments
     from certreg.registration.agreement import Agreement
     from certreg.registration.any_registration import ResidualBlock
-    from certreg.registration.breathing import SimulatedBreathing
     from certreg.registration.covariance import PoseCovariance, Residual
     from certreg.registration.fit import Fit
     from certreg.registration.robustness import Robustness
     from certreg.registration.row_names import RowNames
+    from certreg.registration.simulation import SimulatedMotion
     from certreg.relaxation import Relaxation
 
 
@@ -60,7 +57,7 @@ class Solution(AnySolution):
 
     objective: Isotropic
     relaxation: Relaxation | Absent
-    trajectory: Trajectory | SimulatedBreathing | Absent
+    trajectory: SimulatedMotion | Absent
     agreement: Agreement
 
     @cached_property
@@ -105,51 +102,13 @@ class Solution(AnySolution):
     @property
     def energy_unit(self) -> Fraction:
         """What the trajectory's energies are worth in objective units."""
-        return exact_energy_unit(self.moments, self.trajectory)
+        run = self.trajectory
+        return self.moments.total_weight if isinstance(run, Absent) else run.energy_unit
 
     def ended_in(self, state: RotationState) -> bool:
         """Whether a simulation was run and ended in exactly this state."""
         trajectory = self.trajectory
-        return isinstance(trajectory, Trajectory) and final_state(trajectory) == state
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class ProblemTrajectory(Trajectory, Presented):
-    """A trajectory with its problem: what is proved of its end is asked for when it is printed.
-
-    objective: of the problem, as the run had it.
-    """
-
-    problem: RegistrationProblem
-    objective: Isotropic
-
-    def __repr__(self) -> str:
-        return Trajectory.__repr__(self)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class SimulatedRegistration(Brief):
-    """A simulation on its own, and what is proved of its end.
-
-    energy_unit: what the trajectory's energies are worth in objective units.
-    angle_to_optimum: radians, from the last rotation to the nearest optimum.
-    in_certified_basin: the checker accepted that the exact flow from the last state ends at the
-        optimum; False means not proved, not disproved.
-    unique: whether there is one optimum.
-    """
-
-    trajectory: Trajectory
-    energy_unit: Fraction
-    angle_to_optimum: float
-    in_certified_basin: bool
-    unique: bool
-
-    @property
-    def energies(self) -> tuple[float | Absent, ...]:
-        """V_p + V_k at the start and at the end, in objective units."""
-        ends = (self.trajectory.potential + self.trajectory.kinetic)[[0, -1]].tolist()
-        energies = [nearest_double(Fraction(value) * self.energy_unit) for value in ends]
-        return tuple(OUT_OF_RANGE if energy is None else energy for energy in energies)
+        return not isinstance(trajectory, Absent) and final_state(trajectory) == state
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -186,7 +145,7 @@ class Registration(AnyRegistration):
         return self.solution.equilibria
 
     @property
-    def trajectory(self) -> Trajectory | SimulatedBreathing | None:
+    def trajectory(self) -> SimulatedMotion | None:
         """The simulated motion; None where none was taken."""
         return present(self.solution.trajectory)
 
@@ -218,21 +177,3 @@ class Registration(AnyRegistration):
             Rows and distances, the largest first; of equal ones the first row.
         """
         return worst_residuals(self.problem, self.pose, count)
-
-
-def exact_energy_unit(
-    moments: ExactMoments, trajectory: Trajectory | SimulatedBreathing | Absent
-) -> Fraction:
-    """What the energies of a trajectory are worth in objective units."""
-    exponent = 0 if isinstance(trajectory, Absent) else 2 * trajectory.length_exponent
-    return moments.total_weight * power_of_two(exponent)
-
-
-def final_state(trajectory: Trajectory) -> RotationState:
-    """The last state of a trajectory, exactly: what the basin proof is about."""
-    velocity = lift(trajectory.angular_velocity)
-    return RotationState(
-        quaternion=tuple(lift(trajectory.quaternion).integers),
-        angular_velocity=tuple(velocity.integers),
-        exponent=velocity.exponent,
-    )

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.dynamics import moving_springs, simulate_springs
+from certreg.dynamics import simulate, spring_body
 from certreg.equilibrium import SPRING_METHODS, search
 from certreg.errors import DegenerateProblemError
 from certreg.registration.spring_equilibria import SpringEquilibria, spring_equilibria
@@ -47,8 +47,8 @@ def returns(
     c, s = math.cos(RELEASED / 2.0), math.sin(RELEASED / 2.0)
     turned = (c * w - s * x, c * x + s * w, c * y + s * z, c * z - s * y)
     try:
-        start = moving_springs(objective.moments, problem.damping).balanced(turned)
-        run = simulate_springs(objective, problem.damping, start=start)
+        start = spring_body(objective.moments, problem.damping).balanced(turned)
+        run = simulate(objective, problem.damping, start=start)
     except DegenerateProblemError:
         return None
     if not run.at_rest:

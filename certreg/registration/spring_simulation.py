@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -18,31 +18,29 @@ from certreg.certificate import (
     require_accepted,
     springs_list_certificate,
 )
-from certreg.dynamics import SpringTrajectory, simulate_springs
+from certreg.dynamics import Trajectory
 from certreg.equilibrium import critical_lines, unit_double
-from certreg.exact import nearest_double, power_of_two
+from certreg.exact import power_of_two
 from certreg.geometry import angle_between, dot, rotation_matrix, squared_norm
-from certreg.native import Integrator
-from certreg.objective import Springs
-from certreg.problem import lift, spring_moments
+from certreg.problem import lift
 from certreg.registration.freedom import Freedom
 from certreg.registration.nearby_equilibrium import TIE, equilibrium_near
+from certreg.registration.simulation import SimulatedMotion
 from certreg.registration.weak_shifts import weak_shift_words, weak_shifts
 from certreg.relaxation import find_optimum
-from certreg.results import OUT_OF_RANGE, Absent, Presented, Ruling, Verdict
+from certreg.results import Ruling, Verdict
 
 if TYPE_CHECKING:
     from certreg.certificate import Certificate, SpringsListBody
-    from certreg.dynamics import MovingSprings, SimulationSettings
+    from certreg.dynamics import SpringBody
     from certreg.native import Records
-    from certreg.problem import RegistrationProblem
+    from certreg.objective import Springs
     from certreg.relaxation import Found
 
 NEAR = 0.01  # radians: a body at rest is within a thousandth of its equilibrium, unless it is weak
 LEVEL = 1e-5  # of the range of the energy: where the best rotation is not the only one
 COASTS = "a body that moves that way coasts until damping has stopped it"
 STAYS = "along it the body may be at rest (slower than the tolerance) far from the optimum"
-NO_RATE = Absent("not computed for general springs")
 UNLISTED = Verdict(
     ruling=Ruling.INCONCLUSIVE,
     words=(
@@ -53,45 +51,31 @@ UNLISTED = Verdict(
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class SimulatedSprings(SpringTrajectory, Presented):
-    """A simulated registration on general springs, with its problem, and what is known of its end.
+class SimulatedSprings(SimulatedMotion):
+    """On general springs; what is known of its end."""
 
-    found: the best rotation that was found.
-    """
-
-    problem: RegistrationProblem
     objective: Springs
-    found: Found
+    moving: SpringBody
 
-    def __repr__(self) -> str:
-        return SpringTrajectory.__repr__(self)
-
-    @classmethod
-    def of(
-        cls, problem: RegistrationProblem, objective: Springs, trajectory: SpringTrajectory
-    ) -> SimulatedSprings:
-        """The same trajectory, of this problem."""
-        kept: dict[str, Any] = {name: getattr(trajectory, name) for name in _RUN}
-        found = find_optimum(objective)
-        return cls(**kept, problem=problem, objective=objective, found=found)
+    __repr__ = Trajectory.__repr__
 
     @cached_property
+    def found(self) -> Found:
+        """The best rotation that was found."""
+        return find_optimum(self.objective)
+
+    @property
     def notes(self) -> tuple[str, ...]:
         """What no spring resists, or hardly one, and what the body does there."""
+        return self._coasting
+
+    @cached_property
+    def _coasting(self) -> tuple[str, ...]:
         freedom = Freedom.of(self.objective)
         free = filter(None, (freedom.shift_words(), freedom.turn_words()))
         weak = weak_shift_words(weak_shifts(self.objective))
         told = (*((words, COASTS) for words in free), (weak, STAYS))
         return tuple(f"{words}: {then}" for words, then in told if words)
-
-    @cached_property
-    def energies(self) -> tuple[float | Absent, float | Absent]:
-        """V_p + V_k at the start and at the end, in objective units."""
-        run = self
-        unit = run.moving.mass * power_of_two(2 * run.length_exponent)
-        ends = (run.potential + run.kinetic)[[0, -1]].tolist()
-        first, last = (nearest_double(Fraction(value) * unit) for value in ends)
-        return (OUT_OF_RANGE if first is None else first, OUT_OF_RANGE if last is None else last)
 
     @cached_property
     def angle_to_best(self) -> float:
@@ -167,27 +151,7 @@ class SimulatedSprings(SpringTrajectory, Presented):
         return lift(np.array(self.quaternion)).integers
 
 
-_RUN = tuple(one.name for one in fields(SpringTrajectory))
-
-
-def simulated_springs(
-    problem: RegistrationProblem,
-    integrator: str | None = None,
-    *,
-    settings: SimulationSettings | None = None,
-) -> SimulatedSprings:
-    """The motion of a problem of general springs, released at rest where the source was given.
-
-    integrator: midpoint or splitting; None: midpoint, whose energy never rises. Raises as
-    `simulate` does.
-    """
-    objective = Springs(spring_moments(problem))
-    chosen = Integrator.MIDPOINT if integrator is None else Integrator(integrator)
-    trajectory = simulate_springs(objective, problem.damping, chosen, settings=settings)
-    return SimulatedSprings.of(problem, objective, trajectory)
-
-
-def exact_state(moving: MovingSprings, state: Records) -> SpringState:
+def exact_state(moving: SpringBody, state: Records) -> SpringState:
     """A state of the body, exactly as its doubles say, in the user's unit."""
     unit = power_of_two(moving.length_exponent)
     q = lift(np.array(state["q"])).integers

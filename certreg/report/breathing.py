@@ -19,7 +19,7 @@ from certreg.report.lines import (
     table_of,
 )
 from certreg.report.picture import energy_picture
-from certreg.results import OUT_OF_RANGE, Absent, ComponentKind, present
+from certreg.results import OUT_OF_RANGE, ComponentKind, present
 
 if TYPE_CHECKING:
     from certreg.equilibrium import BreathingEquilibria
@@ -161,8 +161,8 @@ def breathing_fields(run: SimulatedBreathing) -> Document:
         "basin": {"verdict": "inconclusive", "words": NO_BASIN},
         "escapes": run.escapes,
         "residual": run.speed,
-        "predicted_rate": Absent(NO_BASIN),
-        "decay_rate": Absent(NO_BASIN),
+        "predicted_rate": run.stated("predicted_rate"),
+        "decay_rate": run.stated("decay_rate"),
         "angle_to_pose_deg": math.degrees(run.angle_to_optimum),
         "energy": {"initial": initial, "final": final},
         "scale": {

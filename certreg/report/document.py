@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, cast
 
 from certreg import registration as made  # whose results with a free scale are few
 from certreg._loading import late
-from certreg.dynamics import Trajectory
 from certreg.exact import double_above, nearest_double
 from certreg.registration import (
     Method,
@@ -42,6 +41,7 @@ if TYPE_CHECKING:
         Enumeration,
         Registration,
         ScaledEquilibria,
+        SimulatedBreathing,
         SpringRegistration,
     )
     from certreg.report import breathing, methods, spring_document
@@ -347,12 +347,11 @@ def _simulation(registration: Registration) -> Document | Absent:
     trajectory = solution.trajectory
     if isinstance(trajectory, Absent):
         return trajectory
-    if not isinstance(trajectory, Trajectory):
-        return breathing.breathing_fields(trajectory)
+    if trajectory.scales is not None:
+        return breathing.breathing_fields(cast("SimulatedBreathing", trajectory))
     certificate = solution.certificate
     end = SimulatedRegistration(
         trajectory=trajectory,
-        energy_unit=solution.energy_unit,
         angle_to_optimum=solution.agreement.simulation or 0.0,
         in_certified_basin=certificate is not None and bool(certificate.body.claims.basin),
         unique=registration.equilibria.classification.unique,

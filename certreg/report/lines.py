@@ -9,7 +9,6 @@ from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from certreg.certificate import flat_energy
-from certreg.dynamics import Trajectory
 from certreg.exact import as_given, at_most, nearest_double
 from certreg.registration import (
     BY_NAME,
@@ -36,12 +35,12 @@ from certreg.results import (
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from certreg.dynamics import Trajectory
     from certreg.equilibrium import Component, EquilibriumSet
     from certreg.registration import (
         AnyRegistration,
         Fit,
         Registration,
-        SimulatedBreathing,
     )
 
 UNMET = "Not called certified: that asks for a proof that it is"
@@ -243,23 +242,19 @@ def method_lines(registration: Registration) -> list[str]:
     return lines
 
 
-def _motion_lines(
-    registration: Registration, trajectory: Trajectory | SimulatedBreathing, away: str
-) -> list[str]:
+def _motion_lines(registration: Registration, trajectory: Trajectory, away: str) -> list[str]:
     """How a simulation ended, and if it did not come to rest, why."""
-    certificate, where, notes = registration.solution.certificate, "", ()
-    if not isinstance(trajectory, Trajectory):
+    certificate, where = registration.solution.certificate, ""
+    if trajectory.scales is not None:
         where = f", at the scale {trajectory.scales[-1]:.6g}"
-    else:
-        notes = trajectory.notes
-        if certificate is not None and certificate.body.claims.basin:
-            where = ", proved in the basin of the optimum"
-        if (left := unspent_words(trajectory)) is not None:
-            away = f"then {left}; its rotation {away}"
+    elif certificate is not None and certificate.body.claims.basin:
+        where = ", proved in the basin of the optimum"
+    if (left := unspent_words(trajectory)) is not None:
+        away = f"then {left}; its rotation {away}"
     steps = f"{trajectory.steps} step{'s' * (trajectory.steps != 1)}"
     lines = [f"  simulation        {steps}{kicked_words(trajectory.escapes)}, {away}{where}"]
     if not trajectory.converged:
-        words = " ".join((trajectory.status.value, *notes))
+        words = " ".join((trajectory.status.value, *trajectory.notes))
         lines.append(f"                    NOT CONVERGED: {words}")
     return lines
 

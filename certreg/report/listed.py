@@ -24,7 +24,7 @@ else:
 
 
 def _simulated(trajectory: ProblemTrajectory) -> SimulatedRegistration:
-    return proved_end(trajectory.problem, trajectory.objective, trajectory)
+    return proved_end(trajectory)
 
 
 def trajectory_words(trajectory: ProblemTrajectory) -> str:

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from certreg.dynamics import BreathingTrajectory, Trajectory
+    from certreg.dynamics import Trajectory
     from certreg.registration import AnyRegistration, SpringRegistration
 
 WIDTH, HEIGHT, MARGIN = 240, 160, 10  # pixels
@@ -146,15 +146,17 @@ def springs_picture(registration: SpringRegistration) -> Picture | None:
     )
 
 
-def energy_picture(trajectory: Trajectory | BreathingTrajectory) -> Picture | None:
+def energy_picture(trajectory: Trajectory) -> Picture | None:
     """The energy over time, as a line; None where that leaves the doubles."""
     with np.errstate(over="ignore", invalid="ignore"):
         energy = trajectory.potential + trajectory.kinetic
     return _over_time(trajectory.times, energy, "the energy over time, from the start to rest")
 
 
-def scale_picture(trajectory: BreathingTrajectory) -> Picture | None:
-    """The scale over time, as a line from 0 up; None where that leaves the doubles."""
+def scale_picture(trajectory: Trajectory) -> Picture | None:
+    """The scale over time, as a line from 0 up; None where it is 1, or leaves the doubles."""
+    if trajectory.scales is None:
+        return None
     words = "the scale over time, from 1 to rest"
     return _over_time(trajectory.times, trajectory.scales, words)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from certreg.registration import NO_RATE, at_end_words, moving_words
+from certreg.registration import at_end_words, moving_words
 from certreg.report.cards import Card
 from certreg.report.encoding import encoded
 from certreg.report.lines import number, step_words
@@ -52,8 +52,8 @@ def spring_simulation_document(run: SimulatedSprings) -> Document:
             "basin": {"verdict": run.basin.ruling.value, "words": run.basin.words},
             "escapes": run.escapes,
             "residual": run.speed,
-            "predicted_rate": NO_RATE,
-            "decay_rate": NO_RATE,
+            "predicted_rate": run.stated("predicted_rate"),
+            "decay_rate": run.stated("decay_rate"),
             "angle_to_pose_deg": math.degrees(run.angle_to_best),
             "energy": {"initial": initial, "final": final},
             "excess": run.excess,

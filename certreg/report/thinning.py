@@ -88,7 +88,7 @@ def thinned(trajectory: Trajectory, start: int | None = None) -> Run:
         last=float(times[-1]),
         end=trajectory.quaternion,
         converged=trajectory.converged,
-        left=trajectory.energy_left,
+        left=trajectory.energy_left or 0.0,
         escapes=trajectory.escapes,
     )
 
@@ -147,7 +147,7 @@ def left_words(left: float) -> str:
 def unspent_words(trajectory: Trajectory) -> str | None:
     """That a body is slow before it has come down to the optimum; None where it has, or is not."""
     left = trajectory.energy_left
-    if not trajectory.converged or left <= UNSPENT:
+    if left is None or not trajectory.converged or left <= UNSPENT:
         return None
     return f"slower than the tolerance, {left_words(left)}"
 

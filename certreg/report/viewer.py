@@ -14,14 +14,13 @@ from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
-from certreg.dynamics import Trajectory
 from certreg.exact import nearest_double
 from certreg.problem import lift
 from certreg.report.lines import margin_words, number, unit_words
 from certreg.report.markup import printable
 from certreg.report.thinning import UNSPENT, Run, left_words, shown_motion, simulated_escapes
 from certreg.report.words import component_name, component_words, factor_words, lie_words
-from certreg.results import Optimality
+from certreg.results import Absent, Optimality
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -113,7 +112,7 @@ def scene_document(registration: Registration, names: Names) -> dict[str, Any]:
     problem, solution = registration.problem, registration.solution
     equilibria = registration.equilibria
     trajectory = solution.trajectory
-    runs = [shown_motion(solution, trajectory)] if isinstance(trajectory, Trajectory) else []
+    runs = [] if isinstance(trajectory, Absent) else [shown_motion(solution, trajectory)]
     runs += simulated_escapes(solution, problem.damping)
     exponent = runs[0].length_exponent if runs else 0
     unit = solution.moments.total_weight * (4**exponent if exponent >= 0 else 1)

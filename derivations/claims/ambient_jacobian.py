@@ -152,7 +152,7 @@ CLAIM = Claim(
         "derivations.motion.rate",
     ),
     used_by=(
-        "certreg.dynamics.body.Body.ambient_jacobian",
+        "certreg.dynamics.rigid.RigidBody.ambient_jacobian",
         "derivations.linearisation",
     ),
     coq=(

@@ -188,7 +188,7 @@ CLAIM = Claim(
     ),
     used_by=(
         "certreg.equilibrium.stability.linearised_spectrum",
-        "certreg.dynamics.body.Body.ambient_jacobian",
+        "certreg.dynamics.rigid.RigidBody.ambient_jacobian",
     ),
     coq=(
         "six_rates_vanish",

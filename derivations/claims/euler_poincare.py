@@ -206,7 +206,7 @@ CLAIM = Claim(
     needs=("kinetic_energy", "potential_energy", "total_force", "total_torque"),
     standard=("The fundamental lemma of the calculus of variations.",),
     runs=("derivations.motion.rate",),
-    used_by=("certreg.dynamics.body.Body.rate",),
+    used_by=("certreg.dynamics.rigid.RigidBody.rate",),
     not_in_coq=(
         "In Coq the equations of motion are a definition, written point by point; no "
         "principle of mechanics leads to them there."

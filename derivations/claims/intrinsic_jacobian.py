@@ -166,7 +166,7 @@ CLAIM = Claim(
         "derivations.motion.rate",
     ),
     used_by=(
-        "certreg.dynamics.body.Body.intrinsic_jacobian",
+        "certreg.dynamics.rigid.RigidBody.intrinsic_jacobian",
         "certreg.equilibrium.stability",
         "derivations.linearisation",
     ),

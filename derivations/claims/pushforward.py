@@ -135,8 +135,8 @@ CLAIM = Claim(
         "derivations.linearisation.intrinsic_jacobian",
     ),
     used_by=(
-        "certreg.dynamics.body.Body.ambient_jacobian",
-        "certreg.dynamics.body.Body.intrinsic_jacobian",
+        "certreg.dynamics.rigid.RigidBody.ambient_jacobian",
+        "certreg.dynamics.rigid.RigidBody.intrinsic_jacobian",
     ),
     not_in_coq=r"The $12\times12$ Jacobian is not written down in Coq.",
 )

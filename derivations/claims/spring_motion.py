@@ -7,7 +7,7 @@ from typing import Any
 
 import sympy
 
-from certreg.dynamics.spring_body import without_traces
+from certreg.dynamics.springs import without_traces
 
 from ..algebra import combination, contraction, identity
 from ..hypotheses import INERTIA_INVERSE, ROTATION
@@ -280,10 +280,10 @@ CLAIM = Claim(
     needs=("euler_poincare", "kinetic_energy", "midpoint", "splitting"),
     standard=("The fundamental lemma of the calculus of variations.",),
     runs=(
-        "certreg.dynamics.spring_body.without_traces",
+        "certreg.dynamics.springs.without_traces",
         "derivations.spring_motion.rate",
         "derivations.spring_integrators.balance",
     ),
-    used_by=("certreg.dynamics.spring_simulation.simulate_springs",),
+    used_by=("certreg.dynamics.simulation.simulate",),
     not_in_coq="Nothing in Coq speaks of general springs in motion.",
 )

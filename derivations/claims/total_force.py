@@ -113,7 +113,7 @@ CLAIM = Claim(
     runs=("derivations.motion.newton_euler",),
     used_by=(
         "derivations.motion.rate",
-        "certreg.dynamics.body.Body.rate",
+        "certreg.dynamics.rigid.RigidBody.rate",
     ),
     coq=("force_reduction",),
     not_in_coq="Nothing: the whole claim is proved there, for every matrix $R$.",

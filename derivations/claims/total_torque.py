@@ -156,7 +156,7 @@ CLAIM = Claim(
     ),
     used_by=(
         "derivations.motion.rate",
-        "certreg.dynamics.body.Body.rate",
+        "certreg.dynamics.rigid.RigidBody.rate",
     ),
     coq=(
         "torque_reduction",

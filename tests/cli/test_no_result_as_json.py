@@ -65,7 +65,7 @@ def test_where_no_motion_meets_enough_pairs(clouds, options, begun):
     [
         (("assess", "--pose"), judging, "judged"),
         (("equilibria",), dynamics, "enumerated"),
-        (("simulate",), dynamics, "_simulated"),
+        (("simulate",), dynamics, "run"),
     ],
 )
 def test_of_every_command_with_that_option(clouds, monkeypatch, command, module, step, code):

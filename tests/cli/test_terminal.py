@@ -160,13 +160,13 @@ def test_info_names_the_system_and_the_machine():
 
 def test_notes_on_a_simulation_stand_on_stderr(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     module = import_module("certreg.cli.dynamics")
-    found = module.simulated
+    found = module.run
 
     def noted(*arguments: Any, **more: Any) -> Any:
         end = found(*arguments, **more)
-        return replace(end, trajectory=replace(end.trajectory, notes=("one", "two")))
+        return replace(end, course=replace(end.course, notes=("one", "two")))
 
-    monkeypatch.setattr(module, "simulated", noted)
+    monkeypatch.setattr(module, "run", noted)
     cloud = write_csv(tmp_path / "a.csv", [[0, 0, 0], [1, 0, 0], [0, 2, 0], [0, 0, 3]])
     run = certreg("simulate", cloud, cloud)
 

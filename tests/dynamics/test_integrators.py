@@ -16,15 +16,15 @@ from test_simulation import proved_end
 from certreg.dynamics import integrators
 from certreg.dynamics.basin import basins_of, certified_basin
 from certreg.dynamics.batch import Bodies, Ends, bodies_of, simulate_many
-from certreg.dynamics.body import body_of
 from certreg.dynamics.integrators import (
     SimulationSettings,
     _halved,
     spring_ratios,
     step_parameters,
 )
+from certreg.dynamics.rigid import rigid_body
 from certreg.dynamics.simulation import optimal_damping, simulate
-from certreg.dynamics.trajectory import SimulationStatus
+from certreg.dynamics.status import SimulationStatus
 from certreg.errors import DegenerateProblemError, InvalidProblemError
 from certreg.geometry.so3 import rotation_matrix
 from certreg.native.engine import current_engine
@@ -291,7 +291,7 @@ def test_the_inverse_of_the_inertia_is_rounded_once():
     """Of J in integers: a body 1e5 times as long as thick, where that of J in doubles is not."""
     points = np.random.default_rng(33).normal(size=(9, 3)) * [1.0, 1e-5, 1e-5]
     moments = exact_moments(RegistrationProblem(points, points[:, [1, 2, 0]]))
-    body = body_of(moments, 2.0)
+    body = rigid_body(moments, 2.0)
     unit = Fraction(4) ** (moments.source_exponent - body.length_exponent) / moments.mass**2
     known: Any = Matrix(3, 3, lambda i, j: Rational(moments.inertia[i][j] * unit)).inv()
     found = symmetric(body.record["inertia_inverse"])
@@ -511,7 +511,7 @@ def test_a_batch_ends_where_each_problem_does(integrator):
         problem = RegistrationProblem(clouds.sources[k], clouds.targets[k], weights=weights[k])
         found = Isotropic(exact_moments(problem))
         trajectory = simulate(found, 2.0, integrator, settings=exact)
-        own = body_of(found.moments, 2.0)
+        own = rigid_body(found.moments, 2.0)
         basin = certified_basin(found, own.length_exponent)
         shift = 4.0 ** (own.length_exponent - int(bodies.length_exponents[k]))
 

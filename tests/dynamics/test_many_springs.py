@@ -9,7 +9,7 @@ import pytest
 import spring_families
 
 from certreg import RegistrationProblem, bodies_on_springs, simulate_many, solve_many_springs
-from certreg.dynamics import SimulationSettings, simulate_springs
+from certreg.dynamics import SimulationSettings, simulate
 from certreg.errors import DegenerateProblemError, InvalidProblemError
 from certreg.native import Integrator
 from certreg.objective import Springs
@@ -29,7 +29,7 @@ def test_each_of_many_bodies_ends_where_it_does_alone(integrator):
     for k, one in enumerate(MADE):
         problem = RegistrationProblem(one.source, one.target, normals=one.springs["normals"])
         objective = Springs(spring_moments(problem))
-        alone = simulate_springs(objective, problem.damping, Integrator(integrator))
+        alone = simulate(objective, problem.damping, Integrator(integrator))
         assert alone.at_rest is bool(ends.at_rest[k])
         assert abs(int(alone.steps) - int(ends.steps[k])) <= 1
         assert np.abs(alone.quaternion - ends.states["q"][k]).max() < 1e-9

@@ -18,10 +18,11 @@ from certreg.certificate.checking import check_own, verify
 from certreg.certificate.isotropic import RotationState
 from certreg.certificate.producing import produce, proves_basin
 from certreg.dynamics import integrators
-from certreg.dynamics.body import body_of, state_at_rest
 from certreg.dynamics.integrators import SimulationSettings
+from certreg.dynamics.rigid import rigid_body
 from certreg.dynamics.simulation import optimal_damping, simulate
-from certreg.dynamics.trajectory import SimulationStatus
+from certreg.dynamics.states import state_at_rest
+from certreg.dynamics.status import SimulationStatus
 from certreg.equilibrium.presentation import rotation_double, unit_double
 from certreg.equilibrium.spectral import by_eigenspaces
 from certreg.errors import ContradictionError, DegenerateProblemError, InvalidProblemError
@@ -38,7 +39,7 @@ from certreg.registration import certified, certify
 from certreg.registration.agreement import require_sound_trajectory
 from certreg.registration.examples import STORIES, tell
 from certreg.registration.exit_codes import DONE, code_of_registration
-from certreg.registration.result import final_state
+from certreg.registration.simulation import final_state
 from certreg.report import registration_summary, result_document
 from certreg.results import Optimality
 
@@ -470,7 +471,7 @@ def pointwise_derivative(problem, damping, state):
 def test_the_derivative_is_the_sum_of_the_forces_on_the_points(seed):
     rng = np.random.default_rng(seed)
     problem = random_problem(rng, n=9, noise=0.3, scale=float(10 ** rng.uniform(-3, 3)), decades=2)
-    moving = body_of(exact_moments(problem), 1.7)
+    moving = rigid_body(exact_moments(problem), 1.7)
     R = random_rotation(rng)
     state = np.concatenate([rng.normal(size=3), R.ravel(), rng.normal(size=6)])
     unit = 2.0**moving.length_exponent
@@ -486,7 +487,7 @@ def test_the_derivative_is_the_sum_of_the_forces_on_the_points(seed):
 def test_the_energies_are_the_sums_over_points_and_springs(seed):
     rng = np.random.default_rng(seed)
     problem = random_problem(rng, n=9, noise=0.3, scale=7.0)
-    moving = body_of(exact_moments(problem), 1.0)
+    moving = rigid_body(exact_moments(problem), 1.0)
     R, c = random_rotation(rng), rng.normal(size=3)
     unit, w = 2.0**moving.length_exponent, problem.weights
     arm = problem.source - w @ problem.source / w.sum()
@@ -496,11 +497,11 @@ def test_the_energies_are_the_sums_over_points_and_springs(seed):
     v, omega = rng.normal(size=(2, 3))
     found = moving.energies(np.array([*c, *R.ravel(), *v, *omega]))
     turning = w @ (np.cross(omega, arm) ** 2).sum(axis=1) / w.sum() / unit**2 / 2
-    assert found.potential == pytest.approx(expected)
-    assert found.translation == pytest.approx(v @ v / 2)
-    assert found.rotation == pytest.approx(turning)
-    assert found.kinetic == pytest.approx(v @ v / 2 + turning)
-    assert found.alignment == pytest.approx((moving.spread + c @ c - expected) / 2)
+    assert found["potential"] == pytest.approx(expected)
+    assert found["translation"] == pytest.approx(v @ v / 2)
+    assert found["rotation"] == pytest.approx(turning)
+    assert moving.kinetic(found) == pytest.approx(v @ v / 2 + turning)
+    assert found["alignment"] == pytest.approx((moving.spread + c @ c - expected) / 2)
 
 
 @pytest.mark.parametrize("step", [1e-4, 0.01, 1.0, 30.0])

@@ -10,11 +10,12 @@ import pytest
 from engines import engine as either
 
 from benchmarks.rates.spring_stability import counted, unstable_directions
-from certreg.dynamics import spring_simulation
+from certreg.dynamics.body import steps_of
 from certreg.dynamics.integrators import SimulationSettings
 from certreg.dynamics.simulation import simulate
-from certreg.dynamics.spring_body import MovingSprings, moving_springs, without_traces
-from certreg.dynamics.spring_simulation import SpringStatus, simulate_springs, spring_steps
+from certreg.dynamics.springs import SpringBody, spring_body, without_traces
+from certreg.dynamics.states import CUBE
+from certreg.dynamics.status import SpringStatus
 from certreg.errors import DegenerateProblemError, InvalidProblemError
 from certreg.geometry.so3 import rotation_matrix
 from certreg.native.layout import QUATERNION_STATE, plain
@@ -63,7 +64,7 @@ def any_state(seed: int) -> Any:
 class Points:
     """The same body as sums over its points, written as one reads them."""
 
-    def __init__(self, problem: RegistrationProblem, moving: MovingSprings) -> None:
+    def __init__(self, problem: RegistrationProblem, moving: SpringBody) -> None:
         L = np.zeros((problem.n, 3, 3))
         L[:, (0, 1, 1, 2, 2, 2), (0, 0, 1, 0, 1, 2)] = problem.factors
         unit = 2.0**moving.length_exponent
@@ -90,15 +91,15 @@ class Points:
 
 @pytest.mark.parametrize("problem", [planes(), matrices()])
 def test_the_generated_functions_are_sums_over_the_points(problem):
-    moving = moving_springs(spring_moments(problem), 1.3)
+    moving = spring_body(spring_moments(problem), 1.3)
     points, state = Points(problem, moving), any_state(2)
     R = np.array(rotation_matrix(state["q"].tolist()))
 
     energies = moving.energies(state)
     _, force = moving.curvature(state)
 
-    assert energies[2] == pytest.approx(points.potential(state["c"], R), rel=1e-13)
-    assert energies[:2].sum() == pytest.approx(points.kinetic(state), rel=1e-13)
+    assert energies["potential"] == pytest.approx(points.potential(state["c"], R), rel=1e-13)
+    assert moving.kinetic(energies) == pytest.approx(points.kinetic(state), rel=1e-13)
     assert np.allclose(force, points.pulls(state), rtol=1e-12, atol=1e-12)
 
 
@@ -116,7 +117,7 @@ def moved(state: Any, change: Any) -> Any:
 
 
 def test_the_hessian_and_the_linearisation_are_derivatives():
-    moving, state, h = moving_springs(spring_moments(matrices()), 1.3), any_state(3), 1e-6
+    moving, state, h = spring_body(spring_moments(matrices()), 1.3), any_state(3), 1e-6
     hessian, _ = moving.curvature(state)
     jacobian, inverse = moving.jacobian(state), np.linalg.inv(moving.inertia)
 
@@ -139,9 +140,9 @@ def test_the_hessian_and_the_linearisation_are_derivatives():
 
 
 def run(problem: RegistrationProblem, integrator: Integrator, start: Any, h: float) -> Any:
-    moving = moving_springs(spring_moments(problem), 1.3)
+    moving = spring_body(spring_moments(problem), 1.3)
     settings = SimulationSettings(step=h, speed_tolerance=1e-6)
-    return simulate_springs(
+    return simulate(
         objective_of(problem), moving.damping, integrator, start=start, settings=settings
     )
 
@@ -167,8 +168,8 @@ def test_the_midpoint_rule_loses_what_damping_takes_to_rounding(problem, h):
 def test_both_integrators_approach_one_motion():
     problem, start, ends = planes(), any_state(5), {}
     for integrator, h in ((STEPS[0], 1e-3), (STEPS[1], 1e-3), (STEPS[1], 5e-4)):
-        moving = moving_springs(spring_moments(problem), 1.3)
-        steps = spring_steps(integrator, (moving,), start[None], SimulationSettings(step=h))
+        moving = spring_body(spring_moments(problem), 1.3)
+        steps = steps_of(integrator, (moving,), start[None], SimulationSettings(step=h))
         batch = Batch.of(integrator, bodies=moving.record[None], steps=steps, states=start[None])
         rules = Rules(
             speed_tolerance=0.0, rest_share=0.0, first_perturbation=0.0, max_steps=round(1 / h)
@@ -192,7 +193,7 @@ def test_isotropic_data_move_as_on_the_isotropic_road(integrator):
     general = RegistrationProblem(source, target, factors=factors)
 
     one = simulate(Isotropic(exact_moments(alone)), 1.5, integrator, settings=settings)
-    other = simulate_springs(objective_of(general), 1.5, integrator, settings=settings)
+    other = simulate(objective_of(general), 1.5, integrator, settings=settings)
 
     mine, theirs = one.course.samples["state"], other.samples["state"]
     unit = 2.0 ** (other.length_exponent - one.length_exponent)
@@ -207,10 +208,10 @@ def test_one_wall_released_with_a_sliding_velocity_comes_to_rest(integrator):
     source = np.random.default_rng(7).normal(size=(10, 3))
     target = source + np.array([3, 0, 0.5])
     wall = RegistrationProblem(source, target, normals=[[0.0, 0.0, 1.0]] * 10)
-    start = moving_springs(spring_moments(wall), 1.5).start.copy()
+    start = spring_body(spring_moments(wall), 1.5).start.copy()
     start["v"], start["omega"] = (1.0, 2.0, 0.0), (0.0, 0.0, 0.7)
 
-    found = simulate_springs(objective_of(wall), 1.5, integrator, start=start)
+    found = simulate(objective_of(wall), 1.5, integrator, start=start)
 
     assert found.at_rest
     assert found.speed < 1e-4
@@ -227,7 +228,7 @@ def test_a_body_on_a_saddle_is_perturbed_off_it():
     factors = np.tile([1.0, 0.0, 1.0, 0.0, 0.0, 1.0], (6, 1))
     turned = RegistrationProblem(source, source * [1.0, -1.0, -1.0], factors=factors)
 
-    found = simulate_springs(objective_of(turned), 1.5)
+    found = simulate(objective_of(turned), 1.5)
 
     assert found.escapes >= 1
     assert found.at_rest
@@ -236,11 +237,11 @@ def test_a_body_on_a_saddle_is_perturbed_off_it():
 
 def test_compiled_code_and_python_take_the_same_way():
     problem, start = planes(8, 3), any_state(8)
-    moving = moving_springs(spring_moments(problem), 1.3)
+    moving = spring_body(spring_moments(problem), 1.3)
     for integrator in STEPS:
         ends = []
         for engine in (either("library"), either("evaluator")):
-            steps = spring_steps(integrator, (moving,), start[None], SimulationSettings())
+            steps = steps_of(integrator, (moving,), start[None], SimulationSettings())
             batch = Batch.of(
                 integrator, bodies=moving.record[None], steps=steps, states=start[None]
             )
@@ -253,10 +254,10 @@ def test_compiled_code_and_python_take_the_same_way():
 
 @pytest.mark.slow
 def test_bodies_side_by_side_end_as_each_alone():
-    bodies = [moving_springs(spring_moments(planes(20, seed)), 1.5) for seed in range(19)]
+    bodies = [spring_body(spring_moments(planes(20, seed)), 1.5) for seed in range(19)]
     starts = np.array([body.start for body in bodies])
     for integrator in STEPS:
-        steps = spring_steps(integrator, bodies, starts, SimulationSettings())
+        steps = steps_of(integrator, bodies, starts, SimulationSettings())
         records = np.array([body.record for body in bodies])
         many = Batch.of(integrator, bodies=records, steps=steps, states=starts)
         either("library").run(many, RULES)
@@ -273,23 +274,21 @@ def test_a_collinear_source_is_refused():
     line = np.arange(5.0)[:, None] * [1.0, 2.0, 3.0]
     problem = RegistrationProblem(line, line, normals=np.random.default_rng(0).normal(size=(5, 3)))
     with pytest.raises(DegenerateProblemError, match="collinear"):
-        simulate_springs(objective_of(problem), 1.5)
+        simulate(objective_of(problem), 1.5)
 
 
 def test_explicit_euler_is_refused():
     with pytest.raises(InvalidProblemError, match="take 'midpoint'"):
-        simulate_springs(objective_of(planes()), 1.5, Integrator.EULER)
+        simulate(objective_of(planes()), 1.5, Integrator.EULER)
 
 
 def test_steps_that_run_out_are_told():
     few = SimulationSettings(max_steps=2)
-    assert simulate_springs(objective_of(planes()), 1.5, settings=few).status is (
-        SpringStatus.OUT_OF_STEPS
-    )
+    assert simulate(objective_of(planes()), 1.5, settings=few).status is (SpringStatus.OUT_OF_STEPS)
 
 
 def test_the_rotations_of_the_cube_are_24():
-    R = np.array([rotation_matrix(q.tolist()) for q in spring_simulation.CUBE])
+    R = np.array([rotation_matrix(q.tolist()) for q in CUBE])
     assert len({tuple(np.round(r).ravel()) for r in R}) == 24
     assert np.abs(R - np.round(R)).max() < 1e-15
 
@@ -310,6 +309,6 @@ def test_unstable_eigenvalues_are_the_proved_index():
 
 def test_an_index_that_is_wrong_is_seen():
     problem = planes(20, 2)
-    moving = moving_springs(spring_moments(problem), 1.3)
+    moving = spring_body(spring_moments(problem), 1.3)
     q = np.array([1.0, 0.0, 0.0, 0.0])
     assert unstable_directions(moving, q, np.eye(6)) != 6

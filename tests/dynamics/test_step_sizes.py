@@ -13,22 +13,16 @@ from strategies import ZOO, random_problem
 from certreg.dynamics import integrators, trajectory
 from certreg.dynamics.basin import SMALLEST_BARRIER, basins_of, certified_basin
 from certreg.dynamics.batch import bodies_of, simulate_many
-from certreg.dynamics.body import (
-    SMALLEST_INERTIA,
-    body_of,
-    clearly_thick,
-    exponent_of,
-    require_thick,
-    start_at_rest,
-    state_at_rest,
-)
+from certreg.dynamics.body import SMALLEST_INERTIA, clearly_thick, exponent_of, require_thick
 from certreg.dynamics.integrators import (
     EULER_STEP,
     SimulationSettings,
     spring_ratios,
     step_parameters,
 )
+from certreg.dynamics.rigid import rigid_body
 from certreg.dynamics.simulation import optimal_damping, simulate
+from certreg.dynamics.states import start_at_rest, state_at_rest
 from certreg.errors import DegenerateProblemError
 from certreg.geometry.so3 import rotation_matrix
 from certreg.native.layout import BODY, symmetric
@@ -45,7 +39,7 @@ def objective_of(problem: RegistrationProblem) -> Isotropic:
 
 
 def steps_of(objective, damping, integrator, settings=ANY_STEP):
-    moving = body_of(objective.moments, damping)
+    moving = rigid_body(objective.moments, damping)
     basin = certified_basin(objective, moving.length_exponent)
     records = moving.record[None], basin.record[None]
     return step_parameters(integrator, *records, settings)[0]
@@ -56,7 +50,7 @@ def steps_of(objective, damping, integrator, settings=ANY_STEP):
 def test_an_euler_step_is_at_most_a_quarter_of_the_largest_stable_one(damping, noise):
     """I + h A contracts a mode s where h < -2 Re(s) / |s|^2; at the optimum, all of them."""
     objective = objective_of(random_problem(np.random.default_rng(3), noise=noise))
-    moving = body_of(objective.moments, damping)
+    moving = rigid_body(objective.moments, damping)
     basin = certified_basin(objective, moving.length_exponent)
     turn = np.array(rotation_matrix(basin.optimum.tolist()))
     modes = np.linalg.eigvals(moving.intrinsic_jacobian(state_at_rest(turn)))
@@ -159,7 +153,7 @@ def test_a_splitting_step_has_the_decay_and_the_impulse_of_its_length(damping):
     objective = objective_of(random_problem(np.random.default_rng(3), noise=0.3))
     step = steps_of(objective, damping, Integrator.SPLITTING)
     h = float(step["h"])
-    moving = body_of(objective.moments, damping)
+    moving = rigid_body(objective.moments, damping)
     basin = certified_basin(objective, moving.length_exponent)
     stiffest = spring_ratios(moving.record[None], basin.record[None]).max()
 
@@ -176,7 +170,7 @@ def test_the_unit_of_length_changes_nothing_that_moves(power):
         np.ldexp(plain.source, power), np.ldexp(plain.target, power), weights=plain.weights
     )
     one, other = objective_of(plain), objective_of(scaled)
-    body, large = body_of(one.moments, 2.0), body_of(other.moments, 2.0)
+    body, large = rigid_body(one.moments, 2.0), rigid_body(other.moments, 2.0)
     basin = certified_basin(one, body.length_exponent)
     grown = certified_basin(other, large.length_exponent)
 
@@ -245,26 +239,26 @@ def test_a_rate_is_given_where_the_optimum_is_unique(specimen):
     assert (run.predicted_rate is not None) == objective.classification.unique
     if run.predicted_rate is None:
         assert run.decay_rate is None
-        assert run.stated("decay_rate") is run.stated("predicted_rate") is trajectory.NO_RATE
+        assert run.stated("decay_rate") is run.stated("predicted_rate") is run.moving.NO_RATE
 
 
 @pytest.mark.parametrize("rate", [0.2, 1.5])
 def test_the_measured_rate_is_half_the_slope_of_the_energy_in_its_tail(rate):
     """Of an energy that falls twice as fast before a thousandth is left, and rests at rounding."""
     objective = objective_of(random_problem(np.random.default_rng(5), noise=0.0))
-    body = body_of(objective.moments, 2.0)
+    body = rigid_body(objective.moments, 2.0)
     basin = certified_basin(objective, body.length_exponent)
     turn = np.array(rotation_matrix(basin.optimum.tolist()))
-    least = body.energies(state_at_rest(turn)).potential
+    least = float(body.energies(state_at_rest(turn))["potential"])
     times = np.arange(400.0) * 0.05 / rate
     knee = math.log(1000.0) / (4.0 * rate)
     above = np.exp(-4.0 * rate * np.minimum(times, knee) - 2.0 * rate * np.maximum(0, times - knee))
-    energy = least + body.spread * np.maximum(above, 0.9e-13)
+    high = (least + body.spread * np.maximum(above, 0.9e-13)) - least
 
-    assert trajectory._decay_rate(times, energy, body, basin) == pytest.approx(rate, rel=1e-3)
+    assert trajectory._decay_rate(times, high, body.spread) == pytest.approx(rate, rel=1e-3)
     first = int(np.argmax(above < 1e-3))  # four samples make a line
-    assert trajectory._decay_rate(times[: first + 3], energy[: first + 3], body, basin) is None
-    assert trajectory._decay_rate(times[: first + 4], energy[: first + 4], body, basin) is not None
+    assert trajectory._decay_rate(times[: first + 3], high[: first + 3], body.spread) is None
+    assert trajectory._decay_rate(times[: first + 4], high[: first + 4], body.spread) is not None
 
 
 def test_a_source_is_thick_where_its_determinant_says_so_and_else_by_its_eigenvalues():

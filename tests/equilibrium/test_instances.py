@@ -14,7 +14,8 @@ from strategies import ZOO, Specimen, random_problem, random_rotation
 
 from certreg import equilibria
 from certreg.dynamics.batch import bodies_of
-from certreg.dynamics.body import body_of, start_at_rest
+from certreg.dynamics.rigid import rigid_body
+from certreg.dynamics.states import start_at_rest
 from certreg.equilibrium import batch as instances
 from certreg.equilibrium.batch import Solutions, exactly, solve_many
 from certreg.equilibrium.stability import Oscillations, linearised_spectrum
@@ -212,7 +213,7 @@ def test_every_pose_is_at_rest_with_the_spectrum_of_the_derived_jacobian():
     assert found.eigenvalues is not None
 
     for k in range(6):
-        moving = body_of(exact_moments(problem_of(given, k)), 0.9)
+        moving = rigid_body(exact_moments(problem_of(given, k)), 0.9)
         for row, q in enumerate(found.quaternions[k]):
             turned = np.array(rotation_matrix(q.tolist())).ravel()
             state = np.concatenate([np.zeros(3), turned, np.zeros(6)])
@@ -231,7 +232,7 @@ def test_a_batch_has_the_body_and_the_start_of_each_problem(scale):
 
     for k in range(30):
         one = exact_moments(problem_of(given, k))
-        moving = body_of(one, 0.7)
+        moving = rigid_body(one, 0.7)
         finer = int(found.length_exponents[k]) - moving.length_exponent
         assert finer in {0, 1}  # each takes a power of two next to the radius
         units = 4.0 ** (finer * np.array([1.0] * 15 + [-1.0] * 6 + [1.0, 0.0]))

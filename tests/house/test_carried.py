@@ -13,8 +13,9 @@ from strategies import AXES, LINE, random_problem
 
 from certreg.dynamics.basin import SMALLEST_BARRIER, basins_of, certified_basin
 from certreg.dynamics.batch import bodies_of, simulate_many
-from certreg.dynamics.body import SMALLEST_INERTIA, body_of
+from certreg.dynamics.body import SMALLEST_INERTIA
 from certreg.dynamics.integrators import SimulationSettings
+from certreg.dynamics.rigid import rigid_body
 from certreg.dynamics.simulation import optimal_damping, simulate
 from certreg.equilibrium.batch import solve_many
 from certreg.errors import DegenerateProblemError, InvalidProblemError
@@ -130,7 +131,7 @@ def test_what_states_no_problem_is_carried_by_the_error(call, carried):
     [
         (lambda: bodies_of(FLAT, MANY), SMALLEST_INERTIA, 2),
         (
-            lambda: body_of(objective_of(POINTS * [1.0, 1e-9, 1e-9], POINTS).moments, 2.0),
+            lambda: rigid_body(objective_of(POINTS * [1.0, 1e-9, 1e-9], POINTS).moments, 2.0),
             SMALLEST_INERTIA,
             None,
         ),

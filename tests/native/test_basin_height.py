@@ -15,10 +15,9 @@ from engines import engine
 from scipy.spatial.transform import Rotation
 from strategies import random_problem
 
-from certreg.dynamics import body as dynamics
-from certreg.dynamics import simulation
 from certreg.dynamics.basin import certified_basin
 from certreg.dynamics.integrators import SimulationSettings
+from certreg.dynamics.rigid import rigid_body
 from certreg.native import loops
 from certreg.native.layout import named, width
 from certreg.objective.isotropic import Isotropic
@@ -44,7 +43,7 @@ def ended(
         bodies=body.record.reshape(1),
         basins=basin.record.reshape(1),
         steps=named(np.full((1, width(integrator.step)), 0.1), integrator.step),
-        states=simulation._stepped(state, integrator),
+        states=body.stated(state, integrator),
     )
     machine.run(batch, RULES)
     return loops.Ending(int(batch.status[0]))
@@ -57,7 +56,7 @@ def test_a_slow_body_may_stop_below_a_share_of_the_barrier_and_not_above(name, i
     rng = np.random.default_rng(16)
     problem = random_problem(rng, noise=0.3, decades=2.0)
     objective = Isotropic(exact_moments(problem))
-    body = dynamics.body_of(objective.moments, problem.damping)
+    body = rigid_body(objective.moments, problem.damping)
     basin = certified_basin(objective, body.length_exponent)
     unit, mass = 2.0**body.length_exponent, problem.weights.sum()
     x, y = (

@@ -13,8 +13,8 @@ from strategies import ZOO, random_rotation
 
 from certreg.dynamics.basin import certified_basin
 from certreg.dynamics.batch import bodies_of
-from certreg.dynamics.body import body_of
 from certreg.dynamics.integrators import SimulationSettings, step_parameters
+from certreg.dynamics.rigid import rigid_body
 from certreg.equilibrium import batch as instances
 from certreg.geometry.so3 import body_frame, rotation_matrix
 from certreg.native import loops
@@ -260,7 +260,7 @@ def test_rest_at_the_optimum_is_converged_only_where_it_is_unique(machine, integ
         objective = Isotropic(exact_moments(specimen.problem))
         if not objective.classification.inertia_definite:
             continue
-        moving = body_of(objective.moments, 2.0)
+        moving = rigid_body(objective.moments, 2.0)
         basin = certified_basin(objective, moving.length_exponent)
         one = type("One", (), {"records": moving.record[None], "basins": basin.record[None]})
         batch = released(one, integrator, basin.optimum[None])  # type: ignore[arg-type]

@@ -13,8 +13,9 @@ import sympy
 from engines import c_compiler
 from engines import engine as either
 
-from certreg.dynamics.body import body_of, start_at_rest
+from certreg.dynamics.rigid import rigid_body
 from certreg.dynamics.simulation import simulate
+from certreg.dynamics.states import start_at_rest
 from certreg.io.atomic import write_files
 from certreg.native.codegen.emit import generated_files
 from certreg.native.codegen.translate import Definition, casadi_function, port
@@ -250,7 +251,7 @@ def test_the_example_says_what_it_expects(tmp_path):
 @pytest.mark.parametrize("seed", range(5))
 def test_the_jacobians_are_the_derivatives_of_the_rates(seed):
     rng = np.random.default_rng(seed)
-    moving = body_of(exact_moments(stated(STORIES[seed % 3])), 1.3)
+    moving = rigid_body(exact_moments(stated(STORIES[seed % 3])), 1.3)
     state = start_at_rest(exact_moments(stated(STORIES[seed % 3])), moving.length_exponent)
     state = state + rng.normal(size=18)
     step = 1e-6

@@ -24,6 +24,7 @@ from certreg.dynamics import body as dynamics
 from certreg.dynamics import integrators as integration
 from certreg.dynamics.basin import certified_basin
 from certreg.dynamics.integrators import SimulationSettings
+from certreg.dynamics.rigid import rigid_body
 from certreg.errors import DegenerateProblemError
 from certreg.native import engine as engines
 from certreg.native import loops
@@ -116,7 +117,7 @@ def test_other_warnings_stay_warnings(monkeypatch, data):
         warnings.warn("of another kind", UserWarning, stacklevel=1)
         pytest.fail("a warning is an error here")
 
-    monkeypatch.setattr("certreg.cli.dynamics.simulated", loud)
+    monkeypatch.setattr("certreg.cli.dynamics.run", loud)
     with pytest.raises(UserWarning, match="of another kind"):
         certreg("simulate", data / "survey_source.csv", data / "survey_target.csv")
 
@@ -215,9 +216,9 @@ def test_a_state_that_is_no_number_ends_out_of_steps_at_once(bad, integrator):
     problem = random_problem(np.random.default_rng(4))
     found = Isotropic(exact_moments(problem))
     start = np.array([bad, 0, 0, *np.eye(3).ravel(), *[0.0] * 6])
-    body = dynamics.body_of(found.moments, problem.damping)
+    body = rigid_body(found.moments, problem.damping)
     basin = certified_basin(found, body.length_exponent)
-    (state,) = simulation._stepped(start, integrator)
+    (state,) = body.stated(start, integrator)
     for machine in (loaded_library(), evaluator()):
         alone = loops.Batch.of(
             integrator,

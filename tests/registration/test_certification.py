@@ -19,8 +19,7 @@ from certreg.errors import ContradictionError, InvalidFileError, InvalidProblemE
 from certreg.objective import Isotropic
 from certreg.problem import RegistrationProblem, exact_moments
 from certreg.registration import certify
-from certreg.registration.certification import simulated
-from certreg.registration.result import final_state
+from certreg.registration.simulation import ProblemTrajectory, final_state, proved_end
 from certreg.relaxation.conic import ConicSolution, RelaxationStatus
 from certreg.results import Absent, Limits, Optimality, Ruling, Verdict
 
@@ -60,8 +59,15 @@ def test_what_is_not_asked_for_is_not_computed(bare: Registration, monkeypatch: 
         raise AssertionError
 
     monkeypatch.setattr(CERTIFICATION, "relax", computed)
-    monkeypatch.setattr(CERTIFICATION, "run", computed)
+    monkeypatch.setattr(CERTIFICATION, "simulated_motion", computed)
     import_module("certreg.registration").assess(PROBLEM, np.eye(3), np.zeros(3))
+
+
+def simulated(problem: RegistrationProblem, settings: SimulationSettings | None = None) -> Any:
+    """A motion with what is proved of its end."""
+    run = CERTIFICATION.simulate(problem, settings=settings)
+    assert isinstance(run, ProblemTrajectory)
+    return proved_end(run)
 
 
 def test_without_a_simulation_energies_are_per_weight_and_nothing_ended_anywhere(
@@ -75,13 +81,8 @@ def test_without_a_simulation_energies_are_per_weight_and_nothing_ended_anywhere
     assert not whole.solution.ended_in(replace(state, exponent=state.exponent + 1))
 
 
-def test_energies_of_a_simulation_are_potential_and_kinetic_in_objective_units(
-    monkeypatch: pytest.MonkeyPatch,
-):
-    run = CERTIFICATION.run
-    few = SimulationSettings(max_steps=3)
-    monkeypatch.setattr(CERTIFICATION, "run", lambda *a, settings: run(*a, settings=few))
-    found = simulated(PROBLEM)
+def test_energies_of_a_simulation_are_potential_and_kinetic_in_objective_units():
+    found = simulated(PROBLEM, settings=SimulationSettings(max_steps=3))
     one, unit = found.trajectory, exact_moments(PROBLEM).total_weight
     unit *= Fraction(2) ** (2 * one.length_exponent)
 
@@ -119,7 +120,7 @@ def test_a_trajectory_below_the_certified_minimum_is_a_contradiction(
     monkeypatch: pytest.MonkeyPatch, command: object
 ):
     """Below by more than its rounding; by less, as in every run to the end, is none."""
-    run = CERTIFICATION.run
+    run = CERTIFICATION.simulated_motion
 
     def sunk(*arguments: object, **more: object) -> Trajectory:
         trajectory = run(*arguments, **more)
@@ -128,7 +129,7 @@ def test_a_trajectory_below_the_certified_minimum_is_a_contradiction(
         return replace(trajectory, course=replace(trajectory.course, samples=samples))
 
     command(PROBLEM)  # type: ignore[operator]
-    monkeypatch.setattr(CERTIFICATION, "run", sunk)
+    monkeypatch.setattr(CERTIFICATION, "simulated_motion", sunk)
     with pytest.raises(ContradictionError, match="below the certified minimum"):
         command(PROBLEM)  # type: ignore[operator]
 

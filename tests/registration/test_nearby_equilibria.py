@@ -14,6 +14,7 @@ import pytest
 import spring_families
 from commands import certreg, write_csv
 from jsonschema import Draft202012Validator
+from springs_certified import moved_springs
 
 from certreg.geometry import GivenPose
 from certreg.problem import RegistrationProblem
@@ -23,12 +24,13 @@ from certreg.registration.assessment import assess
 from certreg.registration.findings import AssessmentSettings
 from certreg.registration.nearby_equilibrium import TIE, NearbyEquilibrium
 from certreg.registration.spring_findings import spring_findings, spring_verdict_of
-from certreg.registration.spring_simulation import SimulatedSprings, simulated_springs
 from certreg.report import assessment_summary
 from certreg.results import PoseVerdict
 
 if TYPE_CHECKING:
     from pathlib import Path
+
+    from certreg.registration.spring_simulation import SimulatedSprings
 
 OPEN = "; whether its rotation is as good as the best found is not decided."
 AT_REST = "The body is at rest (slower than the tolerance)"
@@ -47,7 +49,7 @@ def lines() -> Any:
 def rested() -> SimulatedSprings:
     """At another exact fit of three lines than the one that is found first."""
     x, lines = np.random.default_rng(13).normal(size=(2, 3, 3))
-    return simulated_springs(RegistrationProblem(x, x + 0.1 * lines[::-1], directions=lines))
+    return moved_springs(RegistrationProblem(x, x + 0.1 * lines[::-1], directions=lines))
 
 
 def near(excess: float, left: float = 0.0, angle: float = 0.0) -> NearbyEquilibrium:
@@ -89,7 +91,7 @@ def test_a_body_that_rests_at_another_exact_fit_is_told_to_be_as_good():
     ],
 )
 def test_the_words_follow_what_newtons_steps_reach(monkeypatch, found, as_good, words):
-    run = SimulatedSprings.of(rested().problem, rested().objective, rested())
+    run = replace(rested())
     monkeypatch.setattr(spring_simulation, "equilibrium_near", lambda *_: found)
 
     assert run.as_good is as_good

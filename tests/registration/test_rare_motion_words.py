@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 import spring_families
 from exact_springs import two_optima
+from springs_certified import moved_springs
 
 import certreg
 from certreg import RegistrationProblem
 from certreg.errors import InvalidFileError, InvalidProblemError, OutOfRangeError
 from certreg.registration.enumeration import enumerated, equilibrium_poses
 from certreg.registration.spring_enumeration import enumerated_springs
-from certreg.registration.spring_simulation import SimulatedSprings, simulated_springs
 from certreg.report import report_of
 from certreg.report.spring_equilibria import (
     spring_enumeration_summary,
@@ -29,6 +29,7 @@ from certreg.results import Absent
 
 if TYPE_CHECKING:
     from certreg.registration.spring_enumeration import SpringEnumeration
+    from certreg.registration.spring_simulation import SimulatedSprings
 
 VECTORS = Path(__file__).parents[2] / "vectors"
 SIX, SEVEN = (spring_families.instance(spring_families.LISTED[k], 0) for k in (0, 2))
@@ -58,7 +59,7 @@ def wall() -> SimulatedSprings:
     """
     source = np.random.default_rng(10).normal(size=(10, 3))
     normals = np.tile([0.0, 0.0, 1.0], (10, 1))
-    return simulated_springs(
+    return moved_springs(
         RegistrationProblem(source, source + np.array([3, 0, 0.5]), normals=normals)
     )
 
@@ -69,9 +70,7 @@ def trapped() -> SimulatedSprings:
     found = enumerated_springs(problem_of(SEVEN)).equilibria
     pose = next(each.pose for each in found.components[1:] if each.stable)
     moved = SEVEN.source @ pose.rotation.T + pose.translation
-    return simulated_springs(
-        RegistrationProblem(moved, SEVEN.target, normals=SEVEN.springs["normals"])
-    )
+    return moved_springs(RegistrationProblem(moved, SEVEN.target, normals=SEVEN.springs["normals"]))
 
 
 # --- motions

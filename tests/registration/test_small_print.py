@@ -387,6 +387,7 @@ def test_a_run_may_end_below_its_certificate_by_what_that_leaves_open(registrati
             length_exponent=0,
             states=np.zeros((len(energies), 18)),
             steps=1,
+            scales=None,
             potential=np.array(energies) / weight,
         )
 

@@ -13,12 +13,13 @@ import numpy as np
 import pytest
 from jsonschema import Draft202012Validator
 from spring_families import plane, statement
+from springs_certified import moved_springs
 
 import certreg
 from certreg.certificate.springs_basin import Barrier, barrier_of, basin_of_springs, state_energy
 from certreg.exact import Dyadic
 from certreg.problem.problem import RegistrationProblem
-from certreg.registration.spring_simulation import SimulatedSprings, simulated_springs
+from certreg.registration.spring_simulation import SimulatedSprings
 from certreg.results import Ruling
 
 SCHEMAS = Path(certreg.__file__).parent / "report" / "schemas"
@@ -32,7 +33,7 @@ def problem_of(seed: int, n: int) -> RegistrationProblem:
 @pytest.fixture(scope="module")
 def good() -> SimulatedSprings:
     """A motion that ends at the optimum."""
-    return simulated_springs(problem_of(4, 30))
+    return moved_springs(problem_of(4, 30))
 
 
 @pytest.mark.slow
@@ -91,7 +92,7 @@ def test_the_barrier_has_all_energies_of_the_second_box_at_most_above_it(good):
 
 @pytest.mark.slow
 def test_a_body_at_rest_elsewhere_is_not_called_converged():
-    spurious = simulated_springs(problem_of(11, 7), "splitting")
+    spurious = moved_springs(problem_of(11, 7), "splitting")
 
     assert spurious.at_rest
     assert not spurious.converged
@@ -105,7 +106,7 @@ def test_a_wall_is_told_to_coast():
     source = np.random.default_rng(7).normal(size=(10, 3))
     target = source + np.array([3, 0, 0.5])
     wall = RegistrationProblem(source, target, normals=[[0.0, 0.0, 1.0]] * 10)
-    run = simulated_springs(wall)
+    run = moved_springs(wall)
     assert any("coasts" in note for note in run.notes)
     assert run.converged
     assert run.basin.ruling is Ruling.INCONCLUSIVE

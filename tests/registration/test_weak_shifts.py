@@ -9,12 +9,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+from springs_certified import moved_springs
 
 from certreg.objective import Springs
 from certreg.problem import RegistrationProblem, spring_moments
 from certreg.registration.any_certification import certify
 from certreg.registration.assessment import assess
-from certreg.registration.spring_simulation import simulated_springs
 from certreg.registration.weak_shifts import HARDLY, weak_shift_words, weak_shifts
 from certreg.report import result_document
 
@@ -155,7 +155,7 @@ def test_limits_of_ones_own_do_not_hide_it():
 
 def test_a_motion_notes_the_shift_that_is_hardly_resisted():
     """A certificate of the list says that it ends at the optimum, and not that it is near."""
-    (note,) = simulated_springs(corridor(2.0**-60)).notes
+    (note,) = moved_springs(corridor(2.0**-60)).notes
 
     assert note.startswith("a shift along (0.667, -0.333, 0.667) is resisted by next to nothing: ")
     rest = "along it the body may be at rest (slower than the tolerance) far from the optimum"

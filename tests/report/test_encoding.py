@@ -87,6 +87,8 @@ def test_a_result_explains_exactly_what_is_none_and_can_be_missing(specimen: Spe
         "robustness",
         "predicted_rate",
         "decay_rate",
+        "energy_left",
+        "scales",
     }  # asked for, and so in no `absent`
     with_reasons: list[Any] = [registration, solution, solution.trajectory]
     for one in with_reasons:

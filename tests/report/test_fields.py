@@ -298,7 +298,6 @@ def test_a_simulation_alone_has_the_fields_of_one_in_a_result(registration: Regi
     for proved in (False, True):
         alone = SimulatedRegistration(
             trajectory=run,
-            energy_unit=solution.energy_unit,
             angle_to_optimum=checked(solution.agreement.simulation),
             in_certified_basin=proved,
             unique=True,

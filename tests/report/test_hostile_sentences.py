@@ -18,7 +18,7 @@ from strategies import random_rotation
 from certreg.campaign.pairs import PAIR_COLUMNS
 from certreg.geometry import why_no_rotation
 from certreg.problem import RegistrationProblem
-from certreg.registration import assess, certify, simulated
+from certreg.registration import assess, certify, proved_end, simulate
 from certreg.report import (
     assessment_summary,
     lines,
@@ -222,14 +222,20 @@ def test_what_is_left_of_the_energy_is_told_from_a_hundredth_on(left: float, *, 
     assert unspent_words(running) is None
 
 
+def simulated(problem: RegistrationProblem, integrator: str | None = None) -> Any:
+    run: Any = simulate(problem, integrator)
+    return proved_end(run)
+
+
 def test_what_is_left_is_a_share_of_what_there_was():
     trajectory: Any = proof(CLOUD, CLOUD + 5.0, simulation=True).solution.trajectory
     still: Any = proof(CLOUD, CLOUD, simulation=True).solution.trajectory
-    level = trajectory.moving.energies(trajectory.states[-1]).potential
+    level = trajectory.moving.energies(trajectory.states[-1])["potential"]
     half = np.array([4.0, 1.0]) * trajectory.moving.spread
-    logged = replace(trajectory._logged, potential=level + half, kinetic=np.zeros(2))
-    begun = replace(trajectory)
-    vars(begun)["_logged"] = logged
+    begun, samples = replace(trajectory), trajectory.samples[:2].copy()
+    samples["energies"]["potential"] = level + half
+    samples["energies"]["translation"] = samples["energies"]["rotation"] = 0.0
+    vars(begun)["samples"] = samples
 
     assert trajectory.energy_left < 1e-3
     assert begun.energy_left == pytest.approx(0.25, rel=1e-3)

@@ -134,7 +134,9 @@ def test_a_finer_motion_is_shown_only_where_it_ends(
     coarse: Any = solution.trajectory
     status = SimulationStatus.CONVERGED if arrived else SimulationStatus.OUT_OF_STEPS
     fine = replace(coarse, status=status)
-    vars(fine)["_logged"] = replace(coarse._logged, times=2.0 * coarse.times)
+    samples = coarse.samples.copy()
+    samples["time"] *= 2.0
+    vars(fine)["samples"] = samples
     monkeypatch.setattr(thinning, "simulate", lambda *_, **__: fine)
 
     assert thinning.shown_motion(solution, coarse).last == (fine if arrived else coarse).times[-1]

@@ -1,15 +1,4 @@
-"""The body on springs that are matrices: what the dynamics knows of a problem, and its functions.
-
-Spring i pulls with 2 W (y - R x - c); its point has the mass tr(W) / 3 and the damping mu times
-that, which is [Yang2020]'s body where W = w I. Only sums over the points enter, 73 numbers, and
-from them the inertia:
-
-    v' = f - mu v,    J omega' = tau - mu J omega - omega x J omega,
-
-f and tau the force and the torque of the springs. c is where the source's centre of mass is, seen
-from `SpringBody.origin`. The mass is divided out and lengths are over a power of two. Nothing is
-evaluated here: the functions are generated from the derivation (certreg/native/generated).
-"""
+"""The rigid body on springs that are matrices: its functions, and how it is made of exact sums."""
 
 from __future__ import annotations
 
@@ -20,12 +9,22 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.dynamics.body import exponent_of, require_thick
+from certreg.dynamics.body import ValleyBody, exponent_of, require_rank, require_thick
+from certreg.dynamics.states import CUBE, NO_TURN_QUATERNION, state_of
+from certreg.dynamics.status import SpringStatus
+from certreg.equilibrium import TRANSLATION_STIFFNESS
 from certreg.errors import DegenerateProblemError
-from certreg.exact import power_of_two
-from certreg.native import QUATERNION_STATE, SPRING_BODY, current_engine, named, symmetric
-from certreg.problem import UPPER
-from certreg.results import Brief
+from certreg.exact import power_of_two, rank
+from certreg.native import (
+    SPRING_BODY,
+    SPRING_ENERGIES,
+    SPRING_SAMPLE,
+    Kind,
+    named,
+    symmetric,
+)
+from certreg.problem import UPPER, Cell
+from certreg.results import Absent
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -33,6 +32,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.native import Records
+    from certreg.objective import Springs
     from certreg.problem import SpringMoments
 
 FULL = tuple(UPPER.index((min(a, b), max(a, b))) for a, b in product(range(3), repeat=2))
@@ -41,52 +41,54 @@ LEAST_STIFFNESS = 1e-10  # of the largest: directions that are weaker have their
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class MovingSprings(Brief):
-    """What the dynamics knows of a problem of general springs, per unit of mass.
+class SpringBody(ValleyBody):
+    """The body on springs that are matrices.
 
-    record: () of SPRING_BODY, lengths over 2^length_exponent. origin: what c is measured from, and
-    centre: the source's centre of mass, exact, in the user's unit. mass: M, exact.
+    record: () of SPRING_BODY. origin: what c is measured from, and centre: the source's centre of
+    mass, exact, in the user's unit. moments: all that it is made of, exactly. A state is a record
+    QUATERNION_STATE.
     """
 
-    record: Records
-    length_exponent: int
+    CELL = Cell(springs=True)
+    KIND = Kind.SPRINGS
+    ENERGIES = SPRING_ENERGIES
+    SAMPLE = SPRING_SAMPLE
+    STATUSES = SpringStatus
+    NO_RATE = Absent("not computed for general springs")
+
     origin: tuple[Fraction, ...]
     centre: tuple[Fraction, ...]
-    mass: Fraction
+    moments: SpringMoments
+
+    @property
+    def mass(self) -> Fraction:
+        """M, the sum of tr(W) / 3, exact, in the user's unit."""
+        traces = sum(self.moments.stiffness[k] for k in DIAGONAL)
+        return traces * power_of_two(self.moments.weight_exponent) / 3
 
     @property
     def start(self) -> Records:
         """The state () at rest where the source was given."""
         unit = power_of_two(-self.length_exponent)
         apart = [float((a - b) * unit) for a, b in zip(self.centre, self.origin, strict=True)]
-        return state_of((1.0, 0.0, 0.0, 0.0), apart)
+        return state_of(NO_TURN_QUATERNION, apart)
 
-    @property
-    def inertia(self) -> NDArray[np.float64]:
-        """J / M, (3, 3)."""
-        return symmetric(self.record["inertia"])
-
-    @property
-    def damping(self) -> float:
-        """The damping mu."""
-        return float(self.record["damping"])
-
-    def energies(self, state: Records) -> NDArray[np.float64]:
-        """Kinetic energy of translation, of rotation, and V_p, over M, of a state."""
-        return self._evaluated("certreg_spring_energies", state)[0]
+    def stiffest(self, start: Records) -> float:
+        """The largest curvature of the energy beside the inertia, over some rotations."""
+        hessians = [self.curvature(state_of(q))[0] for q in (*CUBE, start["q"])]
+        whitening = np.eye(6)
+        whitening[3:, 3:] = np.linalg.inv(np.linalg.cholesky(self.inertia))
+        values = np.linalg.eigvalsh(whitening @ np.array(hessians) @ whitening.T)
+        return max(float(values.max()), TRANSLATION_STIFFNESS)
 
     def curvature(self, state: Records) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """The Hessian (6, 6) of V_p / M along c + d, q exp(phi / 2); force and torque (6,)."""
-        hessian, force = self._evaluated("certreg_spring_curvature", state)
+        hessian, force = self._evaluated("curvature", state)
         return hessian.reshape(6, 6), force
 
     def jacobian(self, state: Records) -> NDArray[np.float64]:
         """The linearised dynamics in (c, phi, v, omega), (12, 12), R turned to R exp([phi]x)."""
-        return self._evaluated("certreg_spring_jacobian", state)[0].reshape(12, 12)
-
-    def squared_speed(self, state: Records) -> float:
-        """|s'|^2, of 18 numbers: nine of them those of R."""
-        return float(self._evaluated("certreg_spring_squared_speed", state)[0][0])
+        return self._evaluated("jacobian", state)[0].reshape(12, 12)
 
     def balanced(self, q: Sequence[float] | NDArray[np.float64]) -> Records:
         """The state () at rest with a unit quaternion and the c of least energy."""
@@ -97,18 +99,6 @@ class MovingSprings(Brief):
         )
         state["c"] = half[0]
         return state
-
-    def _evaluated(self, name: str, state: Records) -> tuple[NDArray[np.float64], ...]:
-        return current_engine().evaluate(name, state, self.record)
-
-
-def state_of(
-    q: Sequence[float] | NDArray[np.float64], c: Sequence[float] = (0.0, 0.0, 0.0)
-) -> Records:
-    """The state () at rest with a quaternion and a c."""
-    state = np.zeros((), dtype=QUATERNION_STATE)
-    state["q"], state["c"] = q, c
-    return state
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -126,9 +116,15 @@ class CentredSums:
     spread: Fraction
 
 
-def moving_springs(
+def body_on_springs(objective: Springs, damping: float) -> SpringBody:
+    """The body of an objective. Raises DegenerateProblemError where the dynamics is undefined."""
+    require_rank(rank(objective.mass_scatter))
+    return spring_body(objective.moments, damping)
+
+
+def spring_body(
     moments: SpringMoments, damping: float, *, length_exponent: int | None = None
-) -> MovingSprings:
+) -> SpringBody:
     """The body of a problem of general springs whose source is not collinear.
 
     The unit of length is 2^length_exponent; None: the power of two next to the root-mean-square
@@ -161,12 +157,12 @@ def moving_springs(
     if not np.isfinite(numbers).all():
         message = "the springs are beyond double precision: bring the clouds to another unit"
         raise DegenerateProblemError(message, value=float(exponent))
-    return MovingSprings(
+    return SpringBody(
         record=named(numbers, SPRING_BODY),
         length_exponent=exponent,
         origin=tuple(origin),
         centre=tuple(centre),
-        mass=mass,
+        moments=moments,
     )
 
 

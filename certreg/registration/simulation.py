@@ -1,0 +1,157 @@
+"""Simulated motions with their problems, and what is proved of where one ends."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+from certreg import objective as objectives
+from certreg import problem as problems
+from certreg._loading import found_late
+from certreg.certificate import RotationState, check_own, produce, require_accepted
+from certreg.dynamics import Trajectory, simulate
+from certreg.exact import nearest_double, power_of_two
+from certreg.native import Integrator
+from certreg.objective import Isotropic
+from certreg.problem import Verb, lift, require_supported
+from certreg.registration.agreement import require_sound_trajectory
+from certreg.results import OUT_OF_RANGE, Absent, Brief, Presented
+
+if TYPE_CHECKING:
+    from certreg.dynamics import Basin, SimulationSettings
+    from certreg.objective import Springs
+    from certreg.problem import RegistrationProblem
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class SimulatedMotion(Trajectory, Presented):
+    """A trajectory with its problem: what is known of its end is asked for when it is printed.
+
+    objective: of the problem, as the run had it.
+    """
+
+    problem: RegistrationProblem
+    objective: Isotropic | Springs
+
+    __repr__ = Trajectory.__repr__
+
+    @property
+    def energy_unit(self) -> Fraction:
+        """What the trajectory's energies are worth in objective units."""
+        return self.moving.mass * power_of_two(2 * self.length_exponent)
+
+    @property
+    def energies(self) -> tuple[float | Absent, float | Absent]:
+        """V_p + V_k at the start and at the end, in objective units."""
+        first, last = (self.potential + self.kinetic)[[0, -1]].tolist()
+        return _rounded(first, self.energy_unit), _rounded(last, self.energy_unit)
+
+
+def _rounded(value: float, unit: Fraction) -> float | Absent:
+    energy = nearest_double(Fraction(value) * unit)
+    return OUT_OF_RANGE if energy is None else energy
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ProblemTrajectory(SimulatedMotion):
+    """Of a problem of one weight per pair and scale 1, whose optimum is known."""
+
+    objective: Isotropic
+
+    __repr__ = Trajectory.__repr__
+
+    @property
+    def basin(self) -> Basin | None:
+        """What is certified of the optimum."""
+        return self.moving.basin
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class SimulatedRegistration(Brief):
+    """A simulation, and what is proved of its end.
+
+    angle_to_optimum: radians, from the last rotation to the nearest optimum.
+    in_certified_basin: the checker accepted that the exact flow from the last state ends at the
+        optimum; False means not proved, not disproved.
+    unique: whether there is one optimum.
+    """
+
+    trajectory: SimulatedMotion
+    angle_to_optimum: float
+    in_certified_basin: bool
+    unique: bool
+
+    @property
+    def energy_unit(self) -> Fraction:
+        """What the trajectory's energies are worth in objective units."""
+        return self.trajectory.energy_unit
+
+    @property
+    def energies(self) -> tuple[float | Absent, float | Absent]:
+        """V_p + V_k at the start and at the end, in objective units."""
+        return self.trajectory.energies
+
+
+KINDS = {  # by the name of the body
+    "RigidBody": lambda: ProblemTrajectory,
+    "SpringBody": found_late("certreg.registration.spring_simulation", "SimulatedSprings"),
+    "BreathingBody": found_late("certreg.registration.breathing", "SimulatedBreathing"),
+}
+
+
+def objective_of(problem: RegistrationProblem) -> Isotropic | Springs:
+    """The energy of a problem as a function of the rotation."""
+    if problem.factors is None:
+        return Isotropic.of(problem)
+    return objectives.Springs(problems.spring_moments(problem))
+
+
+def simulated_motion(
+    problem: RegistrationProblem,
+    objective: Isotropic | Springs,
+    integrator: str | None = None,
+    *,
+    settings: SimulationSettings | None = None,
+) -> SimulatedMotion:
+    """The motion of a problem, released at rest where the source was given.
+
+    integrator: None for the body's own. Raises InvalidProblemError for those that do not move such
+    a body, DegenerateProblemError where the dynamics is not defined or too stiff.
+    """
+    chosen = None if integrator is None else Integrator(integrator)
+    require_supported(problem.cell, Verb((chosen or Integrator.MIDPOINT).value))
+    made = partial(_of_its_kind, problem=problem, objective=objective)
+    return simulate(objective, problem.damping, chosen, settings=settings, kind=made)
+
+
+def _of_its_kind(**fields: Any) -> SimulatedMotion:
+    return KINDS[type(fields["moving"]).__name__]()(**fields)
+
+
+def proved_end(run: ProblemTrajectory) -> SimulatedRegistration:
+    """A trajectory with what the checker has proved of its end.
+
+    Raises ContradictionError or RefusedCertificateError where certreg contradicts itself.
+    """
+    certificate = produce(run.problem, run.objective, state=final_state(run))
+    if certificate is not None:
+        require_accepted(check_own(certificate, run.problem))
+        require_sound_trajectory(run.objective, certificate.body, run)
+    return SimulatedRegistration(
+        trajectory=run,
+        angle_to_optimum=run.objective.angle_to_optimum(lift(run.quaternion).integers),
+        in_certified_basin=certificate is not None and bool(certificate.body.claims.basin),
+        unique=run.objective.classification.unique,
+    )
+
+
+def final_state(trajectory: Trajectory) -> RotationState:
+    """The last state of a trajectory, exactly: what the basin proof is about."""
+    velocity = lift(trajectory.angular_velocity)
+    return RotationState(
+        quaternion=tuple(lift(trajectory.quaternion).integers),
+        angular_velocity=tuple(velocity.integers),
+        exponent=velocity.exponent,
+    )
