@@ -9,7 +9,10 @@ from certreg._loading import lazy_face
 if TYPE_CHECKING:
     from certreg.dynamics.basin import Basin as Basin
     from certreg.dynamics.batch import Bodies as Bodies
+    from certreg.dynamics.batch import SpringBodies as SpringBodies
+    from certreg.dynamics.batch import SpringEnds as SpringEnds
     from certreg.dynamics.batch import bodies_of as bodies_of
+    from certreg.dynamics.batch import bodies_on_springs as bodies_on_springs
     from certreg.dynamics.batch import simulate_many as simulate_many
     from certreg.dynamics.body import Body as Body
     from certreg.dynamics.breaking import SHRINKING as SHRINKING
@@ -25,9 +28,6 @@ if TYPE_CHECKING:
     from certreg.dynamics.rigid import rigid_body as rigid_body
     from certreg.dynamics.simulation import optimal_damping as optimal_damping
     from certreg.dynamics.simulation import simulate as simulate
-    from certreg.dynamics.spring_batch import SpringBodies as SpringBodies
-    from certreg.dynamics.spring_batch import SpringEnds as SpringEnds
-    from certreg.dynamics.spring_batch import bodies_on_springs as bodies_on_springs
     from certreg.dynamics.springs import SpringBody as SpringBody
     from certreg.dynamics.springs import spring_body as spring_body
     from certreg.dynamics.states import start_at_rest as start_at_rest
@@ -42,7 +42,10 @@ __getattr__ = lazy_face(
         "basin": ("Basin",),
         "batch": (
             "Bodies",
+            "SpringBodies",
+            "SpringEnds",
             "bodies_of",
+            "bodies_on_springs",
             "simulate_many",
         ),
         "body": ("Body",),
@@ -66,11 +69,6 @@ __getattr__ = lazy_face(
         "simulation": (
             "optimal_damping",
             "simulate",
-        ),
-        "spring_batch": (
-            "SpringBodies",
-            "SpringEnds",
-            "bodies_on_springs",
         ),
         "springs": (
             "SpringBody",

@@ -12,21 +12,28 @@ problem).
 >>> ends = simulate_many(bodies_of(source, targets))
 >>> bool(ends.converged.all()), ends.rotations.shape
 (True, (1000, 3, 3))
+
+On general springs each is the body that `certreg.simulate` moves, made of exact sums, with the step
+that it takes there. A body at rest is in a valley of its energy: which one does not follow.
+
+>>> normals = rng.normal(size=(20, 3))
+>>> ends = simulate_many(bodies_on_springs(source, targets[:10], normals=normals))
+>>> bool(ends.at_rest.all()), ends.rotations.shape
+(True, (10, 3, 3))
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, overload
+from typing import TYPE_CHECKING, Any, ClassVar, Protocol, Self, TypeVar
 
 import numpy as np
 
 from certreg.dynamics.basin import basins_of
-from certreg.dynamics.body import SMALLEST_INERTIA
-from certreg.dynamics.ends import ManyEnds, run_all
-from certreg.dynamics.integrators import SimulationSettings, step_parameters
-from certreg.dynamics.spring_batch import SpringBodies, simulate_on_springs
-from certreg.equilibrium import clouds, stationary_poses
+from certreg.dynamics.body import SMALLEST_INERTIA, steps_of
+from certreg.dynamics.integrators import SimulationSettings, integrate, step_parameters
+from certreg.dynamics.springs import body_on_springs
+from certreg.equilibrium import clouds, many_springs, stationary_poses
 from certreg.errors import DegenerateProblemError
 from certreg.geometry import rotation_matrices
 from certreg.native import (
@@ -38,7 +45,8 @@ from certreg.native import (
     Integrator,
     symmetric,
 )
-from certreg.problem import DEFAULT_DAMPING, checked_damping
+from certreg.objective import Springs
+from certreg.problem import DEFAULT_DAMPING, checked_damping, spring_moments
 from certreg.results import Brief
 
 if TYPE_CHECKING:
@@ -46,11 +54,88 @@ if TYPE_CHECKING:
 
     from numpy.typing import ArrayLike, NDArray
 
-    from certreg.dynamics.spring_batch import SpringEnds
+    from certreg.dynamics.springs import SpringBody
     from certreg.native import Records, StationaryPoses
 
 DIAGONAL = [0, 3, 5]  # of an upper triangle
-PORTION = 8192  # bodies, after which somebody is told: a tenth of a second, and full lanes
+End_co = TypeVar("End_co", covariant=True)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ManyEnds(Brief):
+    """Where many bodies ended, and how: what `Ends` and `SpringEnds` have in common.
+
+    status: (count,), numbers of an `Ending`; steps, escapes: (count,) integers; times: (count,), of
+    the springs. states: (count,) records with the parts c, R for Euler, else q, v and omega.
+    """
+
+    integrator: Integrator
+    status: NDArray[np.int32]
+    steps: NDArray[np.int64]
+    escapes: NDArray[np.int64]
+    times: NDArray[np.float64]
+    states: Records
+
+    @classmethod
+    def of(cls, batch: Batch, **own: Any) -> Self:
+        """The ends of a batch that has run. own: what a kind of ends has beside these."""
+        return cls(
+            integrator=batch.integrator,
+            status=batch.status,
+            steps=batch.taken,
+            escapes=batch.escapes,
+            times=batch.times,
+            states=batch.states,
+            **own,
+        )
+
+    @property
+    def rotations(self) -> NDArray[np.float64]:
+        """The rotations at the ends, (count, 3, 3), body to world: target from source."""
+        if self.integrator is Integrator.EULER:
+            return self.states["R"]
+        return rotation_matrices(self.states["q"])
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Ends(ManyEnds):
+    """Where the bodies ended, and how.
+
+    status: (count,), 0 out of steps, 1 converged, 2 at rest at one of several optima; steps,
+    escapes: (count,) integers; times: (count,), of the springs. states: (count,) records with the
+    parts c, R for Euler, else q, v and omega, lengths as in `Bodies`.
+    """
+
+    @property
+    def converged(self) -> NDArray[np.bool_]:
+        """Whether each came to rest at the optimum, or at one of the optima, (count,)."""
+        return (self.status == Ending.CONVERGED) | (self.status == Ending.AT_REST)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class SpringEnds(ManyEnds):
+    """Where bodies on general springs ended, and how.
+
+    status: (count,), 0 out of steps, 2 at rest, in whichever valley; steps, escapes: (count,)
+    integers; times: (count,), of the springs. states: (count,) records as in `SpringBodies`.
+    """
+
+    bodies: SpringBodies
+
+    @property
+    def at_rest(self) -> NDArray[np.bool_]:
+        """Whether each came to rest, (count,): at the optimum or at another equilibrium."""
+        return self.status == Ending.AT_REST
+
+    @property
+    def translations(self) -> NDArray[np.float64]:
+        """The translations at the ends, (count, 3), in the user's unit."""
+        bodies = self.bodies.bodies
+        exponents = np.array([body.length_exponent for body in bodies])[:, np.newaxis]
+        origins = np.array([[float(c) for c in body.origin] for body in bodies])
+        centres = np.array([[float(c) for c in body.centre] for body in bodies])
+        moved = (self.rotations @ centres[..., np.newaxis])[..., 0]
+        return origins + np.ldexp(self.states["c"], exponents) - moved
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -70,20 +155,64 @@ class Bodies(Brief):
     starts: Records
     length_exponents: NDArray[np.int64]
 
+    PORTION: ClassVar[int] = (
+        8192  # after which somebody is told: a tenth of a second, and full lanes
+    )
+
+    def batch(self, integrator: Integrator, settings: SimulationSettings) -> Batch:
+        """What the loops run. Raises DegenerateProblemError of one too stiff for explicit Euler."""
+        return Batch.of(
+            integrator,
+            bodies=self.records,
+            basins=self.basins,
+            steps=step_parameters(integrator, self.records, self.basins, settings),
+            states=_stepped(self.starts, integrator),
+        )
+
+    def ends(self, batch: Batch) -> Ends:
+        """Where they ended, after a run."""
+        return Ends.of(batch)
+
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Ends(ManyEnds):
-    """Where the bodies ended, and how.
+class SpringBodies(Brief):
+    """Bodies on general springs, to be simulated.
 
-    status: (count,), 0 out of steps, 1 converged, 2 at rest at one of several optima; steps,
-    escapes: (count,) integers; times: (count,), of the springs. states: (count,) records with the
-    parts c, R for Euler, else q, v and omega, lengths as in `Bodies`.
+    bodies: what the dynamics knows of each. starts: (count,) records c, q = (w, x, y, z), v, omega,
+    lengths over 2^length_exponent of the body, c from its origin.
     """
 
-    @property
-    def converged(self) -> NDArray[np.bool_]:
-        """Whether each came to rest at the optimum, or at one of the optima, (count,)."""
-        return (self.status == Ending.CONVERGED) | (self.status == Ending.AT_REST)
+    bodies: tuple[SpringBody, ...]
+    starts: Records
+
+    PORTION: ClassVar[int] = 1024  # after which progress is told: full lanes
+
+    def batch(self, integrator: Integrator, settings: SimulationSettings) -> Batch:
+        """What the loops run. Raises InvalidProblemError for explicit Euler."""
+        return Batch.of(
+            integrator,
+            bodies=np.array([body.record for body in self.bodies]),
+            steps=steps_of(integrator, self.bodies, self.starts, settings),
+            states=self.starts,
+        )
+
+    def ends(self, batch: Batch) -> SpringEnds:
+        """Where they ended, after a run."""
+        return SpringEnds.of(batch, bodies=self)
+
+
+class Runnable(Protocol[End_co]):
+    """Bodies that can be simulated side by side."""
+
+    PORTION: ClassVar[int]
+
+    def batch(self, integrator: Integrator, settings: SimulationSettings) -> Batch:
+        """What the loops run."""
+        ...
+
+    def ends(self, batch: Batch) -> End_co:
+        """Where the bodies ended, after a run."""
+        ...
 
 
 def bodies_of(
@@ -139,33 +268,76 @@ def bodies_of(
     )
 
 
-@overload
-def simulate_many(
-    bodies: Bodies,
-    integrator: Integrator | str = ...,
+def bodies_on_springs(  # noqa: PLR0913 - each is one question, and has its usual answer
+    sources: ArrayLike,
+    targets: ArrayLike,
     *,
-    settings: SimulationSettings | None = ...,
-    progress: Callable[[int, int], object] | None = ...,
-) -> Ends: ...
+    normals: ArrayLike | None = None,
+    directions: ArrayLike | None = None,
+    covariances: ArrayLike | None = None,
+    information: ArrayLike | None = None,
+    factors: ArrayLike | None = None,
+    sigma: ArrayLike | None = None,
+    weights: ArrayLike | None = None,
+    damping: float = DEFAULT_DAMPING,
+) -> SpringBodies:
+    """The bodies of many problems of general springs, each released at rest where its source is.
+
+    Parameters
+    ----------
+    sources, targets
+        (count, N, 3), or (N, 3) for the same in all.
+    normals, directions, covariances, information, factors, sigma, weights
+        As in `solve_many_springs`.
+    damping
+        mu > 0.
+
+    Returns
+    -------
+    SpringBodies
+        For `simulate_many`.
+
+    Raises
+    ------
+    InvalidProblemError
+        For others and what is not finite.
+    DegenerateProblemError
+        Where a source is collinear: its dynamics is undefined. Both name the instance.
+    """
+    damping = checked_damping(damping)
+    given = many_springs(
+        sources,
+        targets,
+        normals=normals,
+        directions=directions,
+        covariances=covariances,
+        information=information,
+        factors=factors,
+        sigma=sigma,
+        weights=weights,
+    )
+    bodies: list[SpringBody] = []
+    for k in range(given.count):
+        try:
+            bodies.append(body_on_springs(Springs(spring_moments(given.problem(k))), damping))
+        except DegenerateProblemError as error:
+            message = f"instance {k}: {error}"
+            raise DegenerateProblemError(
+                message, instance=k, rank=error.rank, value=error.value, limit=error.limit
+            ) from error
+    starts = np.zeros(len(bodies), dtype=QUATERNION_STATE)
+    for k, body in enumerate(bodies):
+        starts[k] = body.start
+    return SpringBodies(bodies=tuple(bodies), starts=starts)
 
 
-@overload
 def simulate_many(
-    bodies: SpringBodies,
-    integrator: Integrator | str = ...,
-    *,
-    settings: SimulationSettings | None = ...,
-    progress: Callable[[int, int], object] | None = ...,
-) -> SpringEnds: ...
-
-
-def simulate_many(
-    bodies: Bodies | SpringBodies,
+    bodies: Runnable[End_co],
     integrator: Integrator | str = Integrator.SPLITTING,
     *,
     settings: SimulationSettings | None = None,
     progress: Callable[[int, int], object] | None = None,
-) -> Ends | SpringEnds:
+) -> End_co:
     """Every body simulated to its end, on `settings.threads` threads.
 
     The interpreter's lock is free meanwhile.
@@ -193,18 +365,15 @@ def simulate_many(
     ValueError
         For explicit Euler on general springs.
     """
-    if isinstance(bodies, SpringBodies):
-        return simulate_on_springs(bodies, integrator, settings=settings, progress=progress)
     integrator, settings = Integrator(integrator), settings or SimulationSettings()
-    batch = Batch.of(
-        integrator,
-        bodies=bodies.records,
-        basins=bodies.basins,
-        steps=step_parameters(integrator, bodies.records, bodies.basins, settings),
-        states=_stepped(bodies.starts, integrator),
-    )
-    run_all(batch, settings, PORTION, progress)
-    return Ends.of(batch)
+    batch = bodies.batch(integrator, settings)
+    count = len(batch.states)
+    portion = count or 1 if progress is None else bodies.PORTION
+    for start in range(0, count, portion):
+        integrate(batch.part(slice(start, start + portion)), settings)
+        if progress is not None:
+            progress(min(start + portion, count), count)
+    return bodies.ends(batch)
 
 
 def _length_exponents(poses: StationaryPoses) -> NDArray[np.int64]:

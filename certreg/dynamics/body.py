@@ -38,7 +38,7 @@ from certreg.problem import Cell, Verb, require_supported
 from certreg.results import Absent, Brief
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
     from fractions import Fraction
 
     from numpy.typing import NDArray
@@ -64,7 +64,7 @@ class Body(Brief, ABC):
     KIND: ClassVar[Kind]
     ENERGIES: ClassVar[RecordType]
     SAMPLE: ClassVar[RecordType | None] = None  # as the integrator has it
-    STATUSES: ClassVar[type[Status]]
+    STATUSES: ClassVar[Mapping[int, Status]]  # by `Ending`
     INTEGRATOR: ClassVar[Integrator] = Integrator.MIDPOINT  # where the user names none
     NO_RATE: ClassVar[Absent]  # why there is no rate of decay, where there is none
 
@@ -103,7 +103,7 @@ class Body(Brief, ABC):
 
     @abstractmethod
     def steps(
-        self, integrator: Integrator, start: Records, settings: SimulationSettings
+        self, integrator: Integrator, starts: Records, settings: SimulationSettings
     ) -> Records:
         """The step (1,), a record `integrator.step`: the body's own, or the user's where stable."""
 
@@ -169,10 +169,10 @@ class ValleyBody(Body):
         """The largest curvature of the energy beside the inertia, a proposal."""
 
     def steps(
-        self, integrator: Integrator, start: Records, settings: SimulationSettings
+        self, integrator: Integrator, starts: Records, settings: SimulationSettings
     ) -> Records:
         """The step (1,). Raises InvalidProblemError for integrators that do not move it."""
-        return steps_of(integrator, (self,), start[np.newaxis], settings)
+        return steps_of(integrator, (self,), starts, settings)
 
 
 def steps_of(

@@ -15,7 +15,7 @@ import numpy as np
 
 from certreg.dynamics.body import ValleyBody, exponent_of, require_rank, require_thick
 from certreg.dynamics.states import NO_TURN_QUATERNION, breathing_state
-from certreg.dynamics.status import BreathingStatus
+from certreg.dynamics.status import BreathingStatus, by_ending
 from certreg.equilibrium import TRANSLATION_STIFFNESS
 from certreg.errors import DegenerateProblemError
 from certreg.exact import power_of_two, rank
@@ -54,7 +54,7 @@ class BreathingBody(ValleyBody):
     KIND = Kind.BREATHING
     ENERGIES = BREATHING_ENERGIES
     SAMPLE = BREATHING_SAMPLE
-    STATUSES = BreathingStatus
+    STATUSES = by_ending(BreathingStatus)
     NO_RATE = Absent("no basin is certified of a body whose scale is free")
 
     source_exponent: int

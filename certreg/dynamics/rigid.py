@@ -19,7 +19,7 @@ from certreg.dynamics.states import (
     state_at_rest,
     with_matrices,
 )
-from certreg.dynamics.status import SimulationStatus
+from certreg.dynamics.status import SimulationStatus, by_ending
 from certreg.exact import rank
 from certreg.geometry import quaternion_from_matrix, rotation_matrix
 from certreg.native import (
@@ -62,7 +62,7 @@ class RigidBody(Body):
     CELL = Cell()
     KIND = Kind.RIGID
     ENERGIES = ENERGIES
-    STATUSES = SimulationStatus
+    STATUSES = by_ending(SimulationStatus)
     INTEGRATOR = Integrator.EULER  # the paper's
     NO_RATE = Absent("the optimum is not unique: no rate belongs to it")
 
@@ -116,13 +116,13 @@ class RigidBody(Body):
         return states
 
     def steps(
-        self, integrator: Integrator, start: Records, settings: SimulationSettings
+        self, integrator: Integrator, starts: Records, settings: SimulationSettings
     ) -> Records:
         """The step (1,), from the springs at the optimum.
 
         Raises DegenerateProblemError where explicit Euler would need too small a step.
         """
-        del start
+        del starts
         return step_parameters(integrator, self.record[np.newaxis], self.basins, settings)
 
     def rate(self, state: NDArray[Any]) -> NDArray[np.float64]:

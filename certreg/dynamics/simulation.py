@@ -95,7 +95,7 @@ def simulate(
         integrator,
         bodies=moving.record[np.newaxis],
         basins=moving.basins,
-        steps=moving.steps(integrator, states[0], settings),
+        steps=moving.steps(integrator, states, settings),
         start=states,
     )
     log = Log.of_capacity(LOG_CAPACITY, moving.sample(integrator))
@@ -105,7 +105,7 @@ def simulate(
     notes = () if moving.basin is None else tuple(_notes(moving.basin, batch, settings))
     return kind(
         integrator=integrator,
-        status=moving.STATUSES[Ending(batch.status.item(0)).name],
+        status=moving.STATUSES[batch.status.item(0)],
         step=batch.steps["h"].item(0),
         steps=batch.taken.item(0),
         escapes=batch.escapes.item(0),

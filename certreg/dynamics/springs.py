@@ -11,7 +11,7 @@ import numpy as np
 
 from certreg.dynamics.body import ValleyBody, exponent_of, require_rank, require_thick
 from certreg.dynamics.states import CUBE, NO_TURN_QUATERNION, state_of
-from certreg.dynamics.status import SpringStatus
+from certreg.dynamics.status import SpringStatus, by_ending
 from certreg.equilibrium import TRANSLATION_STIFFNESS
 from certreg.errors import DegenerateProblemError
 from certreg.exact import power_of_two, rank
@@ -53,7 +53,7 @@ class SpringBody(ValleyBody):
     KIND = Kind.SPRINGS
     ENERGIES = SPRING_ENERGIES
     SAMPLE = SPRING_SAMPLE
-    STATUSES = SpringStatus
+    STATUSES = by_ending(SpringStatus)
     NO_RATE = Absent("not computed for general springs")
 
     origin: tuple[Fraction, ...]

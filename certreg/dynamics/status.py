@@ -3,6 +3,12 @@
 from __future__ import annotations
 
 import enum
+from typing import TYPE_CHECKING
+
+from certreg.native import Ending
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
 
 
 class Status(enum.Enum):
@@ -52,3 +58,8 @@ class BreathingStatus(Status):
         "before it. Begin with less energy, nearer to the target in size and rotation."
     )
     OUT_OF_STEPS = "The steps ran out before the body was at rest."
+
+
+def by_ending(statuses: type[Status]) -> Mapping[int, Status]:
+    """What each ending of the loops means for a body."""
+    return {Ending[status.name]: status for status in statuses}

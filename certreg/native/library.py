@@ -275,20 +275,21 @@ class Library:
 
     def run(self, batch: Batch, rules: Rules, log: Log | None = None) -> None:
         """Integrate every body; several run on all given threads, a log is for one body."""
-        if batch.kind is Kind.BREATHING:
+        kind = batch.kind
+        if kind is Kind.BREATHING:
             run_in_python(self, batch, rules, log)
             return
         count = len(batch.bodies)
         if log is not None or count == 1:
-            self._run(batch, rules, log)
+            self._run(kind, batch, rules, log)
             return
         portion = min(PORTION, -(-count // rules.threads))
         parts = [batch.part(slice(k, k + portion)) for k in range(0, count, portion)]
         with ThreadPoolExecutor(rules.threads) as pool:
-            for done in [pool.submit(self._run, part, rules, None) for part in parts]:
+            for done in [pool.submit(self._run, kind, part, rules, None) for part in parts]:
                 done.result()
 
-    def _run(self, batch: Batch, rules: Rules, log: Log | None) -> None:
+    def _run(self, kind: Kind, batch: Batch, rules: Rules, log: Log | None) -> None:
         single = len(batch.bodies) == 1 or batch.integrator is Integrator.MIDPOINT
         loop = f"{batch.integrator.value}_{'single' if single else 'lanes'}"
         record = None
@@ -303,7 +304,7 @@ class Library:
             if count == 1
             else _Batch(count, *_addresses((*given, *written)), logged)
         )
-        call = getattr(self.handle, f"{batch.kind.value}{loop}")
+        call = getattr(self.handle, f"{kind.value}{loop}")
         call(ctypes.byref(passed), ctypes.byref(_settings(rules)))
         if log is not None and record is not None:
             log.count, log.stride = record.count, record.stride

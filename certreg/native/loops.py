@@ -127,10 +127,11 @@ class Batch:
 
     @property
     def kind(self) -> Kind:
-        """Of its bodies: on general springs their record is another one, else of a free scale."""
-        if self.bodies.dtype == SPRING_BODY:
+        """Of its bodies: their records, and those of their states, have sizes of their own."""
+        if self.bodies.itemsize == SPRING_BODY.itemsize:
             return Kind.SPRINGS
-        return Kind.BREATHING if self.states.dtype == BREATHING_STATE else Kind.RIGID
+        breathing = self.states.itemsize == BREATHING_STATE.itemsize
+        return Kind.BREATHING if breathing else Kind.RIGID
 
     @classmethod
     def of(

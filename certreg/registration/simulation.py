@@ -121,7 +121,8 @@ def simulated_motion(
     a body, DegenerateProblemError where the dynamics is not defined or too stiff.
     """
     chosen = None if integrator is None else Integrator(integrator)
-    require_supported(problem.cell, Verb((chosen or Integrator.MIDPOINT).value))
+    if problem.scaled:
+        require_supported(problem.cell, Verb((chosen or Integrator.MIDPOINT).value))
     made = partial(_of_its_kind, problem=problem, objective=objective)
     return simulate(objective, problem.damping, chosen, settings=settings, kind=made)
 
