@@ -267,10 +267,10 @@ PROVED = (
         "registration/test_exact_ends",
     ),
     _of(
-        "registration/spring_simulation",
+        "registration/valley",
         "SimulatedSprings.as_good SimulatedSprings.converged SimulatedSprings.basin",
         "registration/test_flags_enumerated registration/test_spring_flags "
-        "registration/test_spring_simulation",
+        "registration/test_valley",
     ),
     _of(
         "registration/breathing",

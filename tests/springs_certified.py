@@ -12,7 +12,7 @@ from certreg import simulate
 from certreg.certificate import springs_certificate
 from certreg.objective import Springs
 from certreg.problem import RegistrationProblem, spring_moments
-from certreg.registration.spring_simulation import SimulatedSprings
+from certreg.registration.valley import SimulatedSprings
 from certreg.relaxation import find_optimum
 
 

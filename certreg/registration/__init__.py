@@ -141,15 +141,15 @@ if TYPE_CHECKING:
     from certreg.registration.spring_result import SpringRegistration as SpringRegistration
     from certreg.registration.spring_result import SpringSolution as SpringSolution
     from certreg.registration.spring_rows import SpringAxes as SpringAxes
-    from certreg.registration.spring_simulation import SimulatedSprings as SimulatedSprings
-    from certreg.registration.spring_simulation import at_end_words as at_end_words
-    from certreg.registration.spring_simulation import moving_words as moving_words
     from certreg.registration.truncated import TruncatedRegistration as TruncatedRegistration
     from certreg.registration.truncated import restated_truncated as restated_truncated
     from certreg.registration.truncated_labels import TruncatedLabels as TruncatedLabels
     from certreg.registration.truncated_labels import (
         judged_truncated_labels as judged_truncated_labels,
     )
+    from certreg.registration.valley import SimulatedSprings as SimulatedSprings
+    from certreg.registration.valley import at_end_words as at_end_words
+    from certreg.registration.valley import moving_words as moving_words
     from certreg.registration.weak_shifts import weak_shift_words as weak_shift_words
 
 __getattr__ = lazy_face(
@@ -324,11 +324,11 @@ __getattr__ = lazy_face(
         "spring_rows": ("SpringAxes",),
         "truncated": ("TruncatedRegistration", "restated_truncated"),
         "truncated_labels": ("TruncatedLabels", "judged_truncated_labels"),
-        "weak_shifts": ("weak_shift_words",),
-        "spring_simulation": (
+        "valley": (
             "SimulatedSprings",
             "at_end_words",
             "moving_words",
         ),
+        "weak_shifts": ("weak_shift_words",),
     },
 )

@@ -34,6 +34,11 @@ def clouds(seed: int, noise: float = 0.3, scale: float = 1.0) -> tuple[Any, Any,
     return x, y, rng.uniform(0.5, 2.0, size=9)
 
 
+def moved(*arguments: Any, **options: Any) -> Any:
+    """The trajectory of a body with a free scale."""
+    return simulate(*arguments, **options)
+
+
 def objective_of(x: Any, y: Any, weights: Any = None) -> Isotropic:
     return Isotropic.of(RegistrationProblem(x, y, weights=weights, scale="asymmetric"))
 
@@ -102,7 +107,7 @@ def test_the_linearisation_is_the_derivative_of_the_rates(seed):
 @pytest.mark.parametrize("size", [0.01, 0.3, 1.0])
 def test_a_step_loses_what_damping_takes_and_nothing_else(seed, size):
     settings, state = SimulationSettings(step=size, max_steps=1), any_state(seed)
-    run = simulate(objective_of(*clouds(seed)), DAMPING, start=state, settings=settings)
+    run = moved(objective_of(*clouds(seed)), DAMPING, start=state, settings=settings)
     assert run.steps == 1
 
     moving, after, h = run.moving, run.last, float(run.times[-1])
@@ -120,7 +125,7 @@ def test_a_step_loses_what_damping_takes_and_nothing_else(seed, size):
 @pytest.mark.parametrize("seed", range(4))
 def test_the_body_grows_or_shrinks_to_the_optimum(seed, scale):
     objective = objective_of(*clouds(seed, scale=scale))
-    run = simulate(objective, DAMPING)
+    run = moved(objective, DAMPING)
     (best, *_) = breathing_equilibria(objective).upright
     energy = run.potential + run.kinetic
 
@@ -140,7 +145,7 @@ def test_from_a_saddle_the_body_is_perturbed_and_leaves():
     start = breathing_state(
         unit_double(objective.quaternions[saddle.component]), saddle.scale / moving.unit_of_scale
     )
-    run = simulate(objective, DAMPING, start=start)
+    run = moved(objective, DAMPING, start=start)
 
     assert run.escapes
     assert run.scales[-1] == pytest.approx(found.upright[0].scale, rel=1e-3)
@@ -150,7 +155,7 @@ def test_a_motion_that_goes_to_the_scale_zero_stops_before_it():
     objective = objective_of(*clouds(5))
     moving = breathing_body(objective.moments, DAMPING)
     worst = unit_double(objective.quaternions[3])  # a negative eigenvalue: the springs pull through
-    run = simulate(objective, DAMPING, start=breathing_state(worst, 1.0))
+    run = moved(objective, DAMPING, start=breathing_state(worst, 1.0))
 
     assert run.status is BreathingStatus.COLLAPSED
     assert (run.scales > 0.0).all()
@@ -162,12 +167,12 @@ def test_a_motion_that_goes_to_the_scale_zero_stops_before_it():
 def test_a_body_that_doubles_cannot_move_is_refused(sign: int):
     x, y, w = clouds(1)
     inside, outside = (objective_of(np.ldexp(x, sign * k), y, w) for k in (254, 259))
-    run = simulate(inside, DAMPING)
+    run = moved(inside, DAMPING)
 
     assert np.isfinite(run.potential).all()
     assert np.isfinite(run.scales).all()
     with pytest.raises(DegenerateProblemError, match="differ too much in size"):
-        simulate(outside, DAMPING)
+        moved(outside, DAMPING)
 
 
 @pytest.mark.slow
@@ -181,7 +186,7 @@ def test_with_less_energy_than_a_point_the_scale_stays_above_its_bound(seed):
     q /= np.linalg.norm(q)
     aligned = float(moving.energies(breathing_state(q, 1.0))["alignment"])
     start = breathing_state(q, 0.05 * aligned / moving.size)
-    run = simulate(objective, 0.05, start=start)
+    run = moved(objective, 0.05, start=start)
     largest = aligned_most(moving, values, objective)
 
     energy = float((run.potential + run.kinetic)[0])
@@ -220,14 +225,14 @@ def aligned_most(moving: Any, values: Any, objective: Isotropic) -> float:
 def test_starts_and_problems_that_make_no_sense_are_refused():
     x, y, _ = clouds(0)
     with pytest.raises(ValueError, match="give one above 0"):
-        simulate(objective_of(x, y), 1.0, start=breathing_state((1, 0, 0, 0), -1.0))
+        moved(objective_of(x, y), 1.0, start=breathing_state((1, 0, 0, 0), -1.0))
     line = np.outer(np.arange(9.0), [1.0, 2.0, 3.0])
     with pytest.raises(DegenerateProblemError, match="collinear"):
-        simulate(objective_of(line, y), 1.0)
+        moved(objective_of(line, y), 1.0)
 
 
 def test_out_of_steps_is_said():
-    run = simulate(objective_of(*clouds(0)), DAMPING, settings=SimulationSettings(max_steps=2))
+    run = moved(objective_of(*clouds(0)), DAMPING, settings=SimulationSettings(max_steps=2))
 
     assert run.status is BreathingStatus.OUT_OF_STEPS
     assert run.steps == 2

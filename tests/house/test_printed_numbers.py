@@ -64,8 +64,8 @@ ALLOWED = {  # what the last digit of a number to the nearest is worth, and wher
         registration/slips.py {shift:.3g}
         registration/spring_assessment.py {math.degrees(facts.away):.4g}
         registration/spring_assessment.py {math.degrees(facts.critical.angle):.2g}
-        registration/spring_simulation.py {degrees:.{digits}g}
-        registration/spring_simulation.py {run.excess:.2g}
+        registration/valley.py {degrees:.{digits}g}
+        registration/valley.py {run.excess:.2g}
         registration/truncated.py {self.cost:.6g}
         report/consensus_reach.py {width:.2g}
         report/judged_pose.py {math.degrees(angle):.4g}

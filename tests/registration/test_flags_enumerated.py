@@ -36,9 +36,9 @@ from certreg.registration.spring_equilibria import (
 from certreg.registration.spring_findings import SpringFindings
 from certreg.registration.spring_headlines import _meets_usual
 from certreg.registration.spring_result import SpringSolution
-from certreg.registration.spring_simulation import SimulatedSprings
 from certreg.registration.truncated import TruncatedRegistration
 from certreg.registration.truncated_labels import TruncatedLabels
+from certreg.registration.valley import SimulatedSprings
 from certreg.results import (
     Absent,
     ComponentKind,

@@ -18,7 +18,7 @@ from springs_certified import moved_springs
 
 from certreg.geometry import GivenPose
 from certreg.problem import RegistrationProblem
-from certreg.registration import NOT_CERTIFIED, spring_simulation
+from certreg.registration import NOT_CERTIFIED, valley
 from certreg.registration.any_certification import certify
 from certreg.registration.assessment import assess
 from certreg.registration.findings import AssessmentSettings
@@ -30,7 +30,7 @@ from certreg.results import PoseVerdict
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from certreg.registration.spring_simulation import SimulatedSprings
+    from certreg.registration.valley import SimulatedSprings
 
 OPEN = "; whether its rotation is as good as the best found is not decided."
 AT_REST = "The body is at rest (slower than the tolerance)"
@@ -92,7 +92,7 @@ def test_a_body_that_rests_at_another_exact_fit_is_told_to_be_as_good():
 )
 def test_the_words_follow_what_newtons_steps_reach(monkeypatch, found, as_good, words):
     run = replace(rested())
-    monkeypatch.setattr(spring_simulation, "equilibrium_near", lambda *_: found)
+    monkeypatch.setattr(valley, "equilibrium_near", lambda *_: found)
 
     assert run.as_good is as_good
     assert run.converged is (as_good is True)

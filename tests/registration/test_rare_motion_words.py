@@ -29,7 +29,7 @@ from certreg.results import Absent
 
 if TYPE_CHECKING:
     from certreg.registration.spring_enumeration import SpringEnumeration
-    from certreg.registration.spring_simulation import SimulatedSprings
+    from certreg.registration.valley import SimulatedSprings
 
 VECTORS = Path(__file__).parents[2] / "vectors"
 SIX, SEVEN = (spring_families.instance(spring_families.LISTED[k], 0) for k in (0, 2))

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from certreg.registration import spring_findings, spring_simulation
+from certreg.registration import spring_findings, valley
 from certreg.registration.spring_findings import (
     FINE_PROOF,
     SLACK,
@@ -18,7 +18,7 @@ from certreg.registration.spring_findings import (
     spring_verdict_of,
 )
 from certreg.registration.spring_result import SpringSolution
-from certreg.registration.spring_simulation import LEVEL, NEAR, TIE, SimulatedSprings
+from certreg.registration.valley import LEVEL, NEAR, TIE, SimulatedSprings
 from certreg.results import PoseVerdict
 
 LITTLE = Fraction(1, 10**30)
@@ -32,7 +32,7 @@ def asked(kind: type, name: str, /, **fields: Any) -> Any:
 
 def test_a_rest_of_springs_is_as_good_at_the_best_or_level_with_it_or_tied(monkeypatch: Any):
     def as_good(near: Any = None, *, symmetry: tuple[int, ...] = (), **fields: Any) -> Any:
-        monkeypatch.setattr(spring_simulation, "equilibrium_near", lambda *_: near)
+        monkeypatch.setattr(valley, "equilibrium_near", lambda *_: near)
         objective = SimpleNamespace(
             oscillation=fields.pop("oscillation", 1), symmetry=symmetry, energy=lambda _: 0
         )

@@ -1,4 +1,4 @@
-"""A simulation on general springs: where it ended, and what is known of that."""
+"""A motion on general springs: the valley of the energy it ended in, and what is known of that."""
 
 from __future__ import annotations
 

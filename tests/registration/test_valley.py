@@ -19,7 +19,7 @@ import certreg
 from certreg.certificate.springs_basin import Barrier, barrier_of, basin_of_springs, state_energy
 from certreg.exact import Dyadic
 from certreg.problem.problem import RegistrationProblem
-from certreg.registration.spring_simulation import SimulatedSprings
+from certreg.registration.valley import SimulatedSprings
 from certreg.results import Ruling
 
 SCHEMAS = Path(certreg.__file__).parent / "report" / "schemas"
