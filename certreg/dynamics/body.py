@@ -60,7 +60,6 @@ class Body(Brief, ABC):
     optimum, if anything is.
     """
 
-    CELL: ClassVar[Cell]  # of the table of what is supported
     KIND: ClassVar[Kind]
     ENERGIES: ClassVar[RecordType]
     SAMPLE: ClassVar[RecordType | None] = None  # as the integrator has it
@@ -163,6 +162,8 @@ class Body(Brief, ABC):
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ValleyBody(Body):
     """A body of whose optimum nothing is certified: it rests in the valley that it comes to."""
+
+    CELL: ClassVar[Cell]  # of the table of what is supported
 
     @abstractmethod
     def stiffest(self, start: Records) -> float:

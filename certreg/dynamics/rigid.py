@@ -33,7 +33,7 @@ from certreg.native import (
     plain,
     record_of,
 )
-from certreg.problem import Cell, trace
+from certreg.problem import trace
 from certreg.results import Absent
 
 if TYPE_CHECKING:
@@ -59,7 +59,6 @@ class RigidBody(Body):
     quaternion are taken, too.
     """
 
-    CELL = Cell()
     KIND = Kind.RIGID
     ENERGIES = ENERGIES
     STATUSES = by_ending(SimulationStatus)

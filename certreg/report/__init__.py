@@ -10,8 +10,6 @@ if TYPE_CHECKING:
     from certreg.report.breaking import BreakingCourse as BreakingCourse
     from certreg.report.breaking import breaking_course as breaking_course
     from certreg.report.breaking import breaking_fragment as breaking_fragment
-    from certreg.report.breathing import breathing_document as breathing_document
-    from certreg.report.breathing import breathing_summary as breathing_summary
     from certreg.report.breathing import scaled_enumeration_summary as scaled_enumeration_summary
     from certreg.report.consensus_fields import consensus_document as consensus_document
     from certreg.report.consensus_folder import write_wrong_pairs as write_wrong_pairs
@@ -23,7 +21,6 @@ if TYPE_CHECKING:
     from certreg.report.document import error_document as error_document
     from certreg.report.document import result_document as result_document
     from certreg.report.document import scaled_document as scaled_document
-    from certreg.report.document import simulation_document as simulation_document
     from certreg.report.file_names import FILES as FILES
     from certreg.report.file_names import REPORT as REPORT
     from certreg.report.folder import write_folder as write_folder
@@ -42,12 +39,6 @@ if TYPE_CHECKING:
     from certreg.report.spring_equilibria import (
         spring_equilibria_document as spring_equilibria_document,
     )
-    from certreg.report.spring_simulation import (
-        spring_simulation_document as spring_simulation_document,
-    )
-    from certreg.report.spring_simulation import (
-        spring_simulation_summary as spring_simulation_summary,
-    )
     from certreg.report.summary import registration_summary as registration_summary
     from certreg.report.summary import simulation_summary as simulation_summary
 
@@ -59,11 +50,7 @@ __getattr__ = lazy_face(
             "breaking_course",
             "breaking_fragment",
         ),
-        "breathing": (
-            "breathing_document",
-            "breathing_summary",
-            "scaled_enumeration_summary",
-        ),
+        "breathing": ("scaled_enumeration_summary",),
         "judged_pose": ("assessment_summary",),
         "consensus_fields": ("consensus_document",),
         "consensus_folder": ("write_wrong_pairs", "wrong_pairs_document"),
@@ -75,7 +62,6 @@ __getattr__ = lazy_face(
             "error_document",
             "result_document",
             "scaled_document",
-            "simulation_document",
         ),
         "file_names": ("FILES", "REPORT"),
         "folder": ("write_folder",),
@@ -95,10 +81,6 @@ __getattr__ = lazy_face(
         "summary": (
             "registration_summary",
             "simulation_summary",
-        ),
-        "spring_simulation": (
-            "spring_simulation_document",
-            "spring_simulation_summary",
         ),
     },
 )
