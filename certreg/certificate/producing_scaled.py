@@ -49,7 +49,7 @@ if TYPE_CHECKING:
     from certreg.certificate.consensus import Reach
     from certreg.certificate.similarity import SimilarityBody
     from certreg.native import Neighbours
-    from certreg.problem import ConsensusProblem
+    from certreg.problem import RegistrationProblem
 
 LOG = logging.getLogger(__name__)
 OPEN_TOLD = "ranges of scales left open are looked at one by one ..."
@@ -89,7 +89,7 @@ class _Piece(Part):
 class ScaledProver:
     """Proves as much as it can of one problem whose scale is free."""
 
-    def __init__(self, problem: ConsensusProblem, *, effort: float = 1.0) -> None:
+    def __init__(self, problem: RegistrationProblem, *, effort: float = 1.0) -> None:
         self.problem = problem
         self.pairs = ScaledPairs(problem)
         self._effort = effort
@@ -215,7 +215,7 @@ def _dyadic(value: Fraction) -> Dyadic:
 
 
 def scaled_consensus_of(
-    problem: ConsensusProblem, body: ConsensusSimilarityBody
+    problem: RegistrationProblem, body: ConsensusSimilarityBody
 ) -> ScaledConsensus:
     """What a certificate says that the checker has accepted for the problem."""
     met = tuple(ScaledPairs(problem).met_by(body.witness))
@@ -224,7 +224,7 @@ def scaled_consensus_of(
 
 
 def scaled_consensus_certificate(
-    problem: ConsensusProblem,
+    problem: RegistrationProblem,
     found: ScaledConsensus,
     fit: Certificate[SimilarityBody] | None,
     about: dict[str, Any] | None = None,
@@ -246,7 +246,7 @@ def scaled_consensus_certificate(
         upper=found.upper,
         pieces=found.pieces,
         states=found.states,
-        scale=problem.problem.scale.value,
+        scale=problem.scale.value,
         scale_lower=low,
         scale_upper=high,
         fit=None if fit is None else unheld(fit),
@@ -262,7 +262,7 @@ def scaled_consensus_certificate(
 
 
 def _bounded(
-    problem: ConsensusProblem, found: ScaledConsensus, fit: Certificate[SimilarityBody] | None
+    problem: RegistrationProblem, found: ScaledConsensus, fit: Certificate[SimilarityBody] | None
 ) -> tuple[Dyadic, Dyadic, Reach | None]:
     """Between which scales, and how far from the fit, all motions are that meet the met rows.
 
@@ -271,7 +271,7 @@ def _bounded(
     outwards: the checker decides.
     """
     pairs = ScaledPairs(problem)
-    x, y, w = centred(pairs.source, pairs.target, problem.problem.weights, found.met)
+    x, y, w = centred(pairs.source, pairs.target, problem.weights, found.met)
     X, Y = (float((w * p * p).sum()) for p in (x, y))
     c = Y - float((w[:, 0] * pairs.bounds[[*found.met]] ** 2).sum())
     K = np.array(davenport_matrix(((w * y).T @ x).tolist()))

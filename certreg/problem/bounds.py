@@ -1,4 +1,4 @@
-"""How far apart the two points of a pair may be, for the pair to count as right."""
+"""How far apart the two points of a pair may be, for the pair to count as right; by the loss."""
 
 from __future__ import annotations
 
@@ -7,13 +7,80 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from certreg.errors import InvalidProblemError
+from certreg.exact import as_given, at_least, at_most
 from certreg.problem.arrays import finite_doubles, real_numbers
 from certreg.problem.blocks import first_row
+from certreg.problem.losses import Breaking, Consensus, Truncated
+from certreg.problem.row_lengths import diameter, lengths
+from certreg.problem.support import Loss, require_supported
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from certreg.problem.problem import RegistrationProblem
+
 NAME = "max_residual"  # of the argument, as users know it
+LEAST_PAIRS = 3  # two pairs of equal lengths always fit: a set of two says nothing
+MOST_SPAN = 768  # bits between the numbers of a problem, as in the checker
+MOST_PAIRS = 4096  # whose eight million pairs of pairs the checker tests in half a minute
+MOST_TRUNCATED = 100_000  # as in the checker
+MOST_BOUNDS = 1e100  # squares of residuals, in bounds, are doubles
+
+
+def bounded(
+    problem: RegistrationProblem, max_residual: Any, loss: Loss = Loss.CONSENSUS
+) -> RegistrationProblem:
+    """The same pairs with bounds: the most of them within, truncated squares, or breaking springs.
+
+    Parameters
+    ----------
+    max_residual
+        One bound for all pairs, or (N,) of them.
+    loss
+        `Loss.CONSENSUS`, for motions with a translation; `Loss.TRUNCATED`, for rotations alone and
+        weights of 1; or `Loss.BREAKING`, for rigid motions and weights above 0.
+
+    Returns
+    -------
+    RegistrationProblem
+        Of the same arrays, and of that loss.
+
+    Raises
+    ------
+    InvalidProblemError
+        For bounds that are not finite and > 0; for what has no such loss. Unless springs break,
+        also for bounds so wide that they say nothing, and for fewer than 3 pairs or more than
+        4,096, of truncated squares 100,000.
+    """
+    require_supported(problem.cell._replace(loss=loss))
+    return problem.under(STATED[loss](problem, max_residual))
+
+
+def _consensus(problem: RegistrationProblem, max_residual: Any) -> Consensus:
+    if not LEAST_PAIRS <= problem.n <= MOST_PAIRS:
+        message = (
+            f"{NAME} needs {LEAST_PAIRS} to {MOST_PAIRS} pairs, there are {problem.n}: "
+            "give more, or some of them"
+        )
+        limit = LEAST_PAIRS if problem.n < LEAST_PAIRS else MOST_PAIRS
+        raise InvalidProblemError(message, array=NAME, value=problem.n, limit=limit)
+    bounds = checked_bounds(max_residual, problem.n)
+    _require_near(problem, bounds)
+    _require_narrow(problem, bounds)
+    return Consensus(bounds)
+
+
+def _truncated(problem: RegistrationProblem, max_residual: Any) -> Truncated:
+    _require_unweighted(problem)
+    bounds = checked_bounds(max_residual, problem.n)
+    sizes = np.maximum(np.abs(problem.source), np.abs(problem.target)).max(axis=1)
+    near = sizes / MOST_BOUNDS <= bounds
+    if not near.all():
+        row = int(np.argmin(near))
+        message = f"row {row} (counting from 0) is 1e100 bounds away from the origin: remove it"
+        raise InvalidProblemError(message, array=NAME, row=row)
+    _require_telling(problem, bounds)
+    return Truncated(bounds)
 
 
 def checked_bounds(max_residual: Any, n: int) -> NDArray[np.float64]:
@@ -49,3 +116,92 @@ def checked_bounds(max_residual: Any, n: int) -> NDArray[np.float64]:
     doubles = np.broadcast_to(np.array(finite_doubles(bounds, NAME)), (n,))
     doubles.flags.writeable = False
     return doubles
+
+
+def _require_near(problem: RegistrationProblem, bounds: NDArray[np.float64]) -> None:
+    """Refuses numbers of sizes so far apart that the checker takes no certificate of them."""
+    block = problem.points
+    weights = problem.weights if problem.factors is None else np.ones(1)
+    parts = (block.source, block.target, weights, bounds)
+    sizes = np.concatenate([np.abs(part).ravel() for part in parts])
+    sizes = sizes[sizes > 0.0]
+    least, most = float(sizes.min()), float(sizes.max())
+    if np.frexp(most)[1] - np.frexp(least)[1] > MOST_SPAN:
+        message = (
+            f"{NAME} with numbers from {at_least(least)} to {at_most(most)}, weights (1 where none "
+            "are given) among them: their proofs would be too long; give the clouds in a unit in "
+            "which they are nearer to 1, and 0 for numbers that are nothing but rounding"
+        )
+        raise InvalidProblemError(message, array=NAME, value=most)
+
+
+def _require_narrow(problem: RegistrationProblem, bounds: NDArray[np.float64]) -> None:
+    """Refuses a bound of at least half the diameter of the smaller cloud: everything fits then.
+
+    Of the target where the scale is free: the source may be made as small. And a cloud of one
+    point, for which no bound is narrow.
+    """
+    block = problem.points
+    for name, points in (("source", block.source), ("target", block.target)):
+        if (points == points[0]).all():
+            message = (
+                f"all {name} points are one, which tells no rotation from another, whichever pairs "
+                "are right: leave pairs that repeat a point out, and give some with other points"
+            )
+            raise InvalidProblemError(message, array=name, value=problem.n)
+    half, cloud = diameter(block.target) / 2.0, "target"
+    if not problem.scaled:
+        half, cloud = min(half, diameter(block.source) / 2.0), "smaller cloud"
+    if float(bounds.min()) >= half:
+        least = "" if (bounds == bounds[0]).all() else " at least"
+        message = (
+            f"{NAME} is {as_given(bounds.min())}{least}, not below half the diameter of the "
+            f"{cloud}, {at_least(half, 6)}: every pair may be brought within; give a smaller bound"
+        )
+        raise InvalidProblemError(message, array=NAME, value=float(bounds.min()), limit=half)
+
+
+def _require_telling(problem: RegistrationProblem, bounds: NDArray[np.float64]) -> None:
+    """Refuses bounds that every pair keeps at every rotation: |y - R x| is at most |x| + |y|."""
+    with np.errstate(over="ignore"):
+        reach = lengths(problem.source) + lengths(problem.target)
+    if not (bounds >= reach).all():
+        return
+    most, value = float(reach.max()), float(bounds.min())
+    if not most:
+        message = "all points are at the origin, where no rotation moves them: give other points"
+        raise InvalidProblemError(message, array="source", value=problem.n)
+    message = (
+        f"{NAME} is {as_given(value)}, and no rotation takes the points of any pair farther apart "
+        f"than {at_most(most, 6)}: each pair would be within, whether it is right or wrong; give a "
+        "bound below that, in the unit of the clouds"
+    )
+    raise InvalidProblemError(message, array=NAME, value=value, limit=most)
+
+
+def _require_unweighted(problem: RegistrationProblem) -> None:
+    """Refuses too few pairs, or too many, and weights other than 1."""
+    if not LEAST_PAIRS <= problem.n <= MOST_TRUNCATED:
+        message = (
+            f"{problem.n} pairs: truncated squares take {LEAST_PAIRS} to {MOST_TRUNCATED} pairs"
+        )
+        raise InvalidProblemError(message, array="source", value=problem.n)
+    if problem.noise_given:
+        message = "sigma is given: the bounds weigh the pairs here, leave sigma out"
+        raise InvalidProblemError(message, array="sigma")
+    others = np.flatnonzero(np.asarray(problem.weights) != 1.0)
+    if len(others):
+        row, value = int(others[0]), float(problem.weights[others[0]])
+        message = f"weights[{row}] is {value}: the bounds weigh the pairs here, leave weights out"
+        raise InvalidProblemError(message, array="weights", row=row, value=value, limit=1.0)
+
+
+def _breaking(problem: RegistrationProblem, max_residual: Any) -> Breaking:
+    row = next((i for i, w in enumerate(problem.weights.tolist()) if w == 0.0), None)
+    if row is not None:
+        message = f"weights[{row}] is 0: such a spring neither pulls nor breaks, leave it out"
+        raise InvalidProblemError(message, array="weights", row=row, value=0.0, limit=0.0)
+    return Breaking(checked_bounds(max_residual, problem.n))
+
+
+STATED = {Loss.CONSENSUS: _consensus, Loss.TRUNCATED: _truncated, Loss.BREAKING: _breaking}

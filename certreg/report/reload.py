@@ -35,14 +35,7 @@ from certreg.errors import InvalidFileError, RefusedCertificateError
 from certreg.geometry import Similarity
 from certreg.io import reading
 from certreg.native import Integrator
-from certreg.problem import (
-    MAX_DAMPING,
-    MIN_DAMPING,
-    ConsensusProblem,
-    RegistrationProblem,
-    Scale,
-    TruncatedProblem,
-)
+from certreg.problem import MAX_DAMPING, MIN_DAMPING, Loss, RegistrationProblem, Scale, bounded
 from certreg.registration import (
     CROSS_CHECK,
     SPRING_KINDS,
@@ -323,7 +316,9 @@ def _truncated_report(
     source, target, _, bounds = np.split(doubles, [3 * n, 6 * n, 7 * n])
     points = RegistrationProblem(source.reshape(n, 3), target.reshape(n, 3), rotation_only=True)
     return TruncatedReport(
-        registration=restated_truncated(TruncatedProblem(points, bounds), certificate, verdict),
+        registration=restated_truncated(
+            bounded(points, bounds, Loss.TRUNCATED), certificate, verdict
+        ),
         certificate=certificate,
         content=content,
         verdict=verdict,
@@ -333,7 +328,7 @@ def _truncated_report(
 
 def _bounded_problem(
     body: ConsensusBody | ConsensusSimilarityBody, n: int, data: bytes
-) -> ConsensusProblem:
+) -> RegistrationProblem:
     """The pairs of a certificate, each with its bound, and a weight or a spring."""
     sprung = isinstance(body, ConsensusBody) and body.springs
     size = BOUNDED_SPRING if sprung else BOUNDED_PAIR
@@ -344,7 +339,7 @@ def _bounded_problem(
     if isinstance(body, ConsensusSimilarityBody):
         held["scale"] = body.scale
     stated = RegistrationProblem(source.reshape(n, 3), target.reshape(n, 3), **held)
-    return ConsensusProblem.of(stated, bounds)
+    return bounded(stated, bounds)
 
 
 def _fit_bounds(body: Any, fit: Registration | SpringRegistration) -> PoseBounds:

@@ -26,7 +26,8 @@ from certreg.certificate.thinning import GraphThinning, transversal
 from certreg.exact import Dyadic, dyadic_above, dyadic_below, half_angle_bound, rank
 from certreg.geometry import rotation_matrix
 from certreg.objective.levelling import MONOMIALS, levelled_exactly
-from certreg.problem import ConsensusProblem, RegistrationProblem
+from certreg.problem import RegistrationProblem, bounded
+from certreg.problem.losses import Consensus
 from certreg.verify import OPEN, SAME
 
 LITTLE = Fraction(1, 10**30)
@@ -309,16 +310,16 @@ def test_a_motion_meets_exactly_the_pairs_up_to_their_bounds_whatever_doubles_sa
     turn = np.array(rotation_matrix(q))
     target = source @ turn.T // 30 + [2, 3, 6]
     bounds = np.array([7.0, math.nextafter(7.0, 0.0)] * 20)
-    problem = ConsensusProblem.of(RegistrationProblem(source, target), bounds)
+    problem = bounded(RegistrationProblem(source, target), bounds)
     witness = Witness(quaternion=q, shift=(0, 0, 0, 0))
 
     assert (source @ turn.T % 30 == 0).all()
     assert ExactRows(problem).met_by(witness) == list(range(0, 40, 2))
 
 
-def met_in_fractions(problem: ConsensusProblem, witness: Witness) -> list[int]:
+def met_in_fractions(problem: RegistrationProblem, witness: Witness) -> list[int]:
     """By the definition."""
-    block, norm = problem.problem.block(slice(None)), sum(k * k for k in witness.quaternion)
+    block, norm = problem.block(slice(None)), sum(k * k for k in witness.quaternion)
     turn = [[Fraction(k, norm) for k in row] for row in rotation_matrix(list(witness.quaternion))]
     *shift, exponent = witness.shift
     x, y, bounds = (part.tolist() for part in (block.source, block.target, problem.bounds))
@@ -345,7 +346,7 @@ def test_who_is_met_is_who_the_fractions_say_is_met(unit: int, far: int):
     found = np.linalg.norm(target - source @ turn.T - [math.ldexp(k, -3) for k in shift], axis=1)
     bounds = found * np.tile([0.999, 1 - 1e-15, 1.0, 1 + 1e-15, 1.001, 1.5, 3.0], 6)
     points = RegistrationProblem(np.ldexp(source, unit), np.ldexp(target, unit))
-    problem = ConsensusProblem(points, np.ldexp(bounds, unit))
+    problem = points.under(Consensus(np.ldexp(bounds, unit)))
     witness = Witness(quaternion=q, shift=(*shift, unit - 3))
     met = ExactRows(problem).met_by(witness)
 
@@ -367,7 +368,7 @@ def test_a_pair_is_met_at_a_bound_of_which_rounding_shows_less(shift, x, y, boun
     others = np.array([[4.0, 0, 0], [0, 4, 0]]) if bound < 1 else np.zeros((2, 3))
     points = RegistrationProblem(np.vstack([[x], others]), np.vstack([[y], others]))
     for least in (bound, math.nextafter(bound, 0.0)):
-        problem = ConsensusProblem(points, np.full(3, least))
+        problem = points.under(Consensus(np.full(3, least)))
         witness = Witness(quaternion=(1, 0, 0, 0), shift=shift)
         met = ExactRows(problem).met_by(witness)
 

@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 
 from certreg.errors import InvalidProblemError
+from certreg.problem.bounds import bounded
 from certreg.problem.problem import RegistrationProblem
-from certreg.problem.truncated import TruncatedProblem
+from certreg.problem.support import Loss
 
 POINTS = [[1.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 3.0]]
 
@@ -22,16 +23,16 @@ def points(**options: Any) -> RegistrationProblem:
 
 
 def test_the_bytes_are_prefix_n_points_weights_and_bounds():
-    problem = TruncatedProblem(points(), [0.5, 0.25, 1.0])
+    problem = bounded(points(), [0.5, 0.25, 1.0], Loss.TRUNCATED)
     numbers = [*np.ravel(POINTS), *np.ravel(POINTS), 1.0, 1.0, 1.0, 0.5, 0.25, 1.0]
 
     head = b"certreg-truncated-rotation/1\0" + (3).to_bytes(8, "little")
-    assert problem.data == head + np.array(numbers, dtype="<f8").tobytes()
-    assert problem.digest() == hashlib.sha256(problem.data).hexdigest()
+    assert problem.data_bytes() == head + np.array(numbers, dtype="<f8").tobytes()
+    assert problem.digest() == hashlib.sha256(problem.data_bytes()).hexdigest()
 
 
 def test_bounds_are_a_part_of_the_problem():
-    digests = {TruncatedProblem(points(), bound).digest() for bound in (0.5, 0.25)}
+    digests = {bounded(points(), bound, Loss.TRUNCATED).digest() for bound in (0.5, 0.25)}
 
     assert len(digests | {points().digest()}) == 3
 
@@ -50,31 +51,31 @@ def test_bounds_are_a_part_of_the_problem():
 )
 def test_what_states_no_such_problem_is_refused(options, bound, words: str):
     with pytest.raises(InvalidProblemError, match=words):
-        TruncatedProblem(points(**options), bound)
+        bounded(points(**options), bound, Loss.TRUNCATED)
 
 
 def test_two_pairs_are_too_few():
     two = RegistrationProblem(POINTS[:2], POINTS[:2], rotation_only=True)
 
     with pytest.raises(InvalidProblemError, match="2 pairs: truncated squares take 3 to 100000"):
-        TruncatedProblem(two, 1.0)
+        bounded(two, 1.0, Loss.TRUNCATED)
 
 
 def test_bounds_are_refused_where_each_pair_keeps_its_own_at_every_rotation():
     """The points are 1, 2, 3 from the origin: no pair is farther apart than 2, 4, 6."""
     for bounds in ((2.0, 4.0, 6.0), (7.0, 4.0, 6.5)):
         with pytest.raises(InvalidProblemError, match="farther apart than 6: each pair") as refused:
-            TruncatedProblem(points(), bounds)
+            bounded(points(), bounds, Loss.TRUNCATED)
         assert (refused.value.value, refused.value.limit) == (min(bounds), 6.0)
     for row in range(3):
         bounds = [2.0, 4.0, 6.0]
         bounds[row] = math.nextafter(bounds[row], 0.0)
 
-        assert TruncatedProblem(points(), bounds).bounds.tolist() == bounds
+        assert bounded(points(), bounds, Loss.TRUNCATED).bounds.tolist() == bounds
 
 
 def test_points_at_the_origin_are_refused_whatever_their_bounds():
     zeros = RegistrationProblem(np.zeros((3, 3)), np.zeros((3, 3)), rotation_only=True)
 
     with pytest.raises(InvalidProblemError, match=r"^all points are at the origin"):
-        TruncatedProblem(zeros, 1.0)
+        bounded(zeros, 1.0, Loss.TRUNCATED)
