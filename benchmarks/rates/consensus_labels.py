@@ -24,7 +24,7 @@ from typing import Any
 import numpy as np
 
 from certreg.certificate import ConsensusProver
-from certreg.problem import ConsensusProblem, OutlierInstance, RegistrationProblem, outlier_instance
+from certreg.problem import OutlierInstance, RegistrationProblem, bounded, outlier_instance
 from certreg.registration.consensus import RIGID, certified_consensus, proved_consensus
 from certreg.relaxation import graduated_nonconvexity
 
@@ -58,10 +58,10 @@ class Cell:
         wrong = round(self.n * self.wrong / 100)
         return outlier_instance(rng, points=self.n, outliers=wrong, sigma=self.sigma)
 
-    def problem(self, made: OutlierInstance) -> ConsensusProblem:
+    def problem(self, made: OutlierInstance) -> RegistrationProblem:
         """The same with its bounds."""
         points = RegistrationProblem(made.source, made.target)
-        return ConsensusProblem.of(points, self.beta * self.sigma)
+        return bounded(points, self.beta * self.sigma)
 
 
 PLAIN = {
@@ -155,7 +155,7 @@ def rate_of(cell: Cell, count: int, checked: int = CHECKED) -> Rate:
     )
 
 
-def checking(problem: ConsensusProblem) -> tuple[float, int]:
+def checking(problem: RegistrationProblem) -> tuple[float, int]:
     """Seconds that the checker takes, and the bytes of the certificate."""
     made = certified_consensus(problem, RIGID, done=lambda _: None)
     text = made.certificate.to_json()

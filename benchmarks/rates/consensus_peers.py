@@ -25,13 +25,13 @@ from numpy.typing import NDArray
 from benchmarks.rates.consensus_labels import Cell
 from certreg.certificate import ConsensusProver
 from certreg.geometry import rotation_matrix
-from certreg.problem import ConsensusProblem, OutlierInstance
+from certreg.problem import OutlierInstance, RegistrationProblem
 from certreg.registration.consensus import proved_consensus
 from certreg.relaxation import graduated_nonconvexity
 
 Array = NDArray[np.float64]
 Answer = tuple[Array, Array, bool]  # rotation, translation, whether it says that it is right
-Peer = Callable[[ConsensusProblem, Array, Array, float], Answer]
+Peer = Callable[[RegistrationProblem, Array, Array, float], Answer]
 COUNT = 30
 CELLS = tuple(
     Cell(n=n, wrong=wrong) for n, wrong in ((50, 80), (100, 50), (100, 90), (100, 95), (500, 95))
@@ -40,7 +40,7 @@ RANSAC_ROUNDS = 100_000
 TRUSTED = 5  # inliers of the solver from which KISS-Matcher's authors call a pose good
 
 
-def certreg(problem: ConsensusProblem, _x: Array, _y: Array, _bound: float) -> Answer:
+def certreg(problem: RegistrationProblem, _x: Array, _y: Array, _bound: float) -> Answer:
     found = proved_consensus(problem, ConsensusProver(problem), 1.0)
     if found is None:
         return np.eye(3), np.zeros(3), False
@@ -51,12 +51,12 @@ def certreg(problem: ConsensusProblem, _x: Array, _y: Array, _bound: float) -> A
     return R, np.ldexp(np.array(shift, dtype=float), exponent), found.decided
 
 
-def gnc(problem: ConsensusProblem, x: Array, y: Array, _bound: float) -> Answer:
+def gnc(problem: RegistrationProblem, x: Array, y: Array, _bound: float) -> Answer:
     found = graduated_nonconvexity(x, y, problem.bounds)
     return found.rotation, found.translation, False
 
 
-def ransac(_problem: ConsensusProblem, x: Array, y: Array, bound: float) -> Answer:
+def ransac(_problem: RegistrationProblem, x: Array, y: Array, bound: float) -> Answer:
     open3d: Any = import_module("open3d")
     registration = open3d.pipelines.registration
     open3d.utility.random.seed(0)
@@ -75,7 +75,7 @@ def ransac(_problem: ConsensusProblem, x: Array, y: Array, bound: float) -> Answ
     return T[:3, :3], T[:3, 3], False
 
 
-def kiss_matcher(_problem: ConsensusProblem, x: Array, y: Array, bound: float) -> Answer:
+def kiss_matcher(_problem: RegistrationProblem, x: Array, y: Array, bound: float) -> Answer:
     kiss: Any = import_module("kiss_matcher")
     matcher = kiss.KISSMatcher(kiss.KISSMatcherConfig(bound))
     # `solve` alone leaves out the pruning by lengths that is half of the method.

@@ -31,7 +31,7 @@ from certreg.certificate.parting import Parting
 from certreg.certificate.refuting import PointRows
 from certreg.certificate.thinning import Graph, GraphThinning
 from certreg.native import mask_of
-from certreg.problem import ConsensusProblem, RegistrationProblem
+from certreg.problem import Consensus, RegistrationProblem
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -51,7 +51,7 @@ checker: Any = import_module("certreg.verify")
 class Planted:
     """A problem, the rows that a motion meets for certain, and that motion."""
 
-    problem: ConsensusProblem
+    problem: RegistrationProblem
     rows: tuple[int, ...]
     rotation: NDArray[np.float64]
     translation: NDArray[np.float64]
@@ -86,7 +86,7 @@ def planted(seed: int) -> Planted:
     order = rng.permutation(len(x))
     problem = RegistrationProblem(x[order], y[order])
     rows = tuple(np.flatnonzero(order < met).tolist())
-    stated = ConsensusProblem(problem, bounds[order])
+    stated = problem.under(Consensus(bounds[order]))
     return Planted(problem=stated, rows=rows, rotation=R, translation=t)
 
 

@@ -99,6 +99,8 @@ def verify(  # noqa: PLR0913 - each limit is one question, and is asked for seld
     limits = _limits(angle=max_angle, share=max_gap, undecided=max_undecided)
     if max_residual is not None or objective is not None:
         problem = bounded_clouds(problem, max_residual, objective)
+    elif not (problem is None or isinstance(problem, Clouds)) and problem.loss.kind in OBJECTIVES:
+        problem = bounded_clouds(problem, problem.bounds, problem.loss.kind)
     if problem is None or isinstance(problem, Clouds) or problem.n <= INLINE_MAX:
         clouds = _bound(problem)
         outcome = check(content, clouds, limits)

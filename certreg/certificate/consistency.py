@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.certificate.consensus import Witness
-    from certreg.problem import ConsensusProblem
+    from certreg.problem import RegistrationProblem
 
 # Relative errors: a difference of doubles 2^-53, a squared length of three terms four times that,
 # its root three times, and the last sums one more: eight times 2^-53 of all would do.
@@ -32,9 +32,9 @@ BLOCK_ROWS = 32  # rows against all others at a time: of 1,000 they stay in the 
 QUATERNION_BITS, SHIFT_BITS = 60, 64  # of a witness: its rounding is far below that of its points
 
 
-def consistent_pairs(problem: ConsensusProblem) -> BitRows:
+def consistent_pairs(problem: RegistrationProblem) -> BitRows:
     """For each pair those that one motion may meet with it."""
-    block = problem.problem.block(slice(None))
+    block = problem.points
     one = 2.0 ** -_exponent(problem)  # exact, but for what is too small to matter beside errors
     points = np.hstack([block.source, block.target]) * one
     exact, found = ExactRows(problem), agreeing(points, problem.bounds * one)
@@ -66,9 +66,9 @@ def _agreeing(
     return BitRows.of_table(allowed)
 
 
-def _exponent(problem: ConsensusProblem) -> int:
+def _exponent(problem: RegistrationProblem) -> int:
     """Of a power of two near the size of the problem."""
-    block = problem.problem.block(slice(None))
+    block = problem.points
     size = max(np.abs(block.source).max(), np.abs(block.target).max(), problem.bounds.max())
     return int(np.frexp(size)[1])
 
@@ -87,7 +87,7 @@ def lengths(points: NDArray[np.float64], others: NDArray[np.float64]) -> NDArray
 class ExactRows:
     """The points and bounds of a problem as integers over a power of two, when first asked for."""
 
-    def __init__(self, problem: ConsensusProblem) -> None:
+    def __init__(self, problem: RegistrationProblem) -> None:
         self._problem = problem
         self._rows: list[tuple[int, ...]] = []
         self.exponent = 0
@@ -96,7 +96,7 @@ class ExactRows:
     def rows(self) -> list[tuple[int, ...]]:
         """x1, x2, x3, y1, y2, y3 and the bound of each pair."""
         if not self._rows:
-            block = self._problem.problem.block(slice(None))
+            block = self._problem.points
             table = np.column_stack([block.source, block.target, self._problem.bounds])
             lifted = lift(table.ravel())
             self.exponent = lifted.exponent
@@ -116,7 +116,7 @@ class ExactRows:
 
     def met_by(self, witness: Witness) -> list[int]:
         """The rows that a motion meets, exactly: in integers where doubles leave it open."""
-        block, unit = self._problem.problem.block(slice(None)), _exponent(self._problem)
+        block, unit = self._problem.points, _exponent(self._problem)
         one, q = 2.0**-unit, np.array([float(k) for k in witness.quaternion])
         x, y, bounds = block.source * one, block.target * one, self._problem.bounds * one
         *shift, exponent = witness.shift

@@ -7,7 +7,6 @@ the maximum. Else K + 1 is tried, and whether the others are enough without each
 
 from __future__ import annotations
 
-import hashlib
 import json
 import math
 from dataclasses import dataclass
@@ -49,7 +48,7 @@ if TYPE_CHECKING:
     from certreg.certificate.springs_cones import SpringsConesBody
     from certreg.certificate.springs_sos import SpringsSosBody
     from certreg.native import BitRows
-    from certreg.problem import ConsensusProblem
+    from certreg.problem import RegistrationProblem
 
     FitBody = IsotropicBody | SpringsSosBody | SpringsConesBody
 
@@ -81,7 +80,7 @@ class Consensus:
 class ConsensusProver:
     """Proves as much as it can of one problem; the graph of consistent pairs is made once."""
 
-    def __init__(self, problem: ConsensusProblem, *, effort: float = 1.0) -> None:
+    def __init__(self, problem: RegistrationProblem, *, effort: float = 1.0) -> None:
         self.problem = problem
         self._exact = ExactRows(problem)
         self._near = consistent_pairs(problem)
@@ -133,7 +132,7 @@ def witness_of(rotation: NDArray[np.float64], translation: NDArray[np.float64]) 
     return Witness(quaternion=(int(w), int(x), int(y), int(z)), shift=(a, b, c, exponent))
 
 
-def consensus_of(problem: ConsensusProblem, body: ConsensusBody) -> Consensus:
+def consensus_of(problem: RegistrationProblem, body: ConsensusBody) -> Consensus:
     """What a certificate says that the checker has accepted for the problem."""
     met = tuple(ExactRows(problem).met_by(body.witness))
     return Consensus(body.witness, met, body.stages, body.labels, body.upper)
@@ -150,13 +149,12 @@ def pose_of(witness: Witness) -> Pose:
 
 
 def consensus_certificate(
-    problem: ConsensusProblem,
+    problem: RegistrationProblem,
     found: Consensus,
     fit: Certificate[FitBody] | None,
     about: dict[str, Any] | None = None,
 ) -> Certificate[ConsensusBody]:
     """The certificate; fit: of the least squares over the rows that the witness meets."""
-    data = problem.data_bytes()
     body = ConsensusBody(
         witness=found.witness,
         labels=found.labels,
@@ -166,8 +164,13 @@ def consensus_certificate(
         reach=None if fit is None else _reach(problem, found.met, fit.body.quaternion),
         springs=problem.factors is not None,
     )
-    digest = hashlib.sha256(data).hexdigest()
-    return Certificate(n=problem.n, digest=digest, inline=data, body=body, about=about or {})
+    return Certificate(
+        n=problem.n,
+        digest=problem.digest(),
+        inline=problem.data_bytes(),
+        body=body,
+        about=about or {},
+    )
 
 
 def unheld(fit: Certificate[FitBody] | Certificate[SimilarityBody]) -> dict[str, Any]:
@@ -177,7 +180,7 @@ def unheld(fit: Certificate[FitBody] | Certificate[SimilarityBody]) -> dict[str,
 
 
 def _reach(
-    problem: ConsensusProblem, met: tuple[int, ...], quaternion: tuple[int, ...]
+    problem: RegistrationProblem, met: tuple[int, ...], quaternion: tuple[int, ...]
 ) -> Reach | None:
     """How far motions that meet all these rows may turn from that of the fit; None if not bounded.
 
@@ -185,7 +188,8 @@ def _reach(
     `turn_about` allows for that.
     """
     points = PointRows.of(problem)
-    x, y, w = centred(points.source, points.target, problem.problem.weights, met)
+    weights = problem.weights if problem.factors is None else np.ones(problem.n)
+    x, y, w = centred(points.source, points.target, weights, met)
     spread = float((w * (x * x + y * y)).sum())
     c = spread - float((w[:, 0] * points.bounds[[*met]] ** 2).sum())
     K = np.array(davenport_matrix(((w * y).T @ x).tolist()))

@@ -51,7 +51,7 @@ if TYPE_CHECKING:
 
     from certreg.certificate.similarity import SimilarityBody
     from certreg.native import Neighbours
-    from certreg.problem import ConsensusProblem
+    from certreg.problem import RegistrationProblem
 
 LOG = logging.getLogger(__name__)
 TOLD = "%d ranges of scales, %d of them still open; proving on ..."
@@ -102,7 +102,7 @@ class _Thinned:
 class ScaledProver:
     """Proves as much as it can of one problem whose scale is free."""
 
-    def __init__(self, problem: ConsensusProblem, *, effort: float = 1.0) -> None:
+    def __init__(self, problem: RegistrationProblem, *, effort: float = 1.0) -> None:
         self.problem = problem
         self.pairs = ScaledPairs(problem)
         self._effort = effort
@@ -241,7 +241,7 @@ def _dyadic(value: Fraction) -> Dyadic:
 
 
 def scaled_consensus_of(
-    problem: ConsensusProblem, body: ConsensusSimilarityBody
+    problem: RegistrationProblem, body: ConsensusSimilarityBody
 ) -> ScaledConsensus:
     """What a certificate says that the checker has accepted for the problem."""
     met = tuple(ScaledPairs(problem).met_by(body.witness))
@@ -249,7 +249,7 @@ def scaled_consensus_of(
 
 
 def scaled_consensus_certificate(
-    problem: ConsensusProblem,
+    problem: RegistrationProblem,
     found: ScaledConsensus,
     fit: Certificate[SimilarityBody] | None,
     about: dict[str, Any] | None = None,
@@ -270,7 +270,7 @@ def scaled_consensus_certificate(
         labels=found.labels,
         upper=found.upper,
         pieces=found.pieces,
-        scale=problem.problem.scale.value,
+        scale=problem.scale.value,
         scale_lower=low,
         scale_upper=high,
         fit=None if fit is None else unheld(fit),
@@ -286,7 +286,7 @@ def scaled_consensus_certificate(
 
 
 def _bounded(
-    problem: ConsensusProblem, found: ScaledConsensus, fit: Certificate[SimilarityBody] | None
+    problem: RegistrationProblem, found: ScaledConsensus, fit: Certificate[SimilarityBody] | None
 ) -> tuple[Dyadic, Dyadic, Reach | None]:
     """Between which scales, and how far from the fit, all motions are that meet the met rows.
 
@@ -295,7 +295,7 @@ def _bounded(
     outwards: the checker decides.
     """
     pairs = ScaledPairs(problem)
-    x, y, w = centred(pairs.source, pairs.target, problem.problem.weights, found.met)
+    x, y, w = centred(pairs.source, pairs.target, problem.weights, found.met)
     X, Y = (float((w * p * p).sum()) for p in (x, y))
     c = Y - float((w[:, 0] * pairs.bounds[[*found.met]] ** 2).sum())
     K = np.array(davenport_matrix(((w * y).T @ x).tolist()))

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from certreg.problem import ConsensusProblem
+    from certreg.problem import RegistrationProblem
 
     Reals = NDArray[np.float64]
 
@@ -44,9 +44,9 @@ class PointRows:
     bounds: NDArray[np.float64]
 
     @classmethod
-    def of(cls, problem: ConsensusProblem) -> PointRows:
+    def of(cls, problem: RegistrationProblem) -> PointRows:
         """Of a problem, in a unit of length near its size: a power of two, so without rounding."""
-        block = problem.problem.block(slice(None))
+        block = problem.points
         size = max(np.abs(block.source).max(), np.abs(block.target).max(), problem.bounds.max())
         one = 2.0 ** -int(np.frexp(size)[1])
         return cls(block.source * one, block.target * one, problem.bounds * one)

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.certificate.scaled_consensus import ScaledWitness, ScaleRange
-    from certreg.problem import ConsensusProblem
+    from certreg.problem import RegistrationProblem
 
 TINY = 1e-100  # lengths, in the unit of their cloud, whose squares may lose digits
 
@@ -36,8 +36,8 @@ class ScaledPairs:
     Of the source and the target the units are their own: powers of two near their sizes.
     """
 
-    def __init__(self, problem: ConsensusProblem) -> None:
-        block = problem.problem.block(slice(None))
+    def __init__(self, problem: RegistrationProblem) -> None:
+        block = problem.points
         table = np.column_stack([block.source, block.target, problem.bounds])
         lifted = lift(table.ravel())
         parts = [lifted.integers[k::7] for k in range(7)]

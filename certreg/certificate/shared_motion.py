@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from certreg.certificate.consensus import Witness
     from certreg.certificate.producing_consensus import ConsensusProver
     from certreg.native import Neighbours
-    from certreg.problem import ConsensusProblem
+    from certreg.problem import RegistrationProblem
 
 ROUNDS = 200  # of reweighting: the largest residual falls slowly near the least
 
@@ -99,10 +99,10 @@ def sets_apart(near: Neighbours) -> int:
 
 
 def _least_largest(
-    problem: ConsensusProblem, rows: Sequence[int]
+    problem: RegistrationProblem, rows: Sequence[int]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """A motion whose largest residual over its bound is near the least, by Lawson's method."""
-    block, chosen = problem.problem.block(slice(None)), list(rows)
+    block, chosen = problem.points, list(rows)
     unit = np.ldexp(1.0, int(np.frexp(problem.bounds[chosen].max())[1]))  # no square is 0 of it
     x, y = block.source[chosen] / unit, block.target[chosen] / unit
     squares = (problem.bounds[chosen] / unit) ** 2

@@ -22,7 +22,7 @@ from certreg.io import (
     write_atomically,
     write_cloud,
 )
-from certreg.problem import ConsensusProblem, Loss, TruncatedProblem
+from certreg.problem import Loss, TruncatedProblem, bounded
 from certreg.registration import (
     DONE,
     GOOD,
@@ -157,8 +157,8 @@ def _told_of_labels(
         turned = TruncatedProblem(problem, bounds)
         kept = judged_truncated_labels(turned, labels, effort=wrong.effort, about=pair.about)
     else:
-        bounded = ConsensusProblem.of(problem, bounds)
-        kept = judged_labels(bounded, labels, effort=wrong.effort, about=pair.about)
+        pairs = bounded(problem, bounds)
+        kept = judged_labels(pairs, labels, effort=wrong.effort, about=pair.about)
     click.echo(dumps(kept.to_dict()) if as_json else str(kept))
     return kept.exit_code
 

@@ -101,8 +101,7 @@ def problem_of(
         damping=damping,
         **springs,
     )
-    told = () if problem.springs is None else problem.springs.notes
-    return problem, replace(pair, further=(*pair.further, *told))
+    return problem, replace(pair, further=(*pair.further, *problem.notes))
 
 
 def _paired_weights(

@@ -16,15 +16,16 @@ if TYPE_CHECKING:
     from certreg.problem.arrays import remedy_of_shape as remedy_of_shape
     from certreg.problem.arrays import row_blocks as row_blocks
     from certreg.problem.blocks import Block as Block
+    from certreg.problem.blocks import PointBlock as PointBlock
     from certreg.problem.blocks import SpringBlock as SpringBlock
     from certreg.problem.blocks import contiguous as contiguous
     from certreg.problem.blocks import first_row as first_row
+    from certreg.problem.bounds import LEAST_PAIRS as LEAST_PAIRS
+    from certreg.problem.bounds import MOST_PAIRS as MOST_PAIRS
+    from certreg.problem.bounds import bounded as bounded
     from certreg.problem.bounds import checked_bounds as checked_bounds
     from certreg.problem.breaking import BreakingProblem as BreakingProblem
     from certreg.problem.breaking import ExactSprings as ExactSprings
-    from certreg.problem.consensus import LEAST_PAIRS as LEAST_PAIRS
-    from certreg.problem.consensus import MOST_PAIRS as MOST_PAIRS
-    from certreg.problem.consensus import ConsensusProblem as ConsensusProblem
     from certreg.problem.effort import checked_effort as checked_effort
     from certreg.problem.effort import checked_threads as checked_threads
     from certreg.problem.exact_sums import FACTORS as FACTORS
@@ -39,6 +40,7 @@ if TYPE_CHECKING:
     from certreg.problem.inliers import LEAST_DIRECTIONS as LEAST_DIRECTIONS
     from certreg.problem.inliers import checked_inliers as checked_inliers
     from certreg.problem.lifting import lift as lift
+    from certreg.problem.losses import Consensus as Consensus
     from certreg.problem.many import ManyPairs as ManyPairs
     from certreg.problem.many_springs import ManySpringMoments as ManySpringMoments
     from certreg.problem.many_springs import ManySprings as ManySprings
@@ -54,7 +56,6 @@ if TYPE_CHECKING:
     from certreg.problem.moments_of_springs import SpringMoments as SpringMoments
     from certreg.problem.moments_of_springs import spring_moments as spring_moments
     from certreg.problem.motion import DEFAULT_DAMPING as DEFAULT_DAMPING
-    from certreg.problem.motion import DIGEST_PREFIX as DIGEST_PREFIX
     from certreg.problem.motion import MAX_DAMPING as MAX_DAMPING
     from certreg.problem.motion import MIN_DAMPING as MIN_DAMPING
     from certreg.problem.motion import Motion as Motion
@@ -88,7 +89,6 @@ if TYPE_CHECKING:
     from certreg.problem.spring_rows import warn_of_unused as warn_of_unused
     from certreg.problem.spring_sums import second_spring_method as second_spring_method
     from certreg.problem.spring_sums import spring_sums_by as spring_sums_by
-    from certreg.problem.springs import SPRINGS_PREFIX as SPRINGS_PREFIX
     from certreg.problem.springs import GivenSprings as GivenSprings
     from certreg.problem.springs import SpringSummary as SpringSummary
     from certreg.problem.support import Cell as Cell
@@ -113,19 +113,15 @@ __getattr__ = lazy_face(
         ),
         "blocks": (
             "Block",
+            "PointBlock",
             "SpringBlock",
             "contiguous",
             "first_row",
         ),
-        "bounds": ("checked_bounds",),
+        "bounds": ("LEAST_PAIRS", "MOST_PAIRS", "bounded", "checked_bounds"),
         "breaking": (
             "BreakingProblem",
             "ExactSprings",
-        ),
-        "consensus": (
-            "LEAST_PAIRS",
-            "MOST_PAIRS",
-            "ConsensusProblem",
         ),
         "effort": ("checked_effort", "checked_threads"),
         "exact_sums": (
@@ -152,12 +148,12 @@ __getattr__ = lazy_face(
             "many_spring_moments",
             "stated_many",
         ),
+        "losses": ("Consensus",),
         "motion": (
             "DEFAULT_DAMPING",
             "MAX_DAMPING",
             "MIN_DAMPING",
             "checked_damping",
-            "DIGEST_PREFIX",
             "Motion",
             "Scale",
             "checked_rotation_only",
@@ -210,7 +206,6 @@ __getattr__ = lazy_face(
             "warn_of_unused",
         ),
         "springs": (
-            "SPRINGS_PREFIX",
             "GivenSprings",
             "SpringSummary",
         ),

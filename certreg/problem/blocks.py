@@ -20,11 +20,17 @@ CHANGED = "the file of a mapped array was changed while it was read: state the p
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Block(Brief):
-    """Some of the points of a problem: source (k, 3), target (k, 3), weights (k,), contiguous."""
+class PointBlock(Brief):
+    """Some of the points of a problem: source (k, 3), target (k, 3), contiguous."""
 
     source: NDArray[np.float64]
     target: NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Block(PointBlock):
+    """The same with one weight for each pair: weights (k,)."""
+
     weights: NDArray[np.float64]
 
     def part(self, rows: slice) -> Block:
@@ -33,11 +39,9 @@ class Block(Brief):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class SpringBlock(Brief):
-    """Some of the points of general springs: source, target (k, 3), factors (k, 6), contiguous."""
+class SpringBlock(PointBlock):
+    """The same with general springs: factors (k, 6)."""
 
-    source: NDArray[np.float64]
-    target: NDArray[np.float64]
     factors: NDArray[np.float64]
 
 

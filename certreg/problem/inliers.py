@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from certreg.errors import InvalidProblemError
-from certreg.problem.consensus import LEAST_PAIRS
+from certreg.problem.bounds import LEAST_PAIRS
 
 NAME = "labels"  # of the argument, as users know it
 LEAST_DIRECTIONS = 2  # that one rotation may meet: a single one is met by infinitely many

@@ -9,8 +9,8 @@ import numpy as np
 
 from certreg.errors import InvalidProblemError
 from certreg.problem.arrays import ATTRIBUTES, cloud_array, finite_doubles, real_numbers
-from certreg.problem.motion import DIGEST_PREFIX
 from certreg.problem.row_labels import require_same_labels
+from certreg.problem.support import NEUTRAL, PREFIXES
 from certreg.results import Brief
 
 if TYPE_CHECKING:
@@ -67,7 +67,7 @@ class ManyPairs(Brief):
 
     def data_bytes(self, number: int) -> bytes:
         """The bytes that state one problem, as those of a `RegistrationProblem`."""
-        head = DIGEST_PREFIX + int(self.sizes[number]).to_bytes(8, "little")
+        head = PREFIXES[NEUTRAL] + int(self.sizes[number]).to_bytes(8, "little")
         rows = (part.astype("<f8", copy=False).tobytes() for part in self.of_one(number))
         return b"".join((head, *rows))
 

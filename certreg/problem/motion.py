@@ -9,7 +9,6 @@ from typing import Any
 
 from certreg.errors import InvalidProblemError
 
-DIGEST_PREFIX = b"certreg-problem/1\0"
 DEFAULT_DAMPING = math.sqrt(8.0)  # critical damping of every mode of noise-free data: 2 sqrt(2)
 MIN_DAMPING, MAX_DAMPING = 1e-150, 1e150  # their squares, in the spectrum, are doubles
 
@@ -28,16 +27,6 @@ class Scale(StrEnum):
     NONE = "none"
     ASYMMETRIC = "asymmetric"
     SYMMETRIC = "symmetric"
-
-
-PREFIXES = {  # by scale and rotation_only: no digest stands for two problems
-    (Scale.NONE, False): DIGEST_PREFIX,
-    (Scale.NONE, True): b"certreg-rotation/1\0",
-    (Scale.ASYMMETRIC, False): b"certreg-similarity/1\0",
-    (Scale.ASYMMETRIC, True): b"certreg-similarity-rotation/1\0",
-    (Scale.SYMMETRIC, False): b"certreg-similarity-symmetric/1\0",
-    (Scale.SYMMETRIC, True): b"certreg-similarity-symmetric-rotation/1\0",
-}
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,11 +50,6 @@ class Motion:
     def parameters(self) -> int:
         """How many numbers of a pose are found: the only place where they are counted."""
         return 3 + self.translations + self.scaled
-
-    @property
-    def prefix(self) -> bytes:
-        """What the digest of a problem with weights begins with."""
-        return PREFIXES[self.scale, self.rotation_only]
 
     @property
     def options(self) -> str:

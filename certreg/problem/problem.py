@@ -10,7 +10,8 @@ import numpy as np
 
 from certreg.errors import InvalidProblemError
 from certreg.problem.arrays import cloud_array, finite_doubles, mapped_file, row_blocks
-from certreg.problem.blocks import CHANGED, Block, SpringBlock, contiguous
+from certreg.problem.blocks import CHANGED, Block, PointBlock, SpringBlock, contiguous
+from certreg.problem.losses import SQUARES
 from certreg.problem.motion import (
     DEFAULT_DAMPING,
     Motion,
@@ -21,8 +22,8 @@ from certreg.problem.motion import (
 )
 from certreg.problem.row_labels import require_same_labels
 from certreg.problem.spring_rows import warn_of_unused
-from certreg.problem.springs import SPRINGS_PREFIX, GivenSprings
-from certreg.problem.support import Cell, require_supported
+from certreg.problem.springs import GivenSprings
+from certreg.problem.support import PREFIXES, Cell, Loss, require_supported
 from certreg.problem.weighing import masses, weighed_springs
 from certreg.results import Brief
 
@@ -31,6 +32,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import ArrayLike, NDArray
 
+    from certreg.problem.losses import PairLoss
     from certreg.problem.springs import SpringSummary
 
 NO_WEIGHTS = (
@@ -98,6 +100,7 @@ class RegistrationProblem(Brief):
     springs: SpringSummary | None  # of general springs
     damping: float
     motion: Motion
+    loss: PairLoss  # `bounded` makes others than the least squares
     noise_given: bool  # whether sigma was given: weights alone may be relative
     damping_given: bool
     _weights: NDArray[np.float64] | None
@@ -125,12 +128,7 @@ class RegistrationProblem(Brief):
         source_points = finite_doubles(cloud_array(source, "source"), "source")
         target_points = finite_doubles(cloud_array(target, "target"), "target")
         n = len(source_points)
-        if n != len(target_points):
-            message = (
-                f"source has {n} points, target has {len(target_points)}: correspondences pair "
-                "row i with row i, so both need the same number"
-            )
-            raise InvalidProblemError(message, array="target", value=len(target_points), limit=n)
+        _require_as_many(n, len(target_points))
         given = GivenSprings(
             normals=normals,
             directions=directions,
@@ -144,32 +142,29 @@ class RegistrationProblem(Brief):
         )
         if springs is None:
             warn_of_unused(target, n, depth=1)
-        for name, value in (
-            ("source", source_points),
-            ("target", target_points),
-            ("_weights", masses(sigma, weights, n) if springs is None else None),
-            ("factors", None if springs is None else springs.factors),
+        for name, fact in (
+            ("source", _read_only(source_points)),
+            ("target", _read_only(target_points)),
+            ("_weights", _read_only(masses(sigma, weights, n)) if springs is None else None),
+            ("factors", None if springs is None else _read_only(springs.factors)),
+            ("springs", None if springs is None else springs.summary),
+            ("damping", checked_damping(DEFAULT_DAMPING if damping is None else damping)),
+            ("damping_given", damping is not None),
+            ("motion", _motion(scale, rotation_only=rotation_only)),
+            ("loss", SQUARES),
+            ("noise_given", sigma is not None or given.is_noise),
+            ("_digest", list[str]()),
         ):
-            object.__setattr__(self, name, None if value is None else _read_only(value))
-        object.__setattr__(self, "springs", None if springs is None else springs.summary)
-        chosen = DEFAULT_DAMPING if damping is None else damping
-        object.__setattr__(self, "damping", checked_damping(chosen))
-        object.__setattr__(self, "damping_given", damping is not None)
-        self._set_model(scale, rotation_only=rotation_only)
-        object.__setattr__(self, "noise_given", sigma is not None or given.is_noise)
-        object.__setattr__(self, "_digest", [])
+            object.__setattr__(self, name, fact)
+        require_supported(self.cell)
 
     def __repr__(self) -> str:
         noise = ", sigma given" if self.noise_given else ""
         springs = "" if self.springs is None else f", springs: {self.springs.kind}"
         scale = "" if self.scale is Scale.NONE else f", {self.scale.value} scale"
         only = ", rotation only" if self.rotation_only else ""
-        return f"<RegistrationProblem: n={self.n}{springs}{scale}{only}{noise}>"
-
-    def _set_model(self, scale: Any, *, rotation_only: Any) -> None:
-        motion = Motion(checked_scale(scale), checked_rotation_only(rotation_only))
-        object.__setattr__(self, "motion", motion)
-        require_supported(self.cell)
+        loss = "" if self.loss.kind is Loss.SQUARES else f", {self.loss.kind.value}"
+        return f"<RegistrationProblem: n={self.n}{springs}{scale}{only}{noise}{loss}>"
 
     def modelled(self, scale: str | Scale, *, rotation_only: bool) -> RegistrationProblem:
         """The same problem, of a motion that may do more, or less.
@@ -189,23 +184,40 @@ class RegistrationProblem(Brief):
         InvalidProblemError
             For other names, and for what is not supported.
         """
-        other = self._copied()
-        other._set_model(scale, rotation_only=rotation_only)  # noqa: SLF001 - of a copy
-        object.__setattr__(other, "_digest", [])
+        other = self._changed(motion=_motion(scale, rotation_only=rotation_only), _digest=[])
+        require_supported(other.cell)
         return other
 
-    def _copied(self) -> RegistrationProblem:
-        """The same arrays; `copy.copy` takes four times as long."""
+    def under(self, loss: PairLoss) -> RegistrationProblem:
+        """The same problem with another loss, whose bounds `bounded` checks.
+
+        Parameters
+        ----------
+        loss
+            With bounds of the pairs.
+
+        Returns
+        -------
+        RegistrationProblem
+            Of the same arrays.
+        """
+        return self._changed(loss=loss, _digest=[])
+
+    def _changed(self, **changes: Any) -> RegistrationProblem:
+        """Of the same arrays; `copy.copy` takes four times as long."""
         other = object.__new__(RegistrationProblem)
         for name in self.__slots__:
-            object.__setattr__(other, name, getattr(self, name))
+            object.__setattr__(other, name, changes.get(name, getattr(self, name)))
         return other
 
     @property
     def cell(self) -> Cell:
         """What was declared, for the table of what is supported."""
         return Cell(
-            springs=self.factors is not None, scale=self.scale, rotation_only=self.rotation_only
+            springs=self.factors is not None,
+            scale=self.scale,
+            rotation_only=self.rotation_only,
+            loss=self.loss.kind,
         )
 
     @property
@@ -254,13 +266,10 @@ class RegistrationProblem(Brief):
         InvalidProblemError
             For others.
         """
-        other = self._copied()
-        object.__setattr__(other, "damping", checked_damping(damping))
-        object.__setattr__(other, "damping_given", True)
-        return other
+        return self._changed(damping=checked_damping(damping), damping_given=True)
 
     def of_rows(self, rows: Sequence[int]) -> RegistrationProblem:
-        """The same problem of some of the pairs, with their weights, or springs, and their noise.
+        """The least squares over some of the pairs, with their weights or springs, and their noise.
 
         Parameters
         ----------
@@ -306,6 +315,16 @@ class RegistrationProblem(Brief):
         return self._weights
 
     @property
+    def notes(self) -> tuple[str, ...]:
+        """What the user should know of general springs."""
+        return () if self.springs is None else self.springs.notes
+
+    @property
+    def bounds(self) -> NDArray[np.float64]:
+        """(N,), of the loss, in the unit of length: infinite for least squares over all pairs."""
+        return np.broadcast_to(self.loss.bounds, (self.n,))
+
+    @property
     def mapped(self) -> bool:
         """Whether a part of the problem stays in a file, which somebody else could change."""
         return any(mapped_file(array) is not None for _, array in self._stated())
@@ -316,6 +335,14 @@ class RegistrationProblem(Brief):
         one = self.weights[0]
         blocks = (contiguous(self.weights, rows) for rows in row_blocks(self.n))
         return all((block == one).all() for block in blocks)
+
+    @property
+    def points(self) -> PointBlock:
+        """Both clouds in doubles, contiguous: of those that are mapped from a file a copy."""
+        return PointBlock(
+            source=contiguous(self.source, slice(None), "source"),
+            target=contiguous(self.target, slice(None), "target"),
+        )
 
     def block(self, rows: slice) -> Block:
         """Some of the points in doubles, contiguous.
@@ -388,18 +415,31 @@ class RegistrationProblem(Brief):
 
     def _pieces(self) -> Iterator[bytes | memoryview]:
         """What `data_bytes` holds, piece by piece."""
-        prefix = self.motion.prefix if self.factors is None else SPRINGS_PREFIX
-        yield prefix + self.n.to_bytes(8, "little")
+        yield PREFIXES[self.cell] + self.n.to_bytes(8, "little")
         for name, array in self._stated():
             for rows in row_blocks(len(array)):
                 yield contiguous(array, rows, name).astype("<f8", copy=False).data
 
     def _stated(self) -> list[tuple[str, NDArray[np.float64]]]:
         """The arrays that state the problem, in the order of its digest, by name."""
-        arrays = (self.source, self.target, self._weights, self.factors)
-        names = ("source", "target", "weights", "factors")
+        bounds = None if self.loss.kind is Loss.SQUARES else self.bounds
+        arrays = (self.source, self.target, self._weights, bounds, self.factors)
+        names = ("source", "target", "weights", "max_residual", "factors")
         pairs = zip(names, arrays, strict=True)
         return [(name, array) for name, array in pairs if array is not None]
+
+
+def _require_as_many(n: int, m: int) -> None:
+    if n != m:
+        message = (
+            f"source has {n} points, target has {m}: correspondences pair row i with row i, so "
+            "both need the same number"
+        )
+        raise InvalidProblemError(message, array="target", value=m, limit=n)
+
+
+def _motion(scale: Any, *, rotation_only: Any) -> Motion:
+    return Motion(checked_scale(scale), checked_rotation_only(rotation_only))
 
 
 def _read_only(array: NDArray[np.float64]) -> NDArray[np.float64]:

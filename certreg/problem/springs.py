@@ -44,7 +44,6 @@ if TYPE_CHECKING:
 
     Rows = NDArray[np.float64]
 
-SPRINGS_PREFIX = b"certreg-springs/1\0"
 KINDS = {1: "plane", 2: "line", 3: "full"}  # by rank, where all pairs have the same
 POINT = (1.0, 0.0, 1.0, 0.0, 0.0, 1.0)  # the factor of a pair without a kind: L = I
 UNIT_LENGTH = 1e-3  # a normal whose length is further from 1 is told of

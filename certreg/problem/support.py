@@ -169,6 +169,19 @@ def _left_out(cell: Cell, name: str) -> object:
 
 
 NEUTRAL = Cell()
+PREFIXES = {  # of the bytes that state a problem: no digest stands for two of them
+    NEUTRAL: b"certreg-problem/1\0",
+    Cell(rotation_only=True): b"certreg-rotation/1\0",
+    Cell(scale=Scale.ASYMMETRIC): b"certreg-similarity/1\0",
+    Cell(scale=Scale.ASYMMETRIC, rotation_only=True): b"certreg-similarity-rotation/1\0",
+    Cell(scale=Scale.SYMMETRIC): b"certreg-similarity-symmetric/1\0",
+    Cell(scale=Scale.SYMMETRIC, rotation_only=True): b"certreg-similarity-symmetric-rotation/1\0",
+    Cell(springs=True): b"certreg-springs/1\0",
+    Cell(loss=Loss.CONSENSUS): b"certreg-consensus/1\0",
+    Cell(loss=Loss.CONSENSUS, springs=True): b"certreg-consensus-springs/1\0",
+    Cell(loss=Loss.CONSENSUS, scale=Scale.ASYMMETRIC): b"certreg-consensus-similarity/1\0",
+    Cell(loss=Loss.CONSENSUS, scale=Scale.SYMMETRIC): b"certreg-consensus-similarity-symmetric/1\0",
+}
 OPTIONS = {  # by the field of a cell: what a user typed for it, in commands and in Python
     "springs": "normals, directions and matrices",
     "scale": "--scale (scale=)",

@@ -169,7 +169,7 @@ def _with_wrong_pairs(
         problem = problems.TruncatedProblem(stated, max_residual)
         done = counted(progress, truncated.TRUNCATED_PARTS)
         return truncated.certified_truncated(problem, done=done, **asked)
-    pairs = problems.ConsensusProblem.of(stated, max_residual)
+    pairs = problems.bounded(stated, max_residual)
     ways = scaled_consensus.SCALED if stated.scaled else consensus.RIGID
     done = counted(progress, consensus.CONSENSUS_PARTS)
     return consensus.certified_consensus(pairs, ways, done=done, **asked)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Unpack, cast
 from certreg.errors import InvalidProblemError
 from certreg.exact import double_above, nearest_double, nearest_root
 from certreg.geometry import given_pose, why_no_rotation
-from certreg.problem import ConsensusProblem, Loss, RegistrationProblem, TruncatedProblem
+from certreg.problem import Loss, RegistrationProblem, TruncatedProblem, bounded
 from certreg.registration.any_certification import certify
 from certreg.registration.any_registration import AnyRegistration
 from certreg.registration.assessed import Assessment
@@ -177,8 +177,8 @@ def _judged_pairs(
     if loss is Loss.TRUNCATED:
         turned = TruncatedProblem(stated, given["max_residual"])
         return judged_truncated_labels(turned, given["labels"], **asked)
-    bounded = ConsensusProblem.of(stated, given["max_residual"])
-    return judged_labels(bounded, given["labels"], **asked)
+    pairs = bounded(stated, given["max_residual"])
+    return judged_labels(pairs, given["labels"], **asked)
 
 
 def _unstated(problem: Any, pose: Any) -> str:

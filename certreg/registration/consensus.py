@@ -56,7 +56,7 @@ if TYPE_CHECKING:
 
     from certreg.certificate import Certificate, ConsensusBody, ConsensusSimilarityBody
     from certreg.geometry import Pose, Similarity
-    from certreg.problem import ConsensusProblem
+    from certreg.problem import RegistrationProblem
     from certreg.registration.misfits import FitWarning
     from certreg.registration.result import Registration
     from certreg.registration.spring_result import SpringRegistration
@@ -94,7 +94,7 @@ class ConsensusRegistration(Saved):
         Seconds per phase.
     """
 
-    problem: ConsensusProblem
+    problem: RegistrationProblem
     found: Consensus
     fit: Registration | SpringRegistration
     certificate: Certificate[ConsensusBody | ConsensusSimilarityBody]
@@ -149,7 +149,7 @@ class ConsensusRegistration(Saved):
     @property
     def residuals(self) -> NDArray[np.float64]:
         """(N,), how far each pair is off at `pose`, in the unit of length."""
-        block = self.problem.problem.block(slice(None))
+        block = self.problem.points
         return apart(self.pose.apply(block.source), block.target)
 
     @property
@@ -216,14 +216,14 @@ class Ways:
     """
 
     motion: str
-    search: Callable[[ConsensusProblem, float], Consensus | None]
+    search: Callable[[RegistrationProblem, float], Consensus | None]
     certificate: Callable[..., Certificate[Any]]
     candidates: Callable[..., Iterator[Candidate | ScaledCandidate]]
     result: type[ConsensusRegistration]
 
 
 def certified_consensus(
-    problem: ConsensusProblem,
+    problem: RegistrationProblem,
     ways: Ways,
     *,
     effort: float = 1.0,
@@ -265,7 +265,7 @@ def certified_consensus(
 
 
 def restated_consensus(
-    problem: ConsensusProblem, certificate: Certificate[ConsensusBody], verdict: Verdict
+    problem: RegistrationProblem, certificate: Certificate[ConsensusBody], verdict: Verdict
 ) -> ConsensusRegistration:
     """As a certificate says that the checker has accepted for the problem.
 
@@ -276,7 +276,7 @@ def restated_consensus(
 
 
 def restated(
-    problem: ConsensusProblem,
+    problem: RegistrationProblem,
     ways: Ways,
     found: Consensus,
     certificate: Certificate[Any],
@@ -294,7 +294,7 @@ def restated(
     )
 
 
-def _search(problem: ConsensusProblem, effort: float) -> Consensus | None:
+def _search(problem: RegistrationProblem, effort: float) -> Consensus | None:
     return proved_consensus(problem, ConsensusProver(problem, effort=effort), effort)
 
 
@@ -308,10 +308,10 @@ RIGID = Ways(
 
 
 def proved_consensus(
-    problem: ConsensusProblem, prover: ConsensusProver, effort: float
+    problem: RegistrationProblem, prover: ConsensusProver, effort: float
 ) -> Consensus | None:
     """Of all candidates the one of which most is proved, by rigid motions."""
-    block, graph = problem.problem.block(slice(None)), prover.consistent
+    block, graph = problem.points, prover.consistent
     x, y = block.source, block.target
     best = most_proved(
         prover.prove(one.rotation, one.translation, whole=False)
@@ -338,11 +338,11 @@ def most_proved(tried: Iterable[Proved | None]) -> Proved | None:
 
 
 def _fit(
-    problem: ConsensusProblem, found: Consensus, settings: FitSettings, names: RowNames
+    problem: RegistrationProblem, found: Consensus, settings: FitSettings, names: RowNames
 ) -> Registration | SpringRegistration:
     """The least squares over the pairs that are met; its rows say which of all they are."""
     met, factors = list(found.met), problem.factors
-    own = problem.problem.weights if factors is None else factors
+    own = problem.weights if factors is None else factors
     if not own[met].any():
         rows = RowNames(None).words(found.met[:3], len(found.met))
         one, array = ("weight", "weights") if factors is None else ("spring", "factors")
@@ -351,12 +351,14 @@ def _fit(
     return fitted(problem.of_rows(met), met, names, settings)
 
 
-def _second(problem: ConsensusProblem, found: Consensus, ways: Ways, effort: float) -> int | None:
+def _second(
+    problem: RegistrationProblem, found: Consensus, ways: Ways, effort: float
+) -> int | None:
     """The most of the other pairs that a motion was seen to meet."""
     others = sorted(set(range(problem.n)) - set(found.met))
     if len(others) < LEAST_PAIRS:
         return None
-    block = problem.problem.block(slice(None))
+    block = problem.points
     rest = block.source[others], block.target[others], problem.bounds[others]
     motions = ways.candidates(*rest, effort=SECOND_EFFORT * effort)
     most = max((len(one.inliers) for one in motions), default=0)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, cast
 import numpy as np
 
 from certreg.exact import as_given
-from certreg.problem import ConsensusProblem, diameter
+from certreg.problem import RegistrationProblem, diameter
 from certreg.registration.headlines import is_loose
 from certreg.results import Optimality
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from certreg.certificate import Consensus
-    from certreg.problem import RegistrationProblem, TruncatedProblem
+    from certreg.problem import TruncatedProblem
     from certreg.registration.result import Registration
     from certreg.registration.row_names import RowNames
     from certreg.registration.spring_result import SpringRegistration
@@ -47,7 +47,7 @@ class PairLabels:
 
 
 def headline(
-    problem: ConsensusProblem, found: Consensus, names: RowNames, against: str | None
+    problem: RegistrationProblem, found: Consensus, names: RowNames, against: str | None
 ) -> str:
     """The first line: CERTIFIED only where every label is proved.
 
@@ -57,7 +57,7 @@ def headline(
     within, motion = within_words(problem), motion_words(problem)
     but = "" if against is None else f", BUT {against}"
     if found.decided and met == n:
-        one = "motion with a scale" if problem.problem.scaled else "rigid motion"
+        one = "motion with a scale" if problem.scaled else "rigid motion"
         return f"CERTIFIED{but}: one {one} brings all {n} pairs {within}: no outliers."
     out = labels.count("outlier")
     if found.decided:
@@ -110,10 +110,12 @@ def _against_turn(fit: Registration | SpringRegistration) -> str | None:
     return "THE ROTATION IS HARDLY DETERMINED" if is_loose(fit) else None
 
 
-def repeated_rows(problem: ConsensusProblem | TruncatedProblem, rows: Sequence[int]) -> list[int]:
+def repeated_rows(
+    problem: RegistrationProblem | TruncatedProblem, rows: Sequence[int]
+) -> list[int]:
     """Those of the rows whose two points are the two points of an earlier one of them."""
-    points, own = _points(problem), np.asarray(rows, dtype=np.intp)
-    both = np.hstack([points.source[own], points.target[own]])
+    own = np.asarray(rows, dtype=np.intp)
+    both = np.hstack([problem.source[own], problem.target[own]])
     first = np.unique(both, axis=0, return_index=True)[1]
     return np.delete(own, first).tolist()
 
@@ -130,12 +132,12 @@ def repeated_words(rows: Sequence[int], names: RowNames) -> str:
     )
 
 
-def motion_words(problem: ConsensusProblem) -> str:
+def motion_words(problem: RegistrationProblem) -> str:
     """What brings no more pairs within."""
-    return "motion of any scale" if problem.problem.scaled else "rigid motion"
+    return "motion of any scale" if problem.scaled else "rigid motion"
 
 
-def within_words(problem: ConsensusProblem | TruncatedProblem) -> str:
+def within_words(problem: RegistrationProblem | TruncatedProblem) -> str:
     """Within the bound, or the bounds."""
     bounds = problem.bounds
     return f"within {as_given(bounds[0])}" if (bounds == bounds[0]).all() else "within their bounds"
@@ -163,25 +165,18 @@ def _pairs(count: int) -> str:
     return f"{count} pair{'s' * (count != 1)}"
 
 
-def bound_words(problem: ConsensusProblem | TruncatedProblem) -> str:
+def bound_words(problem: RegistrationProblem | TruncatedProblem) -> str:
     """How wide the bound is, and what of it; a consequence is to follow."""
     percent = 100.0 * bound_share(problem)
     return f"bound is {percent:.2g} % of the cloud's size: so many pairs agree by chance"
 
 
-def bound_share(problem: ConsensusProblem | TruncatedProblem) -> float:
+def bound_share(problem: RegistrationProblem | TruncatedProblem) -> float:
     """The largest bound over the smaller cloud's box; over the target's where the scale is free.
 
     0 for a cloud of one point, which has no size; no pose of it is unique.
     """
-    points, size = _points(problem), diameter(_points(problem).target)
-    if not (isinstance(problem, ConsensusProblem) and problem.problem.scaled):
-        size = min(size, diameter(points.source))
+    size = diameter(problem.target)
+    if not (isinstance(problem, RegistrationProblem) and problem.scaled):
+        size = min(size, diameter(problem.source))
     return float(problem.bounds.max()) / size if size else 0.0
-
-
-def _points(
-    problem: ConsensusProblem | TruncatedProblem,
-) -> RegistrationProblem | TruncatedProblem:
-    """What holds the two clouds."""
-    return problem.problem if isinstance(problem, ConsensusProblem) else problem

@@ -18,7 +18,7 @@ from certreg.results import Presented
 if TYPE_CHECKING:
     from certreg.certificate import Consensus
     from certreg.geometry import Pose
-    from certreg.problem import ConsensusProblem
+    from certreg.problem import RegistrationProblem
 
 NAMED_ROWS = 8  # of the refuted ones, in a sentence
 
@@ -53,7 +53,7 @@ class KeptPairs(Presented):
         more pairs than that.
     """
 
-    problem: ConsensusProblem
+    problem: RegistrationProblem
     rows: tuple[int, ...]
     motion: CommonMotion
     most: Consensus | None
@@ -149,7 +149,7 @@ class KeptPairs(Presented):
 
 
 def judged_labels(
-    problem: ConsensusProblem,
+    problem: RegistrationProblem,
     labels: Any,
     *,
     effort: float = 1.0,
@@ -160,13 +160,13 @@ def judged_labels(
     labels: (N,), 0 and 1, booleans, or "outlier" and "inlier". about: with labels of the rows.
     Raises InvalidProblemError for other labels.
     """
-    if problem.problem.scaled:
+    if problem.scaled:
         message = (
             "labels are judged for a rigid motion alone: with --scale let certify prove labels "
             "(certreg certify SOURCE TARGET --scale NAME --max-residual X --out FOLDER), and "
             "compare yours with the column `proved` of FOLDER/fit.csv"
         )
-        raise InvalidProblemError(message, array="scale", value=problem.problem.scale.value)
+        raise InvalidProblemError(message, array="scale", value=problem.scale.value)
     rows = checked_inliers(labels, problem.n)
     prover = ConsensusProver(problem, effort=checked_effort(effort))
     motion, most = common_motion(prover, rows), proved_consensus(problem, prover, effort)

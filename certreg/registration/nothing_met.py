@@ -12,14 +12,14 @@ from certreg.native import triangles
 from certreg.problem import LEAST_PAIRS, lengths
 
 if TYPE_CHECKING:
-    from certreg.problem import ConsensusProblem, TruncatedProblem
+    from certreg.problem import RegistrationProblem, TruncatedProblem
 
 ROUNDING = 2.0**-48  # of the sum of two lengths: their difference errs by less
 
 
-def nothing_met(problem: ConsensusProblem, motion: str) -> str:
+def nothing_met(problem: RegistrationProblem, motion: str) -> str:
     """Of a motion that shall meet three pairs; motion: in words."""
-    if problem.problem.scaled or triangles(consistent_pairs(problem), (1 << problem.n) - 1).any():
+    if problem.scaled or triangles(consistent_pairs(problem), (1 << problem.n) - 1).any():
         return (
             f"no {motion} was found that brings {LEAST_PAIRS} pairs within their bounds: all may "
             "be wrong; if right ones may be farther off, give wider bounds, else more --effort"

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from certreg.problem import LEAST_PAIRS, ConsensusProblem
+from certreg.problem import LEAST_PAIRS, RegistrationProblem
 from certreg.registration.consensus_words import against_pose, bound_share, bound_words
 from certreg.registration.headlines import reason_of_fit
 from certreg.registration.misfits import FitCode, FitWarning
@@ -46,7 +46,7 @@ def few_warning(met: int, n: int, pairs: str = "pairs") -> FitWarning | None:
     )
 
 
-def wide_warning(problem: ConsensusProblem | TruncatedProblem) -> FitWarning | None:
+def wide_warning(problem: RegistrationProblem | TruncatedProblem) -> FitWarning | None:
     """Of a bound that tells few wrong pairs from right ones; None of others."""
     if bound_share(problem) < WIDE:
         return None

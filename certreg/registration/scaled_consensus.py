@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from certreg.certificate import Certificate, ConsensusSimilarityBody
-    from certreg.problem import ConsensusProblem
+    from certreg.problem import RegistrationProblem
     from certreg.results import Verdict
 
 DIGITS = 7  # of a scale, in words
@@ -106,9 +106,9 @@ def ranges_words(some: Sequence[tuple[float, float]]) -> str:
     return " and ".join([", ".join(told[:-1]), told[-1]] if len(told) > 1 else told)
 
 
-def _search(problem: ConsensusProblem, effort: float) -> ScaledConsensus | None:
+def _search(problem: RegistrationProblem, effort: float) -> ScaledConsensus | None:
     """Of all candidates the one of which most is proved."""
-    block, prover = problem.problem.block(slice(None)), ScaledProver(problem, effort=effort)
+    block, prover = problem.points, ScaledProver(problem, effort=effort)
     x, y = block.source, block.target
     best = most_proved(
         prover.prove(one.scale, one.rotation, one.translation, whole=False)
@@ -119,10 +119,10 @@ def _search(problem: ConsensusProblem, effort: float) -> ScaledConsensus | None:
     return best if best is None or best.decided else prover.witnessed(best.witness)
 
 
-def _require_spread(problem: ConsensusProblem, found: ScaledConsensus) -> None:
+def _require_spread(problem: RegistrationProblem, found: ScaledConsensus) -> None:
     """Refuses pairs that most motions meet and that have no best scale."""
-    block, rows = problem.problem.block(slice(None)), list(found.met)
-    symmetric = problem.problem.scale is Scale.SYMMETRIC
+    block, rows = problem.block(slice(None)), list(found.met)
+    symmetric = problem.scale is Scale.SYMMETRIC
     clouds = {"source": block.source, **({"target": block.target} if symmetric else {})}
     weighty = [row for row in rows if block.weights[row] > 0.0] or rows
     for name, points in clouds.items():
@@ -135,7 +135,9 @@ def _require_spread(problem: ConsensusProblem, found: ScaledConsensus) -> None:
 
 
 def restated_scaled_consensus(
-    problem: ConsensusProblem, certificate: Certificate[ConsensusSimilarityBody], verdict: Verdict
+    problem: RegistrationProblem,
+    certificate: Certificate[ConsensusSimilarityBody],
+    verdict: Verdict,
 ) -> ConsensusRegistration:
     """As `restated_consensus`, of a free scale."""
     found = scaled_consensus_of(problem, certificate.body)

@@ -9,6 +9,7 @@ from certreg.errors import InvalidProblemError
 from certreg.io import stated_problem
 from certreg.problem import (
     Cell,
+    Loss,
     RegistrationProblem,
     Scale,
     Verb,
@@ -23,7 +24,6 @@ if TYPE_CHECKING:
 
     from numpy.typing import ArrayLike
 
-    from certreg.problem import Loss
 
 LOG = logging.getLogger(__name__)
 
@@ -47,6 +47,7 @@ def stated_problem_of(
             given = ", ".join(["target"] * (target is not None) + list(statement))
             message = f"{given} beside a problem, which states it itself: give one of the two"
             raise InvalidProblemError(message, array="target" if target is not None else "problem")
+        require_squares(problem)
         return problem, {}
     if target is None:
         message = (
@@ -65,6 +66,14 @@ def require_problem(problem: Any, name: str) -> None:
             f"{name} takes a RegistrationProblem, not {type(problem).__name__}: of two clouds "
             "RegistrationProblem(source, target) makes one"
         )
+        raise InvalidProblemError(message, array="problem")
+    require_squares(problem)
+
+
+def require_squares(problem: RegistrationProblem) -> None:
+    """Nothing for least squares over all pairs; InvalidProblemError where they have bounds."""
+    if problem.loss.kind is not Loss.SQUARES:
+        message = "the pairs of this problem have bounds: give the one that it was made of"
         raise InvalidProblemError(message, array="problem")
 
 

@@ -184,15 +184,16 @@ def _other_words(result: ConsensusRegistration) -> str | None:
 
 def _course(result: ConsensusRegistration) -> Any:
     """The motion while the springs break, of a rigid body; None of many pairs."""
-    block = result.problem.problem.block(slice(None))
-    other = result.problem.problem.scaled or result.problem.factors is not None
-    if result.problem.n > MOST_MOVED or other or not block.weights.all():
+    problem = result.problem
+    other = problem.scaled or problem.factors is not None
+    if problem.n > MOST_MOVED or other or not problem.weights.all():
         return None
+    block = problem.block(slice(None))
     try:
         run = simulate_breaking(
             block.source,
             block.target,
-            max_residual=result.problem.bounds,
+            max_residual=problem.bounds,
             weights=block.weights,
         )
     except DegenerateProblemError:  # a source on a line, or nearly so
@@ -203,7 +204,7 @@ def _course(result: ConsensusRegistration) -> Any:
 def _known(result: ConsensusRegistration) -> Iterator[Sentence]:
     labels, found = result.labels, result.lower
     exact, out, sure = Guarantee.EXACT, labels.count("outlier"), labels.count("inlier")
-    scaled = result.problem.problem.scaled
+    scaled = result.problem.scaled
     one, rules = ("motion with a scale", SCALED_RULES) if scaled else ("rigid motion", RULES)
     yield Sentence(
         words=f"One {one} brings {found} of the {result.problem.n} pairs within their "

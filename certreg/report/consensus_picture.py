@@ -8,14 +8,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.problem import TruncatedProblem
 from certreg.report.picture import SOURCE, SPRING, flattened, pixels
 from certreg.results import Brief
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from certreg.problem import Block
     from certreg.registration import ConsensusRegistration, TruncatedRegistration
 
     Labelled = ConsensusRegistration | TruncatedRegistration
@@ -80,7 +78,7 @@ class ResidualChart(Brief):
 def pairs_picture(result: Labelled) -> PairsPicture | None:
     """The clouds at the pose, each pair in the colour of its label; None beyond the doubles."""
     rows = _shown(result)
-    block = _points(result)
+    block = result.problem.points
     moved = result.pose.apply(block.source[rows])
     flat = flattened(np.stack([block.target[rows], moved]))
     if flat is None:
@@ -144,12 +142,6 @@ def residual_chart(result: Labelled) -> ResidualChart:
 def _down(share: NDArray[np.float64], low: float, high: float) -> NDArray[np.float64]:
     span = math.log(high / low)
     return TOP + (HEIGHT - TOP - FOOT) * (1.0 - np.log(share / low) / span)
-
-
-def _points(result: Labelled) -> Block:
-    problem = result.problem
-    points = problem.points if isinstance(problem, TruncatedProblem) else problem.problem
-    return points.block(slice(None))
 
 
 def _shown(result: Labelled) -> NDArray[np.intp]:

@@ -49,7 +49,7 @@ def degrees_from(
 def why_unbounded(result: ConsensusRegistration) -> str:
     """Why no such bound is proved: mostly the pairs are too near to a line for their bounds."""
     rows = result.inliers
-    points = result.problem.problem.block(slice(None)).target[rows]
+    points = result.problem.points.target[rows]
     sizes = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
     width, widest = math.hypot(*sizes[1:]) / math.sqrt(len(rows)), result.problem.bounds[rows].max()
     if width <= ON_LINE * sizes[0]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from certreg.problem import ConsensusProblem
+from certreg.problem import RegistrationProblem
 from certreg.registration import FitCode, bound_words
 from certreg.report.consensus_fit import (
     fit_causes,
@@ -68,9 +68,15 @@ def warnings_of(result: ConsensusRegistration | TruncatedRegistration, said: str
 
     said: what stands above, besides the headline.
     """
-    springs = result.problem.notes if isinstance(result.problem, ConsensusProblem) else ()
+    problem = result.problem
+    notes = problem.notes if isinstance(problem, RegistrationProblem) else ()
     fit = [one.text for one in result.fit.fit.warnings if one.text not in said]
-    return [*(one.text for one in _untold(result)), *springs, *result.notes, *fit]
+    return [
+        *(one.text for one in _untold(result)),
+        *notes,
+        *result.notes,
+        *fit,
+    ]
 
 
 def warning_notes(result: ConsensusRegistration | TruncatedRegistration) -> list[str]:

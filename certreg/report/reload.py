@@ -39,10 +39,10 @@ from certreg.native import Integrator
 from certreg.problem import (
     MAX_DAMPING,
     MIN_DAMPING,
-    ConsensusProblem,
     RegistrationProblem,
     Scale,
     TruncatedProblem,
+    bounded,
 )
 from certreg.registration import (
     CROSS_CHECK,
@@ -334,7 +334,7 @@ def _truncated_report(
 
 def _bounded_problem(
     body: ConsensusBody | ConsensusSimilarityBody, n: int, data: bytes
-) -> ConsensusProblem:
+) -> RegistrationProblem:
     """The pairs of a certificate, each with its bound, and a weight or a spring."""
     sprung = isinstance(body, ConsensusBody) and body.springs
     size = BOUNDED_SPRING if sprung else BOUNDED_PAIR
@@ -345,7 +345,7 @@ def _bounded_problem(
     if isinstance(body, ConsensusSimilarityBody):
         held["scale"] = body.scale
     stated = RegistrationProblem(source.reshape(n, 3), target.reshape(n, 3), **held)
-    return ConsensusProblem.of(stated, bounds)
+    return bounded(stated, bounds)
 
 
 def _fit_body(fields: dict[str, Any], fit: Registration | SpringRegistration) -> Any:

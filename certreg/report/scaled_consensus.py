@@ -19,7 +19,7 @@ def scale_lines(result: ConsensusRegistration) -> Iterator[str]:
     """In the terminal."""
     if not isinstance(result, ScaledConsensusRegistration):
         return
-    kind = result.problem.problem.scale
+    kind = result.problem.scale
     yield f"  scale             {result.pose.scale!r}  ({kind.value}; target over source)"
     yield f"                    {BIAS[kind]}"
     for words in scale_sentences(result):

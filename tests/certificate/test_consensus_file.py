@@ -11,7 +11,7 @@ import pytest
 
 from certreg.certificate import Certificate, ConsensusProver, verify
 from certreg.certificate.producing_consensus import consensus_certificate
-from certreg.problem import ConsensusProblem, RegistrationProblem
+from certreg.problem import RegistrationProblem, bounded
 
 ROOT = Path(__file__).parents[2]
 VECTORS = sorted((ROOT / "vectors").glob("*-consensus*.json"))
@@ -62,7 +62,7 @@ def test_pairs_that_fit_without_any_error_are_proved_as_others_are():
     source = rng.integers(-6, 7, (12, 3)).astype(float)
     target = source + np.array([5.0, -3.0, 2.0])
     target[6:] = target[6:][rng.permutation(6)]
-    problem = ConsensusProblem.of(RegistrationProblem(source, target), 0.5)
+    problem = bounded(RegistrationProblem(source, target), 0.5)
 
     found = ConsensusProver(problem).prove(np.eye(3), np.array([5.0, -3.0, 2.0]))
 

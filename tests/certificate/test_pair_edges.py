@@ -25,7 +25,7 @@ from certreg.certificate.thinning import GraphThinning, transversal
 from certreg.exact import Dyadic, dyadic_above, dyadic_below, half_angle_bound
 from certreg.geometry import rotation_matrix
 from certreg.objective.levelling import MONOMIALS, levelled_exactly
-from certreg.problem import ConsensusProblem, RegistrationProblem
+from certreg.problem import RegistrationProblem, bounded
 from certreg.verify import OPEN, SAME
 
 LITTLE = Fraction(1, 10**30)
@@ -283,7 +283,7 @@ def test_a_motion_meets_exactly_the_pairs_up_to_their_bounds_whatever_doubles_sa
     turn = np.array(rotation_matrix(q))
     target = source @ turn.T // 30 + [2, 3, 6]
     bounds = np.array([7.0, math.nextafter(7.0, 0.0)] * 20)
-    problem = ConsensusProblem.of(RegistrationProblem(source, target), bounds)
+    problem = bounded(RegistrationProblem(source, target), bounds)
     witness = Witness(quaternion=q, shift=(0, 0, 0, 0))
 
     assert (source @ turn.T % 30 == 0).all()

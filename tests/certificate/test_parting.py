@@ -16,7 +16,7 @@ from certreg.certificate.refuting import PointRows
 from certreg.certificate.thinning import GraphThinning
 from certreg.certificate.turning import sets_of, turned
 from certreg.native import mask_of, rows_of
-from certreg.problem import ConsensusProblem, RegistrationProblem
+from certreg.problem import RegistrationProblem, bounded
 from certreg.registration.consensus import proved_consensus
 
 checker = import_module("certreg.verify")
@@ -47,7 +47,7 @@ def test_doubles_have_the_turns_of_the_checker_or_none(size: float, sigma: float
     rng, left_open = np.random.default_rng(5), 0
     x = rng.uniform(-1.0, 1.0, (8, 3))
     y = x[:, [1, 2, 0]] * [1, 1, rng.choice([-1, 1])] + rng.normal(0.0, sigma, (8, 3))
-    problem = ConsensusProblem.of(RegistrationProblem(size * x, size * y), size * (0.01 + sigma))
+    problem = bounded(RegistrationProblem(size * x, size * y), size * (0.01 + sigma))
     for e, f in ((0, 1), (1, 0), (3, 5), (7, 2)):
         left_open += compared(problem, e, f, [k for k in range(8) if k not in (e, f)])
 
@@ -56,8 +56,8 @@ def test_doubles_have_the_turns_of_the_checker_or_none(size: float, sigma: float
 
 def test_rows_that_are_near_or_along_the_axis_of_frames_are_not_told():
     source = [[0, 0, 0], [0.1, 0, 0], [17, 29, 43], [0, 9, 0], [0, 0, 1e-150]]
-    points = PointRows.of(ConsensusProblem.of(RegistrationProblem(source, source), 1.0))
-    fine = PointRows.of(ConsensusProblem.of(RegistrationProblem(source, source), 1e-200))
+    points = PointRows.of(bounded(RegistrationProblem(source, source), 1.0))
+    fine = PointRows.of(bounded(RegistrationProblem(source, source), 1e-200))
 
     assert turned(points, 0, 1, [2, 3]) is None
     assert turned(points, 0, 2, [1, 3]) is None
@@ -70,8 +70,8 @@ def test_where_a_row_is_on_the_edge_of_a_turn_doubles_tell_nothing():
     source = [[0, 0, 0], [0, 0, 64], [32, 0, 0]]
     target = [[0, 0, 0], [0, 0, 64], [32, 0, 4]]
     bounds = np.array([2.0**-60, 2.0**-60, 3.0])
-    problem = ConsensusProblem.of(RegistrationProblem(source, target), bounds)
-    wider = ConsensusProblem.of(RegistrationProblem(source, target), bounds + 1e-6)
+    problem = bounded(RegistrationProblem(source, target), bounds)
+    wider = bounded(RegistrationProblem(source, target), bounds + 1e-6)
 
     assert turned(PointRows.of(problem), 0, 1, [2]) is None
     assert compared(wider, 0, 1, [2]) == 0
@@ -82,7 +82,7 @@ def twins(rng, count):
     x = rng.uniform(-1.0, 1.0, (2 * count, 3))
     y = x.copy()
     y[count:, 2] *= -1.0
-    return ConsensusProblem.of(RegistrationProblem(x, y), 0.02)
+    return bounded(RegistrationProblem(x, y), 0.02)
 
 
 def test_mirror_images_are_struck_that_no_single_row_is():
@@ -109,7 +109,7 @@ def test_no_pair_is_struck_where_two_motions_meet_as_many():
     x = rng.uniform(-1.0, 1.0, (16, 3))
     y = x.copy()
     y[8:] = x[8:][:, [1, 2, 0]]
-    problem = ConsensusProblem.of(RegistrationProblem(x, y), 0.02)
+    problem = bounded(RegistrationProblem(x, y), 0.02)
     near = ConsensusProver(problem).graph.near
     thinning = GraphThinning(ConsensusProver(problem).graph, (1 << 16) - 1, 8, (1 << 8) - 1)
     thinning.run()

@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from benchmarks.rates import planted_consensus
+from certreg.problem import Consensus
 
 FEW = planted_consensus.INSTANCES // 4000
 
@@ -23,7 +24,7 @@ def test_a_graph_that_loses_a_neighbour_at_its_bound_is_seen(monkeypatch):
     honest = planted_consensus.consistent_pairs
 
     def strict(problem):
-        return honest(type(problem)(problem.problem, problem.bounds * (1.0 - 1e-6)))
+        return honest(problem.under(Consensus(problem.bounds * (1.0 - 1e-6))))
 
     assert list(planted_consensus.faults(3)) == []
     monkeypatch.setattr(planted_consensus, "consistent_pairs", strict)

@@ -11,18 +11,18 @@ from certreg.certificate import producing_scaled as made
 from certreg.certificate import scaled_consensus_certificate
 from certreg.certificate.staging import length_of
 from certreg.errors import UndecidedError
-from certreg.problem import ConsensusProblem, RegistrationProblem
+from certreg.problem import RegistrationProblem, bounded
 from certreg.registration.scaled_consensus import SCALED
 from certreg.verify import check
 
 
-def all_wrong(n: int, seed: int = 1) -> ConsensusProblem:
+def all_wrong(n: int, seed: int = 1) -> RegistrationProblem:
     rng = np.random.default_rng(seed)
     points = rng.uniform(-1.0, 1.0, (2, n, 3))
-    return ConsensusProblem.of(RegistrationProblem(*points, scale="asymmetric"), 0.06)
+    return bounded(RegistrationProblem(*points, scale="asymmetric"), 0.06)
 
 
-def searched(problem: ConsensusProblem) -> Any:
+def searched(problem: RegistrationProblem) -> Any:
     found = SCALED.search(problem, 1.0)
     assert found is not None
     return found

@@ -18,7 +18,7 @@ from certreg.certificate.scaled_pairs import ScaledPairs
 from certreg.certificate.staging import Stager
 from certreg.certificate.thinning import Graph
 from certreg.geometry import rotation_matrix
-from certreg.problem import ConsensusProblem, RegistrationProblem
+from certreg.problem import Consensus, RegistrationProblem
 
 checker = import_module("certreg.verify")
 ROOT = Path(__file__).parents[2]
@@ -57,7 +57,7 @@ def planted(seed):
     y += ways
     order = rng.permutation(n)
     problem = RegistrationProblem(x[order], y[order], scale="asymmetric")
-    return ConsensusProblem(problem, bounds[order]), np.flatnonzero(order < met).tolist(), scale
+    return problem.under(Consensus(bounds[order])), np.flatnonzero(order < met).tolist(), scale
 
 
 @pytest.mark.parametrize("count", [8, pytest.param(2000, marks=pytest.mark.long)])
@@ -102,7 +102,7 @@ def test_no_pair_of_a_planted_consensus_is_struck_in_a_piece_that_holds_its_scal
 def test_a_proof_is_accepted_whatever_motion_is_its_witness():
     for seed in range(4):
         problem, rows, _ = planted(seed)
-        x, y = problem.problem.source[rows], problem.problem.target[rows]
+        x, y = problem.source[rows], problem.target[rows]
         prover = ScaledProver(problem, effort=0.2)
         turn, _, factor = _similarity(x, y)
         shift = y.mean(axis=0) - factor * turn @ x.mean(axis=0)

@@ -13,7 +13,6 @@ import pytest
 
 import certreg
 from certreg.errors import DegenerateProblemError, InvalidProblemError
-from certreg.problem.motion import PREFIXES
 from certreg.registration import optimally_damped
 from certreg.verify import Clouds, check
 
@@ -136,7 +135,7 @@ def test_no_digest_stands_for_two_problems_and_another_model_is_told_in_one_line
     clouds = cloud_pair(5)
     models = [(s, r) for s in ("none", *SCALES) for r in (False, True)]
     problems = [certreg.RegistrationProblem(*clouds, scale=s, rotation_only=r) for s, r in models]
-    assert len({problem.digest() for problem in problems}) == len(PREFIXES) == 6
+    assert len({problem.digest() for problem in problems}) == 6
 
     for problem in problems:
         certified: Any = certreg.certify(problem, relaxation=False, simulation=False)

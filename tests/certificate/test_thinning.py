@@ -16,7 +16,7 @@ from certreg.certificate.staging import Stager
 from certreg.certificate.thinning import transversal
 from certreg.native import mask_of, rows_of
 from certreg.native.bit_rows import colours, linked
-from certreg.problem import ConsensusProblem, RegistrationProblem
+from certreg.problem import RegistrationProblem, bounded
 from certreg.registration.consensus import proved_consensus
 
 checker = import_module("certreg.verify")
@@ -119,7 +119,7 @@ def test_lengths_on_the_edge_of_the_bounds_are_decided_exactly(bound):
     """Multiples of one length: |a - b| is 2 at most, exactly where the bounds' sum is 2."""
     source = [[0, 0, 0], [4, 0, 0], [0, 8, 0], [0, 0, 16], [1, 1, 1]]
     target = [[0, 0, 0], [6, 0, 0], [0, 6, 0], [0, 0, 19], [1, 1, 1]]
-    problem = ConsensusProblem.of(RegistrationProblem(source, target), bound)
+    problem = bounded(RegistrationProblem(source, target), bound)
     near, exact = consistent_pairs(problem), ExactRows(problem)
 
     assert [list(rows_of(mask)) for mask in near] == [
@@ -133,7 +133,7 @@ def test_lengths_on_the_edge_of_the_bounds_are_decided_exactly(bound):
 def test_residuals_on_the_bound_are_decided_exactly(bound, met):
     source = [[0, 0, 0], [4, 0, 0], [0, 8, 0], [0, 0, 16]]
     target = [[0, 0, 0], [4, 0, 0], [0, 9, 0], [0, 0, 19]]
-    problem = ConsensusProblem.of(RegistrationProblem(source, target), bound)
+    problem = bounded(RegistrationProblem(source, target), bound)
     witness = ConsensusProver(problem).prove(np.eye(3), np.zeros(3))
 
     if len(met) < 3:

@@ -21,7 +21,7 @@ import pytest
 from consensus_forgeries import met_by, rotation, staged, stepped
 
 from certreg.certificate import ConsensusProver, consensus_certificate
-from certreg.problem import ConsensusProblem, RegistrationProblem
+from certreg.problem import RegistrationProblem, bounded
 
 checker = import_module("certreg.verify")
 Document = dict[str, Any]
@@ -85,7 +85,7 @@ def known(seed: int) -> Known:
     off = np.linalg.norm(y - x @ np.swapaxes(Rs, 1, 2) - ts[:, None], axis=2) / bounds
     sure = off < 1.0 - SURE
     best = np.argsort(-sure.sum(axis=1), kind="stable")
-    prover = ConsensusProver(ConsensusProblem.of(RegistrationProblem(x, y), bounds), effort=0.3)
+    prover = ConsensusProver(bounded(RegistrationProblem(x, y), bounds), effort=0.3)
     made = [prover.prove(Rs[k], ts[k]) for k in (best[0], best[len(best) // 3])]
     documents = [
         json.loads(consensus_certificate(prover.problem, one, None).to_json())

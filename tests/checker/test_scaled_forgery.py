@@ -23,7 +23,7 @@ from consensus_forgeries import met_by, rotation, staged, stepped
 
 from certreg.certificate import ScaledProver
 from certreg.certificate.producing_scaled import scaled_consensus_certificate
-from certreg.problem import ConsensusProblem, RegistrationProblem
+from certreg.problem import RegistrationProblem, bounded
 
 checker = import_module("certreg.verify")
 Document = dict[str, Any]
@@ -105,7 +105,7 @@ def known(seed: int) -> Known:
     sure, near = off < 1.0 - SURE, (np.abs(off - 1.0) < SURE).any(axis=1)
     best = np.argsort(-sure.sum(axis=1), kind="stable")
     points = RegistrationProblem(x, y, scale="asymmetric")
-    problem = ConsensusProblem.of(points, bounds)
+    problem = bounded(points, bounds)
     prover, documents = ScaledProver(problem, effort=0.1), list[Document]()
     for k in (best[0], best[len(best) // 4]):
         found = prover.prove(float(s[k]), R[k], t[k])

@@ -2,11 +2,23 @@
 
 from __future__ import annotations
 
+import hashlib
+import itertools
+from typing import Any
+
 import numpy as np
 import pytest
 
+import certreg
 from certreg.errors import InvalidProblemError
-from certreg.problem.bounds import checked_bounds
+from certreg.problem.bounds import bounded, checked_bounds
+from certreg.problem.losses import Squares
+from certreg.problem.motion import Scale
+from certreg.problem.problem import RegistrationProblem
+from certreg.problem.support import PREFIXES, Cell, Loss, supported
+
+HAS_BOUNDS = "the pairs of this problem have bounds: give the one that it was made of"
+CLOUD = np.vstack([np.diag([3.0, 2.0, 1.0]), [1.0, 1.0, 1.0]])
 
 
 def test_one_bound_is_that_of_all():
@@ -46,3 +58,57 @@ def test_what_bounds_nothing_is_refused_with_its_row(given: object, row: int | N
 
     assert refused.value.row == row
     assert refused.value.array == "max_residual"
+
+
+@pytest.mark.parametrize("scale", ["none", "asymmetric", "symmetric"])
+def test_a_problem_with_bounds_is_one_of_the_same_arrays_and_a_digest_of_its_own(scale: str):
+    problem = RegistrationProblem(2.0 * CLOUD, CLOUD, weights=[1.0, 2.0, 3.0, 4.0], scale=scale)
+    kind = {"none": "", "asymmetric": "-similarity", "symmetric": "-similarity-symmetric"}[scale]
+
+    found = bounded(problem, [0.125, 0.25, 0.25, 0.5])
+
+    head = f"certreg-consensus{kind}/1\0".encode() + (4).to_bytes(8, "little")
+    numbers = [*np.ravel(2.0 * CLOUD), *np.ravel(CLOUD), 1, 2, 3, 4, 0.125, 0.25, 0.25, 0.5]
+    assert found.data_bytes() == head + np.array(numbers, dtype="<f8").tobytes()
+    assert found.digest() == hashlib.sha256(found.data_bytes()).hexdigest() != problem.digest()
+    assert found.source is problem.source
+    assert found.of_rows(range(4)).digest() == found.under(Squares()).digest() == problem.digest()
+
+
+def test_bounds_stand_before_the_factors_of_springs():
+    problem = RegistrationProblem(CLOUD, CLOUD, normals=np.ones((4, 3)))
+    factors = problem.spring_block(slice(None)).factors
+
+    found = bounded(problem, 0.25)
+
+    head = b"certreg-consensus-springs/1\0" + (4).to_bytes(8, "little")
+    numbers = [*np.ravel(CLOUD), *np.ravel(CLOUD), *[0.25] * 4, *factors.ravel()]
+    assert found.data_bytes() == head + np.array(numbers, dtype="<f8").tobytes()
+
+
+def test_a_problem_with_bounds_is_no_least_squares():
+    found = bounded(RegistrationProblem(CLOUD, CLOUD), 0.25)
+
+    for asked in (certreg.certify, certreg.equilibria, certreg.simulate):
+        with pytest.raises(InvalidProblemError, match=HAS_BOUNDS):
+            asked(found)
+    with pytest.raises(InvalidProblemError, match=HAS_BOUNDS):
+        certreg.assess(found, np.eye(4))
+    assert (found.under(Squares()).bounds == np.inf).all()
+
+
+def test_a_certificate_is_verified_beside_the_problem_that_it_is_about():
+    cloud = np.vstack([CLOUD, [[2.0, 1.0, 0.5], [5.0, 5.0, 5.0]]])
+    moved = cloud + np.eye(1, 6, -5).T * 3.0
+    result: Any = certreg.certify(cloud, moved, max_residual=0.25)
+
+    assert certreg.verify(result.certificate, result.problem).proved
+    assert not certreg.verify(result.certificate, result.problem.under(Squares())).proved
+
+
+def test_every_cell_that_is_supported_has_a_prefix_of_its_own():
+    cells = [Cell(*of) for of in itertools.product((False, True), Scale, (False, True), Loss)]
+
+    held = {cell for cell in cells if supported(cell) and cell.loss is not Loss.TRUNCATED}
+    assert held == set(PREFIXES)
+    assert len(set(PREFIXES.values())) == len(PREFIXES)

@@ -15,8 +15,8 @@ from certreg.errors import InvalidProblemError
 from certreg.exact import sigma_of_weight, weight_of_sigma
 from certreg.problem import arrays as stating
 from certreg.problem.lifting import FEW, Lifted, lift
-from certreg.problem.motion import DIGEST_PREFIX
 from certreg.problem.problem import RegistrationProblem
+from certreg.problem.support import NEUTRAL, PREFIXES
 
 CLOUD = [[0.0, 0, 0], [1, 0, 0], [0, 2, 0]]
 finite = st.floats(allow_nan=False, allow_infinity=False)
@@ -75,7 +75,7 @@ def test_the_digest_is_that_of_the_documented_bytes():
     problem = RegistrationProblem([[1.0, 2, 3]], [[4.0, 5, -0.0]])
 
     doubles = np.array([1, 2, 3, 4, 5, 0, 1], dtype="<f8").tobytes()
-    expected = DIGEST_PREFIX + (1).to_bytes(8, "little") + doubles
+    expected = PREFIXES[NEUTRAL] + (1).to_bytes(8, "little") + doubles
     assert problem.data_bytes() == expected
 
 

@@ -15,7 +15,7 @@ from scipy.spatial.transform import Rotation
 import certreg
 from certreg.certificate import Certificate
 from certreg.errors import InvalidFileError, InvalidProblemError, UndecidedError
-from certreg.problem import ConsensusProblem, RegistrationProblem
+from certreg.problem import RegistrationProblem, bounded
 from certreg.registration import ConsensusRegistration
 from certreg.registration.pair_warnings import few_warning
 from certreg.report.consensus_page import ConsensusReport
@@ -143,10 +143,7 @@ def test_partial_proofs_are_said_as_such():
     share = (
         100
         * BOUND
-        / min(
-            np.linalg.norm(np.ptp(points, axis=0))
-            for points in (problem.problem.source, problem.problem.target)
-        )
+        / min(np.linalg.norm(np.ptp(points, axis=0)) for points in (problem.source, problem.target))
     )
     assert _headline(problem, none) == (
         f"NOT PROVED: 14 of 20 pairs found within 0.05; proved: not more than 20. The bound is "
@@ -311,7 +308,7 @@ def test_weights_are_of_the_fit_alone():
 
 def test_a_problem_knows_its_bounds():
     source, target = wrong_pairs(1)
-    problem = ConsensusProblem.of(RegistrationProblem(source, target), BOUND)
+    problem = bounded(RegistrationProblem(source, target), BOUND)
     assert problem.n == 20
     assert problem.of_rows([0, 5]).n == 2
     assert len(problem.data_bytes()) == len(b"certreg-consensus/1\0") + 8 + 64 * 20

@@ -78,7 +78,7 @@ def test_on_a_line_the_angle_is_told_to_be_unbounded_and_a_cause_stands_before_t
 )
 def test_the_first_line_is_no_stronger_than_that_of_the_pairs_alone(noise, options, against, code):
     found = on_line(noise, **options)
-    block, rows = found.problem.problem.block(slice(None)), found.inliers
+    block, rows = found.problem.points, found.inliers
     alone = certreg.certify(block.source[rows], block.target[rows], **options)
 
     assert code_of_registration(alone) == found.exit_code == code
@@ -95,7 +95,7 @@ def test_the_first_line_is_no_stronger_than_that_of_the_pairs_alone(noise, optio
 
 
 def test_a_turn_that_the_noise_leaves_open_and_one_point_are_told_first():
-    block = certified_cube().problem.problem.block(slice(None))
+    block = certified_cube().problem.points
     source, target = block.source * [1.0, 0.15, 0.15], block.target * [0.15, 0.15, 1.0]
     loose: Any = certreg.certify(source, target, max_residual=BOUND, sigma=0.3)
     assert loose.headline == (

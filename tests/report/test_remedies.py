@@ -90,7 +90,7 @@ def test_each_warning_says_what_may_be_done(case: str):
 
 @pytest.mark.parametrize("n", [MOST_PAIRS, MOST_PAIRS + 1])
 def test_bounds_are_advised_where_labels_can_be_proved(n: int):
-    """Of as many pairs as `ConsensusProblem` takes, and not of one more."""
+    """Of as many pairs as `bounded` takes, and not of one more."""
     far = 5.0 * (np.arange(n) == 5)[:, None]
     (told,) = proved(np.resize(CLOUD, (n, 3)), np.resize(GOOD, (n, 3)) + far).fit.warnings
 
