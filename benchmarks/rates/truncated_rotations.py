@@ -21,7 +21,7 @@ import numpy as np
 from rotated_pairs import RotatedPairs, rotated_pairs
 
 from certreg.certificate import truncated_certificate
-from certreg.problem import RegistrationProblem, TruncatedProblem
+from certreg.problem import Loss, RegistrationProblem, bounded
 from certreg.relaxation import search_boxes
 from certreg.relaxation.rotation_boxes import BoundedPairs
 
@@ -53,7 +53,7 @@ class Trial:
 def trial(name: str, given: RotatedPairs, *, forge: bool = False) -> Trial:
     """Of one problem."""
     points = RegistrationProblem(given.source, given.target, rotation_only=True)
-    problem = TruncatedProblem(points, given.bounds)
+    problem = bounded(points, given.bounds, Loss.TRUNCATED)
     start = time.process_time()
     found = search_boxes(problem.source, problem.target, problem.bounds)
     middle = time.process_time()
@@ -71,7 +71,7 @@ def trial(name: str, given: RotatedPairs, *, forge: bool = False) -> Trial:
     )
 
 
-def least_cost(problem: TruncatedProblem) -> float:
+def least_cost(problem: RegistrationProblem) -> float:
     """The least cost over the fits of all sets of pairs: an optimum is the fit of its labels."""
     pairs = BoundedPairs.of(problem.source, problem.target, problem.bounds)
     sets = np.array(list(product((0.0, 1.0), repeat=problem.n)))[1:]

@@ -17,11 +17,11 @@ from certreg.verify import (
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from certreg.problem import TruncatedProblem
+    from certreg.problem import RegistrationProblem
 
 
 def disproves_labels(
-    problem: TruncatedProblem, within: Sequence[bool], quaternion: Sequence[int]
+    problem: RegistrationProblem, within: Sequence[bool], quaternion: Sequence[int]
 ) -> bool:
     """Whether no optimum has just these pairs within their bounds, proved in integers.
 
@@ -29,8 +29,7 @@ def disproves_labels(
     the cost is the number of the others plus a form in p, |p| = 1: if that is above the cost of the
     good rotation for all p, no such rotation is optimal. False means not disproved, not proved.
     """
-    head = len(problem.data) - 64 * problem.n
-    rows, _ = bounded_pairs(problem.data[head:], problem.n)
+    rows, _ = bounded_pairs(problem.data_bytes()[-64 * problem.n :], problem.n)
     forms, one = [form_of(row)[0] for row in rows], 1 << UNITS
     norm = sum(c * c for c in quaternion)
     cost = sum(min(-(-form_at(k, quaternion) // norm) + 6, one) for k in forms)

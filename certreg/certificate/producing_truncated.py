@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.certificate.checking import CertificateVerdict
-    from certreg.problem import TruncatedProblem
+    from certreg.problem import RegistrationProblem
 
 BOUND_BITS = 32  # mantissas of what is claimed: short numbers
 POSE_BITS = 60  # of the entries of the quaternion
@@ -38,7 +38,7 @@ ATTEMPTS = 5
 
 
 def truncated_certificate(
-    problem: TruncatedProblem,
+    problem: RegistrationProblem,
     quaternion: NDArray[np.float64],
     labels: NDArray[np.int64],
     gap: float,
@@ -65,7 +65,11 @@ def truncated_certificate(
         quaternion=(w, x, y, z), mu=dyadic_below(Fraction(mu), BOUND_BITS), claims=claims
     )
     bare = Certificate(
-        n=problem.n, digest=problem.digest(), inline=problem.data, body=body, about=about or {}
+        n=problem.n,
+        digest=problem.digest(),
+        inline=problem.data_bytes(),
+        body=body,
+        about=about or {},
     )
     return _accepted(bare, ATTEMPTS)
 
@@ -91,7 +95,7 @@ def _dyadic(value: float) -> Dyadic:
     return dyadic_above(Fraction(value), BOUND_BITS)
 
 
-def _angle(problem: TruncatedProblem, labels: NDArray[np.int64]) -> tuple[float, float]:
+def _angle(problem: RegistrationProblem, labels: NDArray[np.int64]) -> tuple[float, float]:
     """Half of l2 - l1 of the pairs within their bounds, and sin^2 of half the angle; 1: no claim.
 
     With mu = d / 2 a residual e of the rotation needs delta above 4 |M|^2 e^2 / d, or so.

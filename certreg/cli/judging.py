@@ -22,7 +22,7 @@ from certreg.io import (
     write_atomically,
     write_cloud,
 )
-from certreg.problem import Loss, TruncatedProblem, bounded
+from certreg.problem import Loss, bounded
 from certreg.registration import (
     DONE,
     GOOD,
@@ -53,7 +53,6 @@ if TYPE_CHECKING:
     from certreg.cli.wrong_pairs import WrongPairs
     from certreg.io import Pair
     from certreg.problem import RegistrationProblem
-    from certreg.registration import KeptPairs, TruncatedLabels
     from certreg.verify import Clouds
 
 
@@ -152,13 +151,9 @@ def _told_of_labels(
 ) -> int:
     bounds = wrong.bounds(pair)
     labels = read_inliers(file, pair)
-    kept: KeptPairs | TruncatedLabels
-    if wrong.objective == Loss.TRUNCATED:
-        turned = TruncatedProblem(problem, bounds)
-        kept = judged_truncated_labels(turned, labels, effort=wrong.effort, about=pair.about)
-    else:
-        pairs = bounded(problem, bounds)
-        kept = judged_labels(pairs, labels, effort=wrong.effort, about=pair.about)
+    pairs = bounded(problem, bounds, Loss.of(wrong.objective, bounds))
+    judge = judged_truncated_labels if wrong.objective == Loss.TRUNCATED else judged_labels
+    kept = judge(pairs, labels, effort=wrong.effort, about=pair.about)
     click.echo(dumps(kept.to_dict()) if as_json else str(kept))
     return kept.exit_code
 

@@ -96,7 +96,6 @@ if TYPE_CHECKING:
     from certreg.problem.support import Verb as Verb
     from certreg.problem.support import refusal as refusal
     from certreg.problem.support import require_supported as require_supported
-    from certreg.problem.truncated import TruncatedProblem as TruncatedProblem
 
 __getattr__ = lazy_face(
     __name__,
@@ -216,6 +215,5 @@ __getattr__ = lazy_face(
             "refusal",
             "require_supported",
         ),
-        "truncated": ("TruncatedProblem",),
     },
 )

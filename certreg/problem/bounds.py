@@ -10,8 +10,8 @@ from certreg.errors import InvalidProblemError
 from certreg.exact import as_given, at_least, at_most
 from certreg.problem.arrays import finite_doubles, real_numbers
 from certreg.problem.blocks import first_row
-from certreg.problem.losses import Consensus
-from certreg.problem.row_lengths import diameter
+from certreg.problem.losses import Consensus, Truncated
+from certreg.problem.row_lengths import diameter, lengths
 from certreg.problem.support import Loss, require_supported
 
 if TYPE_CHECKING:
@@ -23,28 +23,39 @@ NAME = "max_residual"  # of the argument, as users know it
 LEAST_PAIRS = 3  # two pairs of equal lengths always fit: a set of two says nothing
 MOST_SPAN = 768  # bits between the numbers of a problem, as in the checker
 MOST_PAIRS = 4096  # whose eight million pairs of pairs the checker tests in half a minute
+MOST_TRUNCATED = 100_000  # as in the checker
+MOST_BOUNDS = 1e100  # squares of residuals, in bounds, are doubles
 
 
-def bounded(problem: RegistrationProblem, max_residual: Any) -> RegistrationProblem:
-    """The same pairs, of which one motion shall bring as many as possible within their bounds.
+def bounded(
+    problem: RegistrationProblem, max_residual: Any, loss: Loss = Loss.CONSENSUS
+) -> RegistrationProblem:
+    """The same pairs with bounds: the most of them within, or least truncated squares.
 
     Parameters
     ----------
     max_residual
         One bound for all pairs, or (N,) of them.
+    loss
+        `Loss.CONSENSUS`, for motions with a translation, or `Loss.TRUNCATED`, for rotations alone
+        and weights of 1.
 
     Returns
     -------
     RegistrationProblem
-        Of the same arrays, and of the loss `Consensus`.
+        Of the same arrays, and of that loss.
 
     Raises
     ------
     InvalidProblemError
         For bounds that are not finite and > 0, or so wide that they say nothing; for fewer than 3
-        or more than 4,096 pairs; and without a translation.
+        pairs, or more than 4,096, of truncated squares 100,000; for what else has no such loss.
     """
-    require_supported(problem.cell._replace(loss=Loss.CONSENSUS))
+    require_supported(problem.cell._replace(loss=loss))
+    return problem.under(STATED[loss](problem, max_residual))
+
+
+def _consensus(problem: RegistrationProblem, max_residual: Any) -> Consensus:
     if not LEAST_PAIRS <= problem.n <= MOST_PAIRS:
         message = (
             f"{NAME} needs {LEAST_PAIRS} to {MOST_PAIRS} pairs, there are {problem.n}: "
@@ -55,7 +66,20 @@ def bounded(problem: RegistrationProblem, max_residual: Any) -> RegistrationProb
     bounds = checked_bounds(max_residual, problem.n)
     _require_near(problem, bounds)
     _require_narrow(problem, bounds)
-    return problem.under(Consensus(bounds))
+    return Consensus(bounds)
+
+
+def _truncated(problem: RegistrationProblem, max_residual: Any) -> Truncated:
+    _require_unweighted(problem)
+    bounds = checked_bounds(max_residual, problem.n)
+    sizes = np.maximum(np.abs(problem.source), np.abs(problem.target)).max(axis=1)
+    near = sizes / MOST_BOUNDS <= bounds
+    if not near.all():
+        row = int(np.argmin(near))
+        message = f"row {row} (counting from 0) is 1e100 bounds away from the origin: remove it"
+        raise InvalidProblemError(message, array=NAME, row=row)
+    _require_telling(problem, bounds)
+    return Truncated(bounds)
 
 
 def checked_bounds(max_residual: Any, n: int) -> NDArray[np.float64]:
@@ -134,3 +158,41 @@ def _require_narrow(problem: RegistrationProblem, bounds: NDArray[np.float64]) -
             f"{cloud}, {at_least(half, 6)}: every pair may be brought within; give a smaller bound"
         )
         raise InvalidProblemError(message, array=NAME, value=float(bounds.min()), limit=half)
+
+
+def _require_telling(problem: RegistrationProblem, bounds: NDArray[np.float64]) -> None:
+    """Refuses bounds that every pair keeps at every rotation: |y - R x| is at most |x| + |y|."""
+    with np.errstate(over="ignore"):
+        reach = lengths(problem.source) + lengths(problem.target)
+    if not (bounds >= reach).all():
+        return
+    most, value = float(reach.max()), float(bounds.min())
+    if not most:
+        message = "all points are at the origin, where no rotation moves them: give other points"
+        raise InvalidProblemError(message, array="source", value=problem.n)
+    message = (
+        f"{NAME} is {as_given(value)}, and no rotation takes the points of any pair farther apart "
+        f"than {at_most(most, 6)}: each pair would be within, whether it is right or wrong; give a "
+        "bound below that, in the unit of the clouds"
+    )
+    raise InvalidProblemError(message, array=NAME, value=value, limit=most)
+
+
+def _require_unweighted(problem: RegistrationProblem) -> None:
+    """Refuses too few pairs, or too many, and weights other than 1."""
+    if not LEAST_PAIRS <= problem.n <= MOST_TRUNCATED:
+        message = (
+            f"{problem.n} pairs: truncated squares take {LEAST_PAIRS} to {MOST_TRUNCATED} pairs"
+        )
+        raise InvalidProblemError(message, array="source", value=problem.n)
+    if problem.noise_given:
+        message = "sigma is given: the bounds weigh the pairs here, leave sigma out"
+        raise InvalidProblemError(message, array="sigma")
+    others = np.flatnonzero(np.asarray(problem.weights) != 1.0)
+    if len(others):
+        row, value = int(others[0]), float(problem.weights[others[0]])
+        message = f"weights[{row}] is {value}: the bounds weigh the pairs here, leave weights out"
+        raise InvalidProblemError(message, array="weights", row=row, value=value, limit=1.0)
+
+
+STATED = {Loss.CONSENSUS: _consensus, Loss.TRUNCATED: _truncated}

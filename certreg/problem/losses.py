@@ -37,5 +37,18 @@ class Consensus(Brief):
     kind: ClassVar[Loss] = Loss.CONSENSUS
 
 
-PairLoss = Squares | Consensus
+@dataclass(frozen=True, slots=True, eq=False)
+class Truncated(Brief):
+    """The least sum of min(|y - R x|^2 / bound^2, 1) over all pairs.
+
+    A pair within its bound counts by how near it is to it, one beyond it as 1.
+
+    bounds: (N,), > 0, in the unit of the clouds.
+    """
+
+    bounds: NDArray[np.float64]
+    kind: ClassVar[Loss] = Loss.TRUNCATED
+
+
+PairLoss = Squares | Consensus | Truncated
 SQUARES = Squares()

@@ -181,6 +181,7 @@ PREFIXES = {  # of the bytes that state a problem: no digest stands for two of t
     Cell(loss=Loss.CONSENSUS, springs=True): b"certreg-consensus-springs/1\0",
     Cell(loss=Loss.CONSENSUS, scale=Scale.ASYMMETRIC): b"certreg-consensus-similarity/1\0",
     Cell(loss=Loss.CONSENSUS, scale=Scale.SYMMETRIC): b"certreg-consensus-similarity-symmetric/1\0",
+    Cell(loss=Loss.TRUNCATED, rotation_only=True): b"certreg-truncated-rotation/1\0",
 }
 OPTIONS = {  # by the field of a cell: what a user typed for it, in commands and in Python
     "springs": "normals, directions and matrices",

@@ -165,14 +165,13 @@ def _with_wrong_pairs(
     asked: _Asked,
     progress: Progress | None,
 ) -> ConsensusRegistration | TruncatedRegistration:
+    problem = problems.bounded(stated, max_residual, loss)
     if loss is problems.Loss.TRUNCATED:
-        problem = problems.TruncatedProblem(stated, max_residual)
         done = counted(progress, truncated.TRUNCATED_PARTS)
         return truncated.certified_truncated(problem, done=done, **asked)
-    pairs = problems.bounded(stated, max_residual)
-    ways = scaled_consensus.SCALED if stated.scaled else consensus.RIGID
+    ways = scaled_consensus.SCALED if problem.scaled else consensus.RIGID
     done = counted(progress, consensus.CONSENSUS_PARTS)
-    return consensus.certified_consensus(pairs, ways, done=done, **asked)
+    return consensus.certified_consensus(problem, ways, done=done, **asked)
 
 
 def _integrator(

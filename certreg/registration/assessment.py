@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Unpack, cast
 from certreg.errors import InvalidProblemError
 from certreg.exact import double_above, nearest_double, nearest_root
 from certreg.geometry import given_pose, why_no_rotation
-from certreg.problem import Loss, RegistrationProblem, TruncatedProblem, bounded
+from certreg.problem import Loss, RegistrationProblem, bounded
 from certreg.registration.any_certification import certify
 from certreg.registration.any_registration import AnyRegistration
 from certreg.registration.assessed import Assessment
@@ -174,11 +174,8 @@ def _judged_pairs(
     loss = Loss.of(sought["objective"], given["max_residual"])
     stated, about = stated_problem_of(problem, target, statement, loss)
     asked: dict[str, Any] = {"effort": sought["effort"], "about": about}
-    if loss is Loss.TRUNCATED:
-        turned = TruncatedProblem(stated, given["max_residual"])
-        return judged_truncated_labels(turned, given["labels"], **asked)
-    pairs = bounded(stated, given["max_residual"])
-    return judged_labels(pairs, given["labels"], **asked)
+    judge = judged_truncated_labels if loss is Loss.TRUNCATED else judged_labels
+    return judge(bounded(stated, given["max_residual"], loss), given["labels"], **asked)
 
 
 def _unstated(problem: Any, pose: Any) -> str:

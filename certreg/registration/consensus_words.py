@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from certreg.certificate import Consensus
-    from certreg.problem import TruncatedProblem
+    from certreg.problem import RegistrationProblem
     from certreg.registration.result import Registration
     from certreg.registration.row_names import RowNames
     from certreg.registration.spring_result import SpringRegistration
@@ -110,9 +110,7 @@ def _against_turn(fit: Registration | SpringRegistration) -> str | None:
     return "THE ROTATION IS HARDLY DETERMINED" if is_loose(fit) else None
 
 
-def repeated_rows(
-    problem: RegistrationProblem | TruncatedProblem, rows: Sequence[int]
-) -> list[int]:
+def repeated_rows(problem: RegistrationProblem, rows: Sequence[int]) -> list[int]:
     """Those of the rows whose two points are the two points of an earlier one of them."""
     own = np.asarray(rows, dtype=np.intp)
     both = np.hstack([problem.source[own], problem.target[own]])
@@ -137,7 +135,7 @@ def motion_words(problem: RegistrationProblem) -> str:
     return "motion of any scale" if problem.scaled else "rigid motion"
 
 
-def within_words(problem: RegistrationProblem | TruncatedProblem) -> str:
+def within_words(problem: RegistrationProblem) -> str:
     """Within the bound, or the bounds."""
     bounds = problem.bounds
     return f"within {as_given(bounds[0])}" if (bounds == bounds[0]).all() else "within their bounds"
@@ -165,18 +163,18 @@ def _pairs(count: int) -> str:
     return f"{count} pair{'s' * (count != 1)}"
 
 
-def bound_words(problem: RegistrationProblem | TruncatedProblem) -> str:
+def bound_words(problem: RegistrationProblem) -> str:
     """How wide the bound is, and what of it; a consequence is to follow."""
     percent = 100.0 * bound_share(problem)
     return f"bound is {percent:.2g} % of the cloud's size: so many pairs agree by chance"
 
 
-def bound_share(problem: RegistrationProblem | TruncatedProblem) -> float:
+def bound_share(problem: RegistrationProblem) -> float:
     """The largest bound over the smaller cloud's box; over the target's where the scale is free.
 
     0 for a cloud of one point, which has no size; no pose of it is unique.
     """
     size = diameter(problem.target)
-    if not (isinstance(problem, RegistrationProblem) and problem.scaled):
+    if not problem.scaled:
         size = min(size, diameter(problem.source))
     return float(problem.bounds.max()) / size if size else 0.0

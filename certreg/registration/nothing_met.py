@@ -12,7 +12,7 @@ from certreg.native import triangles
 from certreg.problem import LEAST_PAIRS, lengths
 
 if TYPE_CHECKING:
-    from certreg.problem import RegistrationProblem, TruncatedProblem
+    from certreg.problem import RegistrationProblem
 
 ROUNDING = 2.0**-48  # of the sum of two lengths: their difference errs by less
 
@@ -31,7 +31,7 @@ def nothing_met(problem: RegistrationProblem, motion: str) -> str:
     )
 
 
-def nothing_turned(problem: TruncatedProblem) -> str:
+def nothing_turned(problem: RegistrationProblem) -> str:
     """Of a rotation that shall have a pair within its bound."""
     sizes = [lengths(points) for points in (problem.source, problem.target)]
     apart = np.abs(sizes[0] - sizes[1])

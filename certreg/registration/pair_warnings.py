@@ -19,7 +19,7 @@ from certreg.registration.result import Registration
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from certreg.problem import TruncatedProblem
+    from certreg.problem import RegistrationProblem
     from certreg.registration.spring_result import SpringRegistration
 
 WIDE = 0.25  # of a cloud's size: of directions a sixth or more are within it of any one
@@ -46,7 +46,7 @@ def few_warning(met: int, n: int, pairs: str = "pairs") -> FitWarning | None:
     )
 
 
-def wide_warning(problem: RegistrationProblem | TruncatedProblem) -> FitWarning | None:
+def wide_warning(problem: RegistrationProblem) -> FitWarning | None:
     """Of a bound that tells few wrong pairs from right ones; None of others."""
     if bound_share(problem) < WIDE:
         return None

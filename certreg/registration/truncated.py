@@ -34,7 +34,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.certificate import Certificate, CertificateVerdict, TruncatedRotationBody
-    from certreg.problem import TruncatedProblem
     from certreg.registration.misfits import FitWarning
 
 TRUNCATED_PARTS = 3  # of certify: search, certificate and checker, fit
@@ -70,7 +69,7 @@ class TruncatedRegistration(Saved):
         Seconds per phase.
     """
 
-    problem: TruncatedProblem
+    problem: RegistrationProblem
     cost: float
     labels: tuple[str, ...]
     rows: NDArray[np.intp]
@@ -204,7 +203,7 @@ class TruncatedRegistration(Saved):
 
 
 def certified_truncated(
-    problem: TruncatedProblem,
+    problem: RegistrationProblem,
     *,
     effort: float = 1.0,
     settings: FitSettings = USUAL,
@@ -246,7 +245,7 @@ def certified_truncated(
 
 
 def restated_truncated(
-    problem: TruncatedProblem,
+    problem: RegistrationProblem,
     certificate: Certificate[TruncatedRotationBody],
     verdict: CertificateVerdict,
 ) -> TruncatedRegistration:
@@ -278,7 +277,7 @@ def restated_truncated(
 
 
 def _fit(
-    problem: TruncatedProblem,
+    problem: RegistrationProblem,
     rows: NDArray[np.bool_],
     settings: FitSettings,
     about: dict[str, Any],
@@ -290,15 +289,15 @@ def _fit(
     return fit
 
 
-def _of_rows(problem: TruncatedProblem, rows: NDArray[np.bool_]) -> RegistrationProblem:
+def _of_rows(problem: RegistrationProblem, rows: NDArray[np.bool_]) -> RegistrationProblem:
     """The least squares over some pairs; equal bounds weigh 1."""
     if not rows.any():
         raise UndecidedError(nothing_turned(problem))
-    bounds, points = problem.bounds[rows], problem.points
+    bounds = problem.bounds[rows]
     return RegistrationProblem(
         problem.source[rows],
         problem.target[rows],
         weights=(bounds.min() / bounds) ** 2,
-        damping=points.damping if points.damping_given else None,
+        damping=problem.damping if problem.damping_given else None,
         rotation_only=True,
     )

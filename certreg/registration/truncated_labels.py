@@ -19,7 +19,7 @@ from certreg.registration.truncated import certified_truncated
 from certreg.results import Presented
 
 if TYPE_CHECKING:
-    from certreg.problem import TruncatedProblem
+    from certreg.problem import RegistrationProblem
     from certreg.registration.truncated import TruncatedRegistration
 
 BITS = 60  # of the entries of a quaternion
@@ -121,7 +121,7 @@ class TruncatedLabels(Presented):
 
 
 def judged_truncated_labels(
-    problem: TruncatedProblem,
+    problem: RegistrationProblem,
     labels: Any,
     *,
     effort: float = 1.0,

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from certreg.problem import RegistrationProblem
 from certreg.registration import FitCode, bound_words
 from certreg.report.consensus_fit import (
     fit_causes,
@@ -68,12 +67,10 @@ def warnings_of(result: ConsensusRegistration | TruncatedRegistration, said: str
 
     said: what stands above, besides the headline.
     """
-    problem = result.problem
-    notes = problem.notes if isinstance(problem, RegistrationProblem) else ()
     fit = [one.text for one in result.fit.fit.warnings if one.text not in said]
     return [
         *(one.text for one in _untold(result)),
-        *notes,
+        *result.problem.notes,
         *result.notes,
         *fit,
     ]

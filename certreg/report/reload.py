@@ -36,14 +36,7 @@ from certreg.errors import InvalidFileError, RefusedCertificateError
 from certreg.geometry import Similarity
 from certreg.io import reading
 from certreg.native import Integrator
-from certreg.problem import (
-    MAX_DAMPING,
-    MIN_DAMPING,
-    RegistrationProblem,
-    Scale,
-    TruncatedProblem,
-    bounded,
-)
+from certreg.problem import MAX_DAMPING, MIN_DAMPING, Loss, RegistrationProblem, Scale, bounded
 from certreg.registration import (
     CROSS_CHECK,
     SPRING_KINDS,
@@ -324,7 +317,9 @@ def _truncated_report(
     source, target, _, bounds = np.split(doubles, [3 * n, 6 * n, 7 * n])
     points = RegistrationProblem(source.reshape(n, 3), target.reshape(n, 3), rotation_only=True)
     return TruncatedReport(
-        registration=restated_truncated(TruncatedProblem(points, bounds), certificate, verdict),
+        registration=restated_truncated(
+            bounded(points, bounds, Loss.TRUNCATED), certificate, verdict
+        ),
         certificate=certificate,
         content=content,
         verdict=verdict,

@@ -11,36 +11,36 @@ import pytest
 
 from certreg.certificate import label_sets
 from certreg.certificate.label_sets import disproves_labels
-from certreg.problem import RegistrationProblem, TruncatedProblem
+from certreg.problem import Loss, RegistrationProblem, bounded
 from certreg.verify import PRODUCTS, UNITS
 
 AXES = np.vstack([np.eye(3), -np.eye(3)]) * [3.0, 2.0, 1.0]
 
 
 @pytest.fixture(scope="module")
-def problem() -> TruncatedProblem:
+def problem() -> RegistrationProblem:
     target = AXES.copy()
     target[5] = [1.0, 1.0, 0.0]
-    return TruncatedProblem(RegistrationProblem(AXES, target, rotation_only=True), 0.5)
+    return bounded(RegistrationProblem(AXES, target, rotation_only=True), 0.5, Loss.TRUNCATED)
 
 
-def test_the_labels_of_the_optimum_are_not_disproved(problem: TruncatedProblem):
+def test_the_labels_of_the_optimum_are_not_disproved(problem: RegistrationProblem):
     assert not disproves_labels(problem, [True] * 5 + [False], [2, 0, 0, 0])
 
 
-def test_fewer_pairs_and_pairs_that_no_rotation_brings_together_are(problem: TruncatedProblem):
+def test_fewer_pairs_and_pairs_that_no_rotation_brings_together_are(problem: RegistrationProblem):
     assert disproves_labels(problem, [True] * 4 + [False] * 2, [1, 0, 0, 0])
     assert disproves_labels(problem, [True] * 6, [1, 0, 0, 0])
 
 
-def test_all_sets_but_one_are_disproved_beside_the_optimum(problem: TruncatedProblem):
+def test_all_sets_but_one_are_disproved_beside_the_optimum(problem: RegistrationProblem):
     sets = product([True, False], repeat=6)
 
     left = [each for each in sets if not disproves_labels(problem, each, [1, 0, 0, 0])]
     assert left == [(True,) * 5 + (False,)]
 
 
-def test_beside_a_poor_rotation_little_is_disproved(problem: TruncatedProblem):
+def test_beside_a_poor_rotation_little_is_disproved(problem: RegistrationProblem):
     assert not disproves_labels(problem, [True] * 4 + [False] * 2, [0, 1, 0, 0])
 
 
@@ -55,7 +55,7 @@ def test_labels_of_a_rotation_that_costs_as_much_are_not_disproved(bound: float,
     """
     source = np.array([[-3.0, 0.0, 0.0], [0.0, -3.0, 0.0], [10.0, 0.0, 0.0]])
     points = RegistrationProblem(source, source + 2.0, rotation_only=True)
-    problem = TruncatedProblem(points, bound)
+    problem = bounded(points, bound, Loss.TRUNCATED)
     turn = np.array([[1, -2, 2], [-2, 1, 2], [-2, -2, -1]]) / 3
     off = np.linalg.norm(source @ turn.T - source - 2.0, axis=1)
 
@@ -74,7 +74,7 @@ def disproved(monkeypatch, forms: list[list[int]], within: list[bool], q: list[i
     rows = list(range(len(forms)))
     monkeypatch.setattr(label_sets, "bounded_pairs", lambda *_: (rows, None))
     monkeypatch.setattr(label_sets, "form_of", lambda row: (full[row], None))
-    fake: Any = SimpleNamespace(n=len(forms), data=b"")
+    fake: Any = SimpleNamespace(n=len(forms), data_bytes=bytes)
     return disproves_labels(fake, within, q)
 
 

@@ -12,37 +12,37 @@ from jsonschema import Draft202012Validator
 from rotated_pairs import rotated_pairs
 
 from certreg.certificate import Certificate, truncated_certificate, verify
-from certreg.problem import RegistrationProblem, TruncatedProblem
+from certreg.problem import Loss, RegistrationProblem, bounded
 from certreg.relaxation import BoxSearch, search_boxes
 
 TURN = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
 
 
-def stated(source, target, bounds) -> TruncatedProblem:
-    return TruncatedProblem(RegistrationProblem(source, target, rotation_only=True), bounds)
+def stated(source, target, bounds) -> RegistrationProblem:
+    return bounded(RegistrationProblem(source, target, rotation_only=True), bounds, Loss.TRUNCATED)
 
 
-def solved(problem: TruncatedProblem) -> BoxSearch:
+def solved(problem: RegistrationProblem) -> BoxSearch:
     return search_boxes(problem.source, problem.target, problem.bounds)
 
 
-def produced(problem: TruncatedProblem, found: BoxSearch):
+def produced(problem: RegistrationProblem, found: BoxSearch):
     return truncated_certificate(problem, found.quaternion, found.labels, found.gap)
 
 
 @pytest.fixture(scope="module")
-def problem() -> TruncatedProblem:
+def problem() -> RegistrationProblem:
     given = rotated_pairs(np.random.default_rng(7), 20, 0.5)
     return stated(given.source, given.target, given.bounds)
 
 
 @pytest.fixture(scope="module")
-def certificate(problem: TruncatedProblem):
+def certificate(problem: RegistrationProblem):
     return produced(problem, solved(problem))[0]
 
 
 @pytest.mark.slow
-def test_labels_and_the_angle_are_proved(problem: TruncatedProblem, certificate):
+def test_labels_and_the_angle_are_proved(problem: RegistrationProblem, certificate):
     found, verdict = solved(problem), verify(certificate)
 
     assert verdict.proved
@@ -94,7 +94,7 @@ def test_a_circle_of_optima_is_certified_without_an_angle():
 
 
 @pytest.mark.slow
-def test_labels_that_are_wrong_are_never_certified(problem: TruncatedProblem):
+def test_labels_that_are_wrong_are_never_certified(problem: RegistrationProblem):
     found = solved(problem)
     forged = replace(found, labels=np.where(np.arange(problem.n) == 3, 1, 0) ^ found.labels)
 
@@ -106,7 +106,7 @@ def test_labels_that_are_wrong_are_never_certified(problem: TruncatedProblem):
 
 
 @pytest.mark.slow
-def test_a_gap_that_is_too_small_is_widened(problem: TruncatedProblem):
+def test_a_gap_that_is_too_small_is_widened(problem: RegistrationProblem):
     found = solved(problem)
     off = found.quaternion + np.array([1e-5, -2e-5, 1e-5, 0.0])
 

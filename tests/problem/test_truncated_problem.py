@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 from certreg.errors import InvalidProblemError
+from certreg.problem.bounds import bounded
 from certreg.problem.problem import RegistrationProblem
-from certreg.problem.truncated import TruncatedProblem
+from certreg.problem.support import Loss
 
 POINTS = [[1.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 3.0]]
 
@@ -21,16 +22,16 @@ def points(**options: Any) -> RegistrationProblem:
 
 
 def test_the_bytes_are_prefix_n_points_weights_and_bounds():
-    problem = TruncatedProblem(points(), [0.5, 0.25, 1.0])
+    problem = bounded(points(), [0.5, 0.25, 1.0], Loss.TRUNCATED)
     numbers = [*np.ravel(POINTS), *np.ravel(POINTS), 1.0, 1.0, 1.0, 0.5, 0.25, 1.0]
 
     head = b"certreg-truncated-rotation/1\0" + (3).to_bytes(8, "little")
-    assert problem.data == head + np.array(numbers, dtype="<f8").tobytes()
-    assert problem.digest() == hashlib.sha256(problem.data).hexdigest()
+    assert problem.data_bytes() == head + np.array(numbers, dtype="<f8").tobytes()
+    assert problem.digest() == hashlib.sha256(problem.data_bytes()).hexdigest()
 
 
 def test_bounds_are_a_part_of_the_problem():
-    digests = {TruncatedProblem(points(), bound).digest() for bound in (0.5, 0.25)}
+    digests = {bounded(points(), bound, Loss.TRUNCATED).digest() for bound in (0.5, 0.25)}
 
     assert len(digests | {points().digest()}) == 3
 
@@ -49,11 +50,11 @@ def test_bounds_are_a_part_of_the_problem():
 )
 def test_what_states_no_such_problem_is_refused(options, bound, words: str):
     with pytest.raises(InvalidProblemError, match=words):
-        TruncatedProblem(points(**options), bound)
+        bounded(points(**options), bound, Loss.TRUNCATED)
 
 
 def test_two_pairs_are_too_few():
     two = RegistrationProblem(POINTS[:2], POINTS[:2], rotation_only=True)
 
     with pytest.raises(InvalidProblemError, match="2 pairs: truncated squares take 3 to 100000"):
-        TruncatedProblem(two, 1.0)
+        bounded(two, 1.0, Loss.TRUNCATED)
