@@ -285,7 +285,7 @@ PROVED = (
     _of("dynamics/basin", "certified_basin basin_gaps", "dynamics/test_simulation"),
     _of("dynamics/body", "clearly_thick", "dynamics/test_simulation"),
     _of("dynamics/breathing", "never_collapses", "dynamics/test_breathing"),
-    _of("problem/breaking", "BreakingProblem.broken_energy", "equilibrium/test_breaking_springs"),
+    _of("problem/breaking", "ExactSprings.broken_energy", "equilibrium/test_breaking_springs"),
     _of("problem/bounds", "_require_telling", "problem/test_truncated_problem"),
     _of("problem/bounds", "_require_narrow", "registration/test_bounds_at_the_ends"),
     _of("problem/moments", "rounding_of davenport_error", "problem/test_moments"),

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.dynamics.integrators import SimulationSettings
-    from certreg.problem import BreakingProblem
+    from certreg.problem import RegistrationProblem
 
 SHRINKING = 1.4  # of the bounds at a time, as [Yang2020GNC] has it
 LEAST_BOUND = 1e-100  # of the clouds' size: far below what doubles tell of a residual
@@ -86,7 +86,7 @@ class BreakingRun(Brief):
 
 
 def run_breaking(
-    problem: BreakingProblem,
+    problem: RegistrationProblem,
     integrator: Integrator,
     *,
     shrinking: float = SHRINKING,
@@ -124,9 +124,12 @@ class _Annealed:
     """The body as it goes: its pose about the means of both clouds, and what it took."""
 
     def __init__(
-        self, problem: BreakingProblem, integrator: Integrator, settings: SimulationSettings | None
+        self,
+        problem: RegistrationProblem,
+        integrator: Integrator,
+        settings: SimulationSettings | None,
     ) -> None:
-        block = problem.problem.block(slice(None))
+        block = problem.block(slice(None))
         self._problem, self._integrator, self._settings = problem, integrator, settings
         self._centres = block.source.mean(axis=0), block.target.mean(axis=0)
         apart = self._centres[0] - self._centres[1]
@@ -193,7 +196,7 @@ class _Annealed:
         apart = np.ldexp(self.rotation @ here + self._shift - there, -places)
         run = simulate(
             objective,
-            self._problem.problem.damping,
+            self._problem.damping,
             self._integrator,
             start=state_at_rest(self.rotation, apart),
             settings=self._settings,

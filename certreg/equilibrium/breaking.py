@@ -27,6 +27,7 @@ from certreg.equilibrium.eigenlines import eigenlines, energy_is_at_least
 from certreg.exact import power_of_two
 from certreg.geometry import dot, rotation_matrix, squared_norm
 from certreg.objective import Isotropic
+from certreg.problem import exact_springs
 from certreg.results import Brief
 
 if TYPE_CHECKING:
@@ -36,7 +37,7 @@ if TYPE_CHECKING:
     from certreg.equilibrium.eigenlines import Eigenline
     from certreg.exact import IntegerQuaternion
     from certreg.geometry import Vector3
-    from certreg.problem import BreakingProblem, ExactSprings
+    from certreg.problem import ExactSprings, RegistrationProblem
     from certreg.results import ComponentKind
 
 
@@ -71,13 +72,18 @@ class RestPose(Brief):
 class SpringSet:
     """Some springs of a problem as if they did not break: their objective, and rest poses."""
 
-    def __init__(self, problem: BreakingProblem, unbroken: tuple[int, ...]) -> None:
+    def __init__(self, problem: RegistrationProblem, unbroken: tuple[int, ...]) -> None:
         self.problem, self.unbroken = problem, unbroken
 
     @cached_property
     def objective(self) -> Isotropic:
         """The energy of these springs alone."""
         return Isotropic.of(self.problem.of_rows(self.unbroken))
+
+    @property
+    def rows(self) -> ExactSprings:
+        """All springs of the problem in integers."""
+        return exact_springs(self.problem)
 
     @property
     def never_holds(self) -> bool:
@@ -91,12 +97,12 @@ class SpringSet:
     @cached_property
     def _most(self) -> Fraction:
         """More than these springs have where they hold: what they have once they break."""
-        rows = self.problem.rows
+        rows = self.rows
         return sum(rows.broken(i) for i in self.unbroken) * power_of_two(rows.exponent)
 
     def rest_poses(self) -> Iterator[RestPose]:
         """Those at which no spring is proved to have another label than in this set."""
-        broken = self.problem.broken_energy(self.unbroken)
+        broken = self.rows.broken_energy(self.unbroken)
         for line in eigenlines(self.objective):
             labels = self._labels(line)
             if labels is not None:
@@ -115,7 +121,7 @@ class SpringSet:
         energy = self.objective.energy(line.quaternion)
         if energy - 2 * line.error >= self._most:
             return None
-        residuals = _Residuals(self.problem.rows, self.unbroken, line, energy + 2 * line.error)
+        residuals = _Residuals(self.rows, self.unbroken, line, energy + 2 * line.error)
         kept, doubtful, verdict = set(self.unbroken), list[int](), Labels.PROVED
         others = [i for i in range(self.problem.n) if i not in kept]
         for i in (*self.unbroken, *others):

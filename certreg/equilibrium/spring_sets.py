@@ -15,29 +15,30 @@ from typing import TYPE_CHECKING
 from certreg.equilibrium.breaking import SpringSet
 from certreg.errors import UndecidedError
 from certreg.geometry import squared_norm
+from certreg.problem import exact_springs
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from certreg.problem import BreakingProblem, ExactSprings
+    from certreg.problem import ExactSprings, RegistrationProblem
 
 LEAST_SPRINGS = 3  # two hold the body in no pose: it turns about their line
 LARGEST_TRIED = 12  # springs of a set that is tried with all larger ones: more seldom refute
 BRANCHES_A_SET = 16  # of the search, each quicker than a set: those without an end are given up
 
 
-def consistent_springs(problem: BreakingProblem) -> list[int]:
+def consistent_springs(problem: RegistrationProblem) -> list[int]:
     """For each spring those that may hold at one pose with it, as bits of an integer."""
-    near = [0] * problem.n
+    near, rows = [0] * problem.n, exact_springs(problem)
     for j in range(problem.n):
         for i in range(j):
-            if _agree(problem.rows, i, j):
+            if _agree(rows, i, j):
                 near[i] |= 1 << j
                 near[j] |= 1 << i
     return near
 
 
-def label_sets(problem: BreakingProblem, least: int, most_sets: int) -> Iterator[SpringSet]:
+def label_sets(problem: RegistrationProblem, least: int, most_sets: int) -> Iterator[SpringSet]:
     """All sets of at least `least` >= 3 springs that may hold: cliques that are not refuted.
 
     Raises UndecidedError where more than `most_sets` sets would have to be looked at.
@@ -57,7 +58,7 @@ class _Branch:
 class _Sets:
     """A search through the cliques: each spring in turn is taken, or left out."""
 
-    def __init__(self, problem: BreakingProblem, least: int, most_sets: int) -> None:
+    def __init__(self, problem: RegistrationProblem, least: int, most_sets: int) -> None:
         self._problem, self._least = problem, least
         self._most = self._left = most_sets
         self._branches_left = BRANCHES_A_SET * most_sets + problem.n

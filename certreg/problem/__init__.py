@@ -24,8 +24,8 @@ if TYPE_CHECKING:
     from certreg.problem.bounds import MOST_PAIRS as MOST_PAIRS
     from certreg.problem.bounds import bounded as bounded
     from certreg.problem.bounds import checked_bounds as checked_bounds
-    from certreg.problem.breaking import BreakingProblem as BreakingProblem
     from certreg.problem.breaking import ExactSprings as ExactSprings
+    from certreg.problem.breaking import exact_springs as exact_springs
     from certreg.problem.effort import checked_effort as checked_effort
     from certreg.problem.effort import checked_threads as checked_threads
     from certreg.problem.exact_sums import FACTORS as FACTORS
@@ -119,8 +119,8 @@ __getattr__ = lazy_face(
         ),
         "bounds": ("LEAST_PAIRS", "MOST_PAIRS", "bounded", "checked_bounds"),
         "breaking": (
-            "BreakingProblem",
             "ExactSprings",
+            "exact_springs",
         ),
         "effort": ("checked_effort", "checked_threads"),
         "exact_sums": (

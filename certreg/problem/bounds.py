@@ -10,7 +10,7 @@ from certreg.errors import InvalidProblemError
 from certreg.exact import as_given, at_least, at_most
 from certreg.problem.arrays import finite_doubles, real_numbers
 from certreg.problem.blocks import first_row
-from certreg.problem.losses import Consensus, Truncated
+from certreg.problem.losses import Breaking, Consensus, Truncated
 from certreg.problem.row_lengths import diameter, lengths
 from certreg.problem.support import Loss, require_supported
 
@@ -30,15 +30,15 @@ MOST_BOUNDS = 1e100  # squares of residuals, in bounds, are doubles
 def bounded(
     problem: RegistrationProblem, max_residual: Any, loss: Loss = Loss.CONSENSUS
 ) -> RegistrationProblem:
-    """The same pairs with bounds: the most of them within, or least truncated squares.
+    """The same pairs with bounds: the most of them within, truncated squares, or breaking springs.
 
     Parameters
     ----------
     max_residual
         One bound for all pairs, or (N,) of them.
     loss
-        `Loss.CONSENSUS`, for motions with a translation, or `Loss.TRUNCATED`, for rotations alone
-        and weights of 1.
+        `Loss.CONSENSUS`, for motions with a translation; `Loss.TRUNCATED`, for rotations alone and
+        weights of 1; or `Loss.BREAKING`, for rigid motions and weights above 0.
 
     Returns
     -------
@@ -48,8 +48,9 @@ def bounded(
     Raises
     ------
     InvalidProblemError
-        For bounds that are not finite and > 0, or so wide that they say nothing; for fewer than 3
-        pairs, or more than 4,096, of truncated squares 100,000; for what else has no such loss.
+        For bounds that are not finite and > 0; for what has no such loss. Unless springs break,
+        also for bounds so wide that they say nothing, and for fewer than 3 pairs or more than
+        4,096, of truncated squares 100,000.
     """
     require_supported(problem.cell._replace(loss=loss))
     return problem.under(STATED[loss](problem, max_residual))
@@ -195,4 +196,12 @@ def _require_unweighted(problem: RegistrationProblem) -> None:
         raise InvalidProblemError(message, array="weights", row=row, value=value, limit=1.0)
 
 
-STATED = {Loss.CONSENSUS: _consensus, Loss.TRUNCATED: _truncated}
+def _breaking(problem: RegistrationProblem, max_residual: Any) -> Breaking:
+    row = next((i for i, w in enumerate(problem.weights.tolist()) if w == 0.0), None)
+    if row is not None:
+        message = f"weights[{row}] is 0: such a spring neither pulls nor breaks, leave it out"
+        raise InvalidProblemError(message, array="weights", row=row, value=0.0, limit=0.0)
+    return Breaking(checked_bounds(max_residual, problem.n))
+
+
+STATED = {Loss.CONSENSUS: _consensus, Loss.TRUNCATED: _truncated, Loss.BREAKING: _breaking}

@@ -50,5 +50,16 @@ class Truncated(Brief):
     kind: ClassVar[Loss] = Loss.TRUNCATED
 
 
-PairLoss = Squares | Consensus | Truncated
+@dataclass(frozen=True, slots=True, eq=False)
+class Breaking(Brief):
+    """The least sum of min(w |y - R x - t|^2, w bound^2): a spring breaks beyond its bound.
+
+    bounds: (N,), > 0, in the unit of the clouds.
+    """
+
+    bounds: NDArray[np.float64]
+    kind: ClassVar[Loss] = Loss.BREAKING
+
+
+PairLoss = Squares | Consensus | Truncated | Breaking
 SQUARES = Squares()

@@ -24,6 +24,7 @@ class Loss(StrEnum):
     SQUARES = "squares"  # sum w |r|^2
     CONSENSUS = "consensus"  # how many pairs are within their bounds
     TRUNCATED = "truncated"  # sum min(|r|^2 / bound^2, 1)
+    BREAKING = "breaking"  # sum w min(|r|^2, bound^2), of `breaking_equilibria` and its simulation
 
     @classmethod
     def of(cls, objective: Any, max_residual: Any) -> Loss:
@@ -54,7 +55,6 @@ class Verb(StrEnum):
     SPLITTING = "splitting"
     EULER = "euler"
     DAMPING = "optimal damping"
-    BREAKING = "springs that break"
 
 
 class Cell(NamedTuple):  # made, and looked up, faster than a dataclass: `register` needs one
@@ -182,6 +182,7 @@ PREFIXES = {  # of the bytes that state a problem: no digest stands for two of t
     Cell(loss=Loss.CONSENSUS, scale=Scale.ASYMMETRIC): b"certreg-consensus-similarity/1\0",
     Cell(loss=Loss.CONSENSUS, scale=Scale.SYMMETRIC): b"certreg-consensus-similarity-symmetric/1\0",
     Cell(loss=Loss.TRUNCATED, rotation_only=True): b"certreg-truncated-rotation/1\0",
+    Cell(loss=Loss.BREAKING): b"certreg-breaking/1\0",  # of no certificate
 }
 OPTIONS = {  # by the field of a cell: what a user typed for it, in commands and in Python
     "springs": "normals, directions and matrices",
@@ -274,8 +275,9 @@ TABLE = (
         others=(("give a number, or leave it out", {}, Verb.CERTIFY),),
     ),
     Rule(
-        verbs=frozenset({Verb.BREAKING}),
-        applies=lambda cell: cell.springs or cell.scaled or cell.rotation_only,
+        applies=lambda cell: (
+            cell.loss is Loss.BREAKING and (cell.springs or cell.scaled or cell.rotation_only)
+        ),
         reason="springs that break have one weight each and move a rigid body",
         leave=("springs", "scale", "rotation_only"),
     ),

@@ -11,7 +11,7 @@ import numpy as np
 from certreg.equilibrium import LEAST_SPRINGS, Labels, label_sets
 from certreg.errors import DegenerateProblemError, InvalidProblemError
 from certreg.exact import nearest_double, power_of_two
-from certreg.problem import BreakingProblem, RegistrationProblem
+from certreg.problem import Loss, RegistrationProblem, bounded, exact_springs
 from certreg.registration.closed_form import register
 from certreg.registration.optimum import pose_at
 from certreg.relaxation import candidates
@@ -86,7 +86,7 @@ class BreakingEquilibria(Brief):
         Whether it is proved that no pose has less energy than all that are listed as equilibria.
     """
 
-    problem: BreakingProblem
+    problem: RegistrationProblem
     least: int
     sets: int
     equilibria: tuple[BreakingEquilibrium, ...]
@@ -173,7 +173,7 @@ def breaking_equilibria(
     (4, 5, 6) 4.0
     """
     stated = RegistrationProblem(source, target, weights=weights)
-    problem = BreakingProblem.of(stated, max_residual)
+    problem = bounded(stated, max_residual, Loss.BREAKING)
     fewest = _fewest(problem, least)
     counted = _Counted(label_sets(problem, fewest, most_sets))
     found = sorted(
@@ -220,7 +220,7 @@ def equilibrium_of(pose: RestPose, of: SpringSet) -> BreakingEquilibrium:
     )
 
 
-def _fewest(problem: BreakingProblem, least: int | None) -> int:
+def _fewest(problem: RegistrationProblem, least: int | None) -> int:
     """How many springs hold at what is listed."""
     if least is not None:
         if not LEAST_SPRINGS <= least <= problem.n:
@@ -232,12 +232,12 @@ def _fewest(problem: BreakingProblem, least: int | None) -> int:
         return least
     if problem.n <= FEW:
         return LEAST_SPRINGS
-    block = problem.problem.block(slice(None))
+    block = problem.points
     found = [*candidates(block.source, block.target, problem.bounds)]
     return max(LEAST_SPRINGS, _held_at_rest(problem, found[-1].inliers.tolist()) if found else 0)
 
 
-def _held_at_rest(problem: BreakingProblem, held: list[int]) -> int:
+def _held_at_rest(problem: RegistrationProblem, held: list[int]) -> int:
     """How many springs hold after those of a pose have moved the body, and broken or mended.
 
     The energy falls all the while. 0 where they leave the rotation open. Floating point: it says
@@ -252,7 +252,7 @@ def _held_at_rest(problem: BreakingProblem, held: list[int]) -> int:
         except DegenerateProblemError:
             return 0
         with np.errstate(over="ignore"):
-            off = (problem.problem.target - pose.apply(problem.problem.source)).T / problem.bounds
+            off = (problem.target - pose.apply(problem.source)).T / problem.bounds
             within = np.flatnonzero((off * off).sum(axis=0) < 1.0).tolist()
         if within == held:
             break
@@ -261,7 +261,7 @@ def _held_at_rest(problem: BreakingProblem, held: list[int]) -> int:
 
 
 def _optimum_listed(
-    problem: BreakingProblem, least: int, proved: list[RestPose], doubtful: list[RestPose]
+    problem: RegistrationProblem, least: int, proved: list[RestPose], doubtful: list[RestPose]
 ) -> bool:
     """Whether the least energy of all poses is that of an equilibrium that is listed.
 
@@ -271,7 +271,7 @@ def _optimum_listed(
     open_minima = [pose for pose in doubtful if pose.index == 0 and pose.labels is not Labels.TIED]
     if open_minima or not proved:
         return False
-    rows = problem.rows
+    rows = exact_springs(problem)
     broken = sorted(rows.broken(i) for i in range(problem.n))[: problem.n - least + 1]
     elsewhere = sum(broken, Fraction(0)) * power_of_two(rows.exponent)
     return proved[0].energy <= elsewhere

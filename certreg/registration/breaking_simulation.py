@@ -9,7 +9,7 @@ from certreg.dynamics import SHRINKING, BreakingStatus, run_breaking
 from certreg.equilibrium import Labels, SpringSet
 from certreg.errors import InvalidProblemError
 from certreg.native import Integrator
-from certreg.problem import BreakingProblem, RegistrationProblem
+from certreg.problem import Loss, RegistrationProblem, bounded
 from certreg.registration.breaking import equilibrium_of
 from certreg.results import Brief
 
@@ -38,7 +38,7 @@ class SimulatedBreaking(Brief):
         where there is none: the run ended in another way, or its labels are proved to be others.
     """
 
-    problem: BreakingProblem
+    problem: RegistrationProblem
     run: BreakingRun
     end: BreakingEquilibrium | None
 
@@ -153,7 +153,7 @@ def simulate_breaking(  # noqa: PLR0913 - the data of a problem, then how it is 
     (0, 1, 2, 3)
     """
     stated = RegistrationProblem(source, target, weights=weights, damping=damping)
-    problem = BreakingProblem.of(stated, max_residual)
+    problem = bounded(stated, max_residual, Loss.BREAKING)
     if not 1.0 < shrinking <= LARGEST_SHRINKING:
         message = f"shrinking is {shrinking!r}: give a number above 1, up to 1e6; 1.4 is usual"
         raise InvalidProblemError(message, array="shrinking", value=shrinking, limit=1.0)
@@ -161,7 +161,7 @@ def simulate_breaking(  # noqa: PLR0913 - the data of a problem, then how it is 
     return SimulatedBreaking(problem=problem, run=run, end=_end(problem, run))
 
 
-def _end(problem: BreakingProblem, run: BreakingRun) -> BreakingEquilibrium | None:
+def _end(problem: RegistrationProblem, run: BreakingRun) -> BreakingEquilibrium | None:
     """The equilibrium of least energy on the springs that hold at the end."""
     if run.status is not BreakingStatus.SETTLED:
         return None

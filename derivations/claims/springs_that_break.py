@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 
 from certreg.equilibrium.breaking import SpringSet
-from certreg.problem.breaking import BreakingProblem
+from certreg.problem.bounds import bounded
 from certreg.problem.problem import RegistrationProblem
+from certreg.problem.support import Loss
 from certreg.verify import consistent
 
 from ..algebra import facts, identity, nonnegative, positive
@@ -107,7 +108,7 @@ def _set_of(shift: Point, rows: Sequence[int]) -> SpringSet:
     """Some springs of the instance, as certreg has them."""
     sources = np.array([*FIRST, *SECOND], float)
     targets = sources + np.array([[0, 0, 0]] * len(FIRST) + [shift] * len(SECOND), float)
-    problem = BreakingProblem.of(RegistrationProblem(sources, targets), float(BOUND))
+    problem = bounded(RegistrationProblem(sources, targets), float(BOUND), Loss.BREAKING)
     return SpringSet(problem, tuple(rows))
 
 

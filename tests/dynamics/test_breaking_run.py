@@ -13,23 +13,23 @@ from certreg.dynamics import breaking
 from certreg.dynamics.breaking import BreakingRun, BreakingStatus, run_breaking
 from certreg.errors import DegenerateProblemError
 from certreg.native import Integrator
-from certreg.problem import BreakingProblem, RegistrationProblem
+from certreg.problem import Loss, RegistrationProblem, bounded
 from certreg.registration import register
 
 OFFSET = 1e6  # of both clouds, apart: bounds that no spring reaches are skipped
 SEEDS = (0, 1, 3, 4)
 
 
-def made(seed: int, n: int = 24, wrong: float = 0.5) -> BreakingProblem:
+def made(seed: int, n: int = 24, wrong: float = 0.5) -> RegistrationProblem:
     pairs = wrong_pairs(np.random.default_rng(seed), n, wrong)
     weights = np.random.default_rng(seed).uniform(0.5, 2.0, n)
     problem = RegistrationProblem(pairs.source + OFFSET, pairs.target - OFFSET, weights=weights)
-    return BreakingProblem.of(problem, 0.06)
+    return bounded(problem, 0.06, Loss.BREAKING)
 
 
-def ratios(problem: BreakingProblem, run: BreakingRun) -> np.ndarray:
-    ends = problem.problem.source @ run.rotation.T + run.translation
-    return np.linalg.norm(problem.problem.target - ends, axis=1) / problem.bounds
+def ratios(problem: RegistrationProblem, run: BreakingRun) -> np.ndarray:
+    ends = problem.source @ run.rotation.T + run.translation
+    return np.linalg.norm(problem.target - ends, axis=1) / problem.bounds
 
 
 @pytest.mark.parametrize("seed", SEEDS)
@@ -55,11 +55,11 @@ def test_at_the_end_the_springs_within_their_bounds_hold_at_their_least_squares_
     run = run_breaking(problem, Integrator.MIDPOINT)
     last = run.stages[-1]
     fit = register(
-        *(p[last.held] for p in (problem.problem.source, problem.problem.target)),
-        weights=problem.problem.weights[last.held],
+        *(p[last.held] for p in (problem.source, problem.target)),
+        weights=problem.weights[last.held],
     )
     square = ratios(problem, run) ** 2
-    expected = problem.problem.weights * problem.bounds**2 @ np.minimum(square, 1.0)
+    expected = problem.weights * problem.bounds**2 @ np.minimum(square, 1.0)
 
     assert ((square <= 1.0) == last.held).all()
     np.testing.assert_allclose(run.rotation, fit.rotation, atol=2e-3)
@@ -69,7 +69,7 @@ def test_at_the_end_the_springs_within_their_bounds_hold_at_their_least_squares_
 @pytest.mark.parametrize("width", [1.0, 3.0, 40.0])
 def test_a_stage_has_the_energy_of_its_bounds_and_that_of_those_given(width: float):
     problem = made(3)
-    points, annealed = problem.problem, breaking._Annealed(problem, Integrator.MIDPOINT, None)
+    points, annealed = problem, breaking._Annealed(problem, Integrator.MIDPOINT, None)
     _, stage = annealed.stage(width)
     ends = points.source @ annealed.rotation.T + annealed.given_translation
     lengths = np.linalg.norm(points.target - ends, axis=1)
@@ -136,9 +136,10 @@ def test_a_run_is_the_same_in_every_unit(exponent):
     pairs = wrong_pairs(np.random.default_rng(4), 16, 0.25)
     usual, scaled = (
         run_breaking(
-            BreakingProblem.of(
+            bounded(
                 RegistrationProblem(np.ldexp(pairs.source, k), np.ldexp(pairs.target, k)),
                 np.ldexp(pairs.bounds, k),
+                Loss.BREAKING,
             ),
             Integrator.MIDPOINT,
         )
@@ -162,6 +163,6 @@ def test_a_source_on_a_line_and_bounds_of_no_size_are_refused():
         (corner[:2], 1.0, "the source points are collinear"),
         (corner, 1e-101, "a bound is so small beside the clouds"),
     ):
-        problem = BreakingProblem.of(RegistrationProblem(source, source), bound)
+        problem = bounded(RegistrationProblem(source, source), bound, Loss.BREAKING)
         with pytest.raises(DegenerateProblemError, match=words):
             run_breaking(problem, Integrator.MIDPOINT)

@@ -182,7 +182,8 @@ def labels(
 
     monkeypatch.setattr(breaking, "_Residuals", residuals)
     of: Any = SimpleNamespace(
-        problem=SimpleNamespace(rows=None, n=3),
+        problem=SimpleNamespace(n=3),
+        rows=None,
         unbroken=(0, 1),
         objective=SimpleNamespace(energy=lambda _: fields.get("energy", Fraction(0))),
         _most=Fraction(10),

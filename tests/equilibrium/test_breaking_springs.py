@@ -18,7 +18,7 @@ from certreg.equilibrium.spring_sets import consistent_springs, label_sets
 from certreg.errors import InvalidProblemError, UndecidedError
 from certreg.geometry import rotation_matrix
 from certreg.objective import Isotropic
-from certreg.problem import BreakingProblem, RegistrationProblem
+from certreg.problem import Loss, RegistrationProblem, bounded, exact_springs
 from certreg.results import ComponentKind
 
 if TYPE_CHECKING:
@@ -30,17 +30,17 @@ ENOUGH = 10_000  # sets
 CLEAR = 1e-7  # in the unit of the clouds: far above the rounding of doubles
 
 
-def mixed(seed: int, n: int = 7, bound: float = 0.6) -> BreakingProblem:
+def mixed(seed: int, n: int = 7, bound: float = 0.6) -> RegistrationProblem:
     """Points of which four are moved with some noise, the others anyhow; weights and bounds."""
     rng = np.random.default_rng(seed)
     x = rng.normal(size=(n, 3))
     y = x @ random_rotation(rng).T + rng.normal(size=3) + 0.05 * rng.normal(size=(n, 3))
     y[4:] = y[:4].mean(axis=0) + rng.normal(size=(n - 4, 3))
     problem = RegistrationProblem(x, y, weights=rng.uniform(0.5, 2.0, size=n))
-    return BreakingProblem.of(problem, bound * rng.uniform(0.8, 1.2, size=n))
+    return bounded(problem, bound * rng.uniform(0.8, 1.2, size=n), Loss.BREAKING)
 
 
-def all_rest_poses(problem: BreakingProblem, least: int = 3) -> list[RestPose]:
+def all_rest_poses(problem: RegistrationProblem, least: int = 3) -> list[RestPose]:
     return [pose for of in label_sets(problem, least, ENOUGH) for pose in of.rest_poses()]
 
 
@@ -49,29 +49,27 @@ def unit_matrix(pose: RestPose) -> NDArray[np.float64]:
     return np.array(rotation_matrix((q / np.linalg.norm(q)).tolist()))
 
 
-def motion_of(problem: BreakingProblem, pose: RestPose) -> tuple[NDArray, NDArray]:
+def motion_of(problem: RegistrationProblem, pose: RestPose) -> tuple[NDArray, NDArray]:
     """R and t, the latter from the means of the springs that hold."""
     rows, R = list(pose.unbroken), unit_matrix(pose)
-    w = problem.problem.weights[rows]
-    mean_x, mean_y = (
-        w @ p[rows] / w.sum() for p in (problem.problem.source, problem.problem.target)
-    )
+    w = problem.weights[rows]
+    mean_x, mean_y = (w @ p[rows] / w.sum() for p in (problem.source, problem.target))
     return R, mean_y - R @ mean_x
 
 
-def energy(problem: BreakingProblem, R: NDArray, t: NDArray) -> float:
+def energy(problem: RegistrationProblem, R: NDArray, t: NDArray) -> float:
     """V by its definition."""
-    x, y, w = problem.problem.source, problem.problem.target, problem.problem.weights
+    x, y, w = problem.source, problem.target, problem.weights
     square = ((y - x @ R.T - t) ** 2).sum(axis=1)
     return float(w @ np.minimum(square, problem.bounds**2))
 
 
-def by_all_sets(problem: BreakingProblem) -> Iterator[tuple[tuple[int, ...], int, float]]:
+def by_all_sets(problem: RegistrationProblem) -> Iterator[tuple[tuple[int, ...], int, float]]:
     """Every set of three or more, its four eigenlines by NumPy, and those with its labels.
 
     Left out where doubles tell no eigenline or label: closer than CLEAR to the next, or a bound.
     """
-    x, y, w = problem.problem.source, problem.problem.target, problem.problem.weights
+    x, y, w = problem.source, problem.target, problem.weights
     basis = np.eye(4)
     for size in range(3, problem.n + 1):
         for rows in map(list, combinations(range(problem.n), size)):
@@ -116,7 +114,7 @@ def test_of_points_in_whole_numbers_too_the_list_is_what_all_sets_give(seed):
     n = int(rng.integers(4, 8))
     x, y = rng.integers(-3, 4, size=(2, n, 3)).astype(float)
     x[:, 2] *= seed % 3 > 0
-    problem = BreakingProblem.of(RegistrationProblem(x, y), rng.integers(2, 8, size=n) / 2)
+    problem = bounded(RegistrationProblem(x, y), rng.integers(2, 8, size=n) / 2, Loss.BREAKING)
     found = {
         (pose.unbroken, pose.index): (pose, float(pose.energy)) for pose in all_rest_poses(problem)
     }
@@ -160,10 +158,10 @@ def test_energy_slope_and_index_are_those_of_the_truncated_cost(seed):
         assert (np.linalg.eigvalsh(hessian) < 0.0).sum() == pose.index
 
 
-def fitted(problem: BreakingProblem, held: NDArray) -> tuple[NDArray, NDArray]:
+def fitted(problem: RegistrationProblem, held: NDArray) -> tuple[NDArray, NDArray]:
     """The motion of least squares of some rows [Arun1987]."""
-    x, y = problem.problem.source[held], problem.problem.target[held]
-    w = problem.problem.weights[held]
+    x, y = problem.source[held], problem.target[held]
+    w = problem.weights[held]
     m = w / w.sum()
     u, _, v = np.linalg.svd(((y - m @ y).T * w) @ (x - m @ x))
     R = (u * [1, 1, np.linalg.det(u @ v)]) @ v
@@ -176,7 +174,7 @@ def fitted(problem: BreakingProblem, held: NDArray) -> tuple[NDArray, NDArray]:
 def test_a_descent_from_anywhere_ends_in_a_minimum_of_the_list(seed):
     problem = mixed(seed, bound=0.7)
     minima = {p.unbroken for p in all_rest_poses(problem) if p.index == 0}
-    x, y = problem.problem.source, problem.problem.target
+    x, y = problem.source, problem.target
     ends = set[tuple[int, ...]]()
     for rows in combinations(range(problem.n), 3):
         (R, t), held = fitted(problem, np.array(rows)), np.zeros(problem.n, bool)
@@ -204,7 +202,7 @@ def coarse(objective: Isotropic) -> Eigenline:
 
 @pytest.mark.parametrize("seed", range(3))
 def test_an_eigenline_is_within_its_bound_which_is_at_most_twice_as_wide(seed):
-    objective = Isotropic.of(mixed(seed).problem)
+    objective = Isotropic.of(mixed(seed))
     line = coarse(objective)
     p, u = line.quaternion, objective.eigenvectors[0]
     along = sum(a * b for a, b in zip(p, u, strict=True))
@@ -225,7 +223,8 @@ def test_residuals_at_the_exact_rotation_are_between_bounds_of_a_coarse_one(seed
     moved = 0.0
     for i in range(problem.n):
         (low, high, bound), (below, above, limit) = (
-            _Residuals(problem.rows, rows, line, Fraction(0)).between(i) for line in (fine, rough)
+            _Residuals(exact_springs(problem), rows, line, Fraction(0)).between(i)
+            for line in (fine, rough)
         )
         ends = [Fraction(end, bound) for end in (low, high)]
         wide = [Fraction(end, limit) for end in (below, above)]
@@ -236,8 +235,8 @@ def test_residuals_at_the_exact_rotation_are_between_bounds_of_a_coarse_one(seed
 
 def test_a_far_point_moves_by_twice_the_sine_of_half_the_angle():
     """A turn about z takes (4096, 0, 0) by 2 sin(a/2) 4096 off, and the bound is no wider."""
-    problem = BreakingProblem.of(
-        RegistrationProblem([*STAY, [4096, 0, 0]], [*STAY, [4096, 0, 0]]), 1
+    problem = bounded(
+        RegistrationProblem([*STAY, [4096, 0, 0]], [*STAY, [4096, 0, 0]]), 1, Loss.BREAKING
     )
     turned = Eigenline(
         quaternion=(1000, 0, 0, 1),
@@ -246,7 +245,9 @@ def test_a_far_point_moves_by_twice_the_sine_of_half_the_angle():
         sin2=Fraction(1, 1000**2 + 1),
         error=Fraction(0),
     )
-    low, high, bound = _Residuals(problem.rows, (0, 1, 2, 3), turned, Fraction(0)).between(4)
+    low, high, bound = _Residuals(
+        exact_springs(problem), (0, 1, 2, 3), turned, Fraction(0)
+    ).between(4)
 
     assert low <= 0
     assert high / bound == pytest.approx(2 * 2 * 4096 / 1000, rel=1e-3)
@@ -260,7 +261,7 @@ STAY = [[0, 0, 0], [3, 0, 0], [0, 4, 0], [0, 0, 5]]
 def one_off(bound: float) -> list[RestPose]:
     """Four points that stay, and one whose target is 1 away."""
     problem = RegistrationProblem([*STAY, [7, 1, 2]], [*STAY, [8, 1, 2]])
-    found = SpringSet(BreakingProblem.of(problem, bound), (0, 1, 2, 3)).rest_poses()
+    found = SpringSet(bounded(problem, bound, Loss.BREAKING), (0, 1, 2, 3)).rest_poses()
     return [pose for pose in found if pose.index == 0]
 
 
@@ -275,7 +276,7 @@ def test_a_residual_on_its_bound_is_a_tie_and_next_to_it_it_is_decided():
 
 def test_a_residual_on_its_bound_at_an_irrational_rotation_is_too_near_to_be_told():
     x = np.array([[0, 0, 0], [0, 0, 2], [4, 3, 1], [9, 9, 9.0]])
-    problem = BreakingProblem.of(RegistrationProblem(x, x), 2.0)
+    problem = bounded(RegistrationProblem(x, x), 2.0, Loss.BREAKING)
     (near,) = [p for p in SpringSet(problem, (0, 1, 2)).rest_poses() if p.index == 1]
 
     assert (near.labels, near.doubtful) == (Labels.TOO_NEAR, (0, 1))
@@ -285,7 +286,7 @@ def rod(other: list[float]) -> RestPose:
     """Three points on a line that stay, and one elsewhere whose target is at `other`."""
     line = [[-3, 0, 0], [0, 0, 0], [3, 0, 0]]
     problem = RegistrationProblem([*line, [0, 2, 0]], [*line, other])
-    first, *_ = SpringSet(BreakingProblem.of(problem, 0.5), (0, 1, 2)).rest_poses()
+    first, *_ = SpringSet(bounded(problem, 0.5, Loss.BREAKING), (0, 1, 2)).rest_poses()
     return first
 
 
@@ -307,7 +308,7 @@ def test_along_a_continuum_a_spring_is_broken_beyond_the_difference_of_its_radii
     bound = np.nextafter(nearest, nearest + place) if place else nearest
     for ends in ([[0, 3, 0], [0, 0, far]], [[0, 0, 3], [0, -far, 0]]):
         problem = RegistrationProblem([*line, ends[0]], [*line, ends[1]])
-        springs = SpringSet(BreakingProblem.of(problem, [0.5, 0.5, 0.5, bound]), (0, 1, 2))
+        springs = SpringSet(bounded(problem, [0.5, 0.5, 0.5, bound], Loss.BREAKING), (0, 1, 2))
         (first,) = [pose for pose in springs.rest_poses() if pose.index == 0]
 
         proved = place < 0
@@ -334,7 +335,7 @@ def test_along_a_continuum_a_spring_of_the_set_holds_within_its_radii_and_the_en
     source = [[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0]]
     target = [[2, 0, 0], [-2, 0, 0], [0, 0, 0], [0, 0, 0]]
     stated = RegistrationProblem(source, target, weights=[weight] * 4)
-    problem = BreakingProblem.of(stated, [far, far, near, near])
+    problem = bounded(stated, [far, far, near, near], Loss.BREAKING)
     found = [pose for pose in SpringSet(problem, (0, 1, 2, 3)).rest_poses() if not pose.index]
 
     assert [(pose.labels, pose.doubtful) for pose in found] == ([expected] if expected else [])
@@ -345,7 +346,7 @@ def test_along_a_continuum_the_energy_counts_with_twice_its_error():
     """As above: two springs have all energy, of which 4 is known, and of another line 4.9."""
     source = [[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0]]
     target = [[2, 0, 0], [-2, 0, 0], [0, 0, 0], [0, 0, 0]]
-    problem = BreakingProblem.of(RegistrationProblem(source, target), [2.2, 2.2, 1.5, 1.5])
+    problem = bounded(RegistrationProblem(source, target), [2.2, 2.2, 1.5, 1.5], Loss.BREAKING)
     springs = SpringSet(problem, (0, 1, 2, 3))
     first, *_ = eigenlines(springs.objective)
 
@@ -374,7 +375,7 @@ def test_labels_do_not_change_with_the_unit_and_the_origin():
 
     def seen(factor: float, shift: float) -> list[tuple[Any, ...]]:
         problem = RegistrationProblem((x + shift) * factor, (y - shift) * factor)
-        poses = all_rest_poses(BreakingProblem.of(problem, 3.0 * factor))
+        poses = all_rest_poses(bounded(problem, 3.0 * factor, Loss.BREAKING))
         return [(p.unbroken, p.index, p.labels, p.energy / Fraction(factor) ** 2) for p in poses]
 
     def plain(poses: list[tuple[Any, ...]]) -> list[tuple[Any, ...]]:
@@ -399,7 +400,7 @@ def test_two_springs_whose_lengths_differ_by_both_bounds_never_hold_together():
     def near(length: float) -> bool:
         source = [[0, 0, 0], [3, 0, 0], [0, 4, 0]]
         target = [[0, 0, 0], [length, 0, 0], [0, 4, 0]]
-        springs = BreakingProblem.of(RegistrationProblem(source, target), [0.5, 0.25, 0.25])
+        springs = bounded(RegistrationProblem(source, target), [0.5, 0.25, 0.25], Loss.BREAKING)
         return bool(consistent_springs(springs)[0] & 0b10)
 
     assert [near(3.75), near(np.nextafter(3.75, 0)), near(2.25), near(np.nextafter(2.25, 9))] == [
@@ -469,4 +470,4 @@ def test_what_is_no_problem_of_springs_that_break_is_refused(options, bound, wor
         given["normals"] = np.array(given["normals"]) + 1.0
     problem = RegistrationProblem(np.array(STAY) + 1.0, STAY, **given)
     with pytest.raises(InvalidProblemError, match=words):
-        BreakingProblem.of(problem, bound)
+        bounded(problem, bound, Loss.BREAKING)

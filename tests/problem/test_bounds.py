@@ -86,8 +86,10 @@ def test_bounds_stand_before_the_factors_of_springs():
     assert found.data_bytes() == head + np.array(numbers, dtype="<f8").tobytes()
 
 
-def test_a_problem_with_bounds_is_no_least_squares():
-    found = bounded(RegistrationProblem(CLOUD, CLOUD), 0.25)
+@pytest.mark.parametrize("loss", [Loss.CONSENSUS, Loss.TRUNCATED, Loss.BREAKING])
+def test_a_problem_with_bounds_is_no_least_squares(loss: Loss):
+    turned = loss is Loss.TRUNCATED
+    found = bounded(RegistrationProblem(CLOUD, CLOUD, rotation_only=turned), 0.25, loss)
 
     for asked in (certreg.certify, certreg.equilibria, certreg.simulate):
         with pytest.raises(InvalidProblemError, match=HAS_BOUNDS):

@@ -165,7 +165,7 @@ def test_no_rule_of_the_table_is_without_a_case() -> None:
         verbs = rule.verbs or {Verb.CERTIFY}
         assert any(
             rule.applies(cell_of(*key)) and refusal(cell_of(*key), verb).reason == rule.reason  # type: ignore[union-attr]
-            for key in CELLS
+            for key in [*CELLS, *itertools.product(DATA, MOTIONS, [Loss.BREAKING])]
             for verb in verbs
         )
 

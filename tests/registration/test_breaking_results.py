@@ -14,7 +14,7 @@ import certreg
 from certreg.dynamics import BreakingStatus, SimulationSettings
 from certreg.equilibrium import Labels, SpringSet
 from certreg.errors import InvalidProblemError, UndecidedError
-from certreg.problem import BreakingProblem, RegistrationProblem
+from certreg.problem import Loss, RegistrationProblem, bounded
 from certreg.registration import breaking
 from certreg.registration.breaking import _fewest, _optimum_listed
 from certreg.registration.breaking_simulation import _end
@@ -30,9 +30,9 @@ def clouds(seed: int, n: int, wrong: float) -> tuple[np.ndarray, np.ndarray, np.
     return made.source, made.target, made.true
 
 
-def few(n: int) -> BreakingProblem:
+def few(n: int) -> RegistrationProblem:
     x = np.arange(3.0 * n).reshape(n, 3) ** 2
-    return BreakingProblem.of(RegistrationProblem(x, x), 1.0)
+    return bounded(RegistrationProblem(x, x), 1.0, Loss.BREAKING)
 
 
 def test_as_many_springs_hold_as_are_asked_for_from_three_to_all():
@@ -322,7 +322,7 @@ def test_an_end_whose_labels_are_not_proved_is_not_called_self_consistent():
 def test_a_run_does_not_end_at_a_rest_pose_from_which_the_energy_falls():
     """At the best rotation of the three the fourth holds, too; at another it is broken."""
     cloud = np.array([[0, 0, 0], [0, 0, 2], [4, 3, 1], [9, 9, 9.0]])
-    problem = BreakingProblem.of(RegistrationProblem(cloud, cloud), 2.5)
+    problem = bounded(RegistrationProblem(cloud, cloud), 2.5, Loss.BREAKING)
     held = np.array([True, True, True, False])
     run: Any = SimpleNamespace(
         status=BreakingStatus.SETTLED, stages=(SimpleNamespace(held=held, count=3),)
