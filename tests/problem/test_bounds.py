@@ -18,6 +18,7 @@ from certreg.problem.motion import Scale
 from certreg.problem.problem import RegistrationProblem
 from certreg.problem.support import PREFIXES, Cell, Loss, supported
 
+HAS_BOUNDS = "the pairs of this problem have bounds: give the one that it was made of"
 CLOUD = np.vstack([np.diag([3.0, 2.0, 1.0]), [1.0, 1.0, 1.0]])
 
 
@@ -125,9 +126,9 @@ def test_a_problem_with_bounds_is_no_least_squares(loss: Loss):
     found = bounded(RegistrationProblem(CLOUD, CLOUD, rotation_only=turned), 0.25, loss)
 
     for asked in (certreg.certify, certreg.equilibria, certreg.simulate):
-        with pytest.raises(InvalidProblemError, match="pairs of this problem have bounds"):
+        with pytest.raises(InvalidProblemError, match=HAS_BOUNDS):
             asked(found)
-    with pytest.raises(InvalidProblemError, match="pairs of this problem have bounds"):
+    with pytest.raises(InvalidProblemError, match=HAS_BOUNDS):
         certreg.assess(found, np.eye(4))
     assert (found.under(Squares()).bounds == np.inf).all()
 

@@ -93,3 +93,11 @@ def test_half_a_tiny_diameter_is_not_called_0():
 
     with pytest.raises(InvalidProblemError, match=r"diameter of the smaller cloud, \d.*e-200"):
         certreg.certify(tiny, tiny, max_residual=1e-199)
+
+
+def test_the_problem_of_a_result_with_bounds_is_not_certified_as_one_without():
+    found: Any = certreg.certify(PAIRS.source, PAIRS.target, max_residual=BOUND)
+
+    words = "the pairs of this problem have bounds: give the one that it was made of"
+    with pytest.raises(InvalidProblemError, match=words):
+        certreg.certify(found.problem)
