@@ -25,7 +25,7 @@ from certreg.problem.lifting import lift
 from certreg.problem.moments import exact_moments
 from certreg.problem.problem import RegistrationProblem
 from certreg.relaxation.conic import solve
-from certreg.relaxation.qcqp import Form
+from certreg.relaxation.qcqp import RelaxationForm
 from certreg.relaxation.shor import relax
 from certreg.relaxation.stated import statement
 from tests.strategies import ZOO, Specimen
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 
 
 GAP_BOUND = 1e-6  # of the spread
-SOLVE_BOUNDS = {Form.QUATERNION: 1.5e-3, Form.ROTATION: 3e-3}  # seconds
+SOLVE_BOUNDS = {RelaxationForm.QUATERNION: 1.5e-3, RelaxationForm.ROTATION: 3e-3}  # seconds
 ROUNDS = 20
 SEEDS = range(100)
 SIZES = (3, 4, 10, 100)
@@ -52,8 +52,8 @@ NEARLY = next(specimen for specimen in ZOO if specimen.name == "mirrored tall")
 IMPORT = "import time; t = time.perf_counter(); import cvxpy; print(time.perf_counter() - t)"
 COMPILE = (
     "import time, numpy; from certreg.relaxation.conic import solve; "
-    "from certreg.relaxation.qcqp import Form; "
-    "t = time.perf_counter(); solve(Form({!r}), numpy.eye(3)); "
+    "from certreg.relaxation.qcqp import RelaxationForm; "
+    "t = time.perf_counter(); solve(RelaxationForm({!r}), numpy.eye(3)); "
     "print(time.perf_counter() - t)"
 )
 
@@ -63,8 +63,8 @@ class Outcome:
     """What the relaxation made of one problem; `ranks` and `errors` by form."""
 
     unique: bool
-    ranks: dict[Form, int]
-    errors: dict[Form, float]
+    ranks: dict[RelaxationForm, int]
+    errors: dict[RelaxationForm, float]
     value_below: bool
     multiplier_below: bool
     gap: float
@@ -76,14 +76,15 @@ def measure() -> Iterator[Figure]:
         yield _tightness(name, row)
     everything = list(chain.from_iterable(outcomes.values()))
     yield _tightness("all", everything)
-    for form in Form:
+    for form in RelaxationForm:
         yield _ranks("unique", [each for each in everything if each.unique], form)
         yield _ranks("nearly ambiguous", outcomes["nearly ambiguous"], form)
         yield _ranks("not unique", [each for each in everything if not each.unique], form)
     for form, bound in SOLVE_BOUNDS.items():
         yield _speed(form, bound)
     compiling = {
-        f"compile {form}": Quantity(_told(COMPILE.format(form.value)), "s") for form in Form
+        f"compile {form}": Quantity(_told(COMPILE.format(form.value)), "s")
+        for form in RelaxationForm
     }
     yield Figure(
         what="once per process",
@@ -125,8 +126,8 @@ def _resized(specimen: Specimen, exponent: int) -> RegistrationProblem:
 def _outcome(problem: RegistrationProblem) -> Outcome:
     objective = Isotropic(exact_moments(problem))
     largest = objective.eigenvalues[0]
-    answers = {form: relax(objective, form) for form in Form}
-    ours = answers[Form.QUATERNION]
+    answers = {form: relax(objective, form) for form in RelaxationForm}
+    ours = answers[RelaxationForm.QUATERNION]
     assert ours.proposal is not None
     assert ours.value is not None
     return Outcome(
@@ -163,13 +164,13 @@ def _tightness(name: str, row: list[Outcome]) -> Figure:
             "multiplier < truth": Quantity(_percent(o.multiplier_below for o in row), "%"),
             **{
                 f"error {form}": Quantity(_short(max(o.errors[form] for o in row)), "")
-                for form in Form
+                for form in RelaxationForm
             },
         },
     )
 
 
-def _ranks(name: str, row: list[Outcome], form: Form) -> Figure:
+def _ranks(name: str, row: list[Outcome], form: RelaxationForm) -> Figure:
     ranks = Counter(outcome.ranks[form] for outcome in row)
     return Figure(
         what=f"ranks, {name}",
@@ -186,7 +187,7 @@ def _percent(cases: Iterable[bool]) -> float:
     return round(100 * float(np.mean(list(cases))))
 
 
-def _speed(form: Form, bound: float) -> Figure:
+def _speed(form: RelaxationForm, bound: float) -> Figure:
     C = np.random.default_rng(0).normal(size=(3, 3))
     C /= np.abs(C).max()
     stated = statement(form)

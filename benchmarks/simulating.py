@@ -22,7 +22,7 @@ from certreg.dynamics.body import steps_of
 from certreg.dynamics.integrators import SimulationSettings, step_parameters
 from certreg.dynamics.rigid import rigid_body
 from certreg.dynamics.simulation import simulate
-from certreg.dynamics.springs import SpringBody, spring_body
+from certreg.dynamics.springs import SprungBody, spring_body
 from certreg.dynamics.states import start_at_rest
 from certreg.native.engine import current_engine
 from certreg.native.layout import MATRIX_STATE, named
@@ -114,7 +114,7 @@ def _splitting() -> Figure:
 def _springs() -> Iterator[Figure]:
     """Steps of the splitting on general springs: 73 sums, so that no step knows how many points."""
     rng = np.random.default_rng(0)
-    bodies: list[SpringBody] = []
+    bodies: list[SprungBody] = []
     for count in (20, 200, 2000) * 5 + (20,):
         source = rng.normal(size=(count, 3))
         target = source + 0.1 * rng.normal(size=(count, 3))

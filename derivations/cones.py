@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from certreg.relaxation.cones import CONES_FILE
-from certreg.relaxation.qcqp import Form
+from certreg.relaxation.qcqp import RelaxationForm
 from certreg.relaxation.stated import statement
 from certreg.relaxation.stated_quartic import quartic_statement
 
@@ -21,14 +21,14 @@ if TYPE_CHECKING:
 
 def cone_files() -> dict[str, bytes]:
     """The contents of the file, by its name: a program on each line."""
-    programs = {str(form): _of_form(form) for form in Form}
+    programs = {str(form): _of_form(form) for form in RelaxationForm}
     said = quartic_statement()
     programs["quartic"] = _numbers(said.problem, said.quartic)
     lines = [f"{json.dumps(name)}: {json.dumps(each)}" for name, each in programs.items()]
     return {CONES_FILE: ("{\n" + ",\n".join(lines) + "\n}\n").encode()}
 
 
-def _of_form(form: Form) -> Mapping[str, Any]:
+def _of_form(form: RelaxationForm) -> Mapping[str, Any]:
     said = statement(form)
     return _numbers(said.problem, said.cross_covariance)
 

@@ -89,7 +89,9 @@ PROVED = (
     ),
     _of("certificate/squares", "_moves_all", "certificate/test_pair_edges"),
     _of(
-        "certificate/producing_consensus", "Consensus.decided", "registration/test_flags_enumerated"
+        "certificate/producing_consensus",
+        "ProvedConsensus.decided",
+        "registration/test_flags_enumerated",
     ),
     _of(
         "certificate/producing_scaled",

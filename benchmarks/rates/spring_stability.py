@@ -26,7 +26,7 @@ from certreg.problem.problem import RegistrationProblem
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from certreg.dynamics.springs import SpringBody
+    from certreg.dynamics.springs import SprungBody
 
 DAMPING = 1.3
 INSTANCES, LEAST = 130, 5_000  # of each family; equilibria in all
@@ -44,7 +44,7 @@ class Tally:
 
 
 def unstable_directions(
-    moving: SpringBody, q: NDArray[np.float64], drag: NDArray[np.float64] | None = None
+    moving: SprungBody, q: NDArray[np.float64], drag: NDArray[np.float64] | None = None
 ) -> int:
     """Eigenvalues with positive real part; drag: another damping, (6, 6), over M."""
     jacobian = moving.jacobian(moving.balanced(q)).copy()

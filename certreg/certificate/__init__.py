@@ -40,8 +40,8 @@ if TYPE_CHECKING:
     from certreg.certificate.producing import count_certificate as count_certificate
     from certreg.certificate.producing import produce as produce
     from certreg.certificate.producing import produce_similarity as produce_similarity
-    from certreg.certificate.producing_consensus import Consensus as Consensus
     from certreg.certificate.producing_consensus import ConsensusProver as ConsensusProver
+    from certreg.certificate.producing_consensus import ProvedConsensus as ProvedConsensus
     from certreg.certificate.producing_consensus import (
         consensus_certificate as consensus_certificate,
     )
@@ -134,7 +134,7 @@ __getattr__ = lazy_face(
             "produce_similarity",
         ),
         "producing_consensus": (
-            "Consensus",
+            "ProvedConsensus",
             "ConsensusProver",
             "consensus_certificate",
             "consensus_of",

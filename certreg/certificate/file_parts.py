@@ -89,7 +89,7 @@ class FileRow(FilePart):
     __slots__ = ()
 
 
-class Form(NamedTuple):
+class FieldForm(NamedTuple):
     """How values of a type are written and read, and their class in JSON.
 
     nullable: reads what may be null, where an object may say that in its entries, too.
@@ -108,12 +108,12 @@ class Entry(NamedTuple):
     """
 
     name: str
-    form: Form
+    form: FieldForm
     left_out: tuple[Any, ...] = ()
 
 
 @cache
-def form_of(hint: Any) -> Form:
+def form_of(hint: Any) -> FieldForm:
     """Of a type that this module lists. Raises TypeError for all others."""
     kind, parts = get_origin(hint) or hint, get_args(hint)
     if kind in PLAIN:
@@ -145,7 +145,7 @@ def _entries_of(kind: Any) -> dict[str, Entry]:
     return own | {place: Entry("", _object(None, group)) for place, group in groups.items()}
 
 
-def _object(kind: Any, entries: dict[str, Entry]) -> Form:
+def _object(kind: Any, entries: dict[str, Entry]) -> FieldForm:
     """Of an object; kind: the class of the part, None where these entries are of a larger one."""
     needed = {key for key, entry in entries.items() if not entry.left_out}
     reads = [(key, name, form.read, absent) for key, (name, form, absent) in entries.items()]
@@ -183,7 +183,7 @@ def _object(kind: Any, entries: dict[str, Entry]) -> Form:
         require_keys(given)
         return None if _is_null(given) else read(given)
 
-    return Form(write, read, dict, read_or_null)
+    return FieldForm(write, read, dict, read_or_null)
 
 
 def _is_null(given: dict[str, Any]) -> bool:
@@ -191,7 +191,7 @@ def _is_null(given: dict[str, Any]) -> bool:
     return {*map(type, given.values())} == {NoneType}
 
 
-def _list(kind: Any, entries: dict[str, Entry]) -> Form:
+def _list(kind: Any, entries: dict[str, Entry]) -> FieldForm:
     """Of a list of these entries, the last, if it is the REST, any number of times."""
     *first, last = entries.values()
     names, reads = zip(*((name, form.read) for name, form, _ in entries.values()), strict=True)
@@ -209,17 +209,17 @@ def _list(kind: Any, entries: dict[str, Entry]) -> Form:
             values[count:] = [tuple(values[count:])]
         return kind(**dict(zip(names, values, strict=True)))
 
-    return Form(write, read, list)
+    return FieldForm(write, read, list)
 
 
-def _several(form: Form) -> Form:
+def _several(form: FieldForm) -> FieldForm:
     def write(values: Iterable[Any]) -> list[Any]:
         return [*map(form.write, values)]
 
     def read(value: Any) -> tuple[Any, ...]:
         return tuple(_read_each(value, repeat(form.read), 0, more=True))
 
-    return Form(write, read, list)
+    return FieldForm(write, read, list)
 
 
 def _read_each(
@@ -237,7 +237,7 @@ def _read_each(
     return found
 
 
-def _either(hints: Sequence[Any]) -> Form:
+def _either(hints: Sequence[Any]) -> FieldForm:
     """One of several types, told apart by the class of a value; else the first says what it is."""
     forms = {get_origin(hint) or hint: form_of(hint) for hint in hints}
     first, *_ = forms.values()
@@ -252,29 +252,29 @@ def _either(hints: Sequence[Any]) -> Form:
     def read(value: Any) -> Any:
         return reads.get(value.__class__, first.read)(value)
 
-    return Form(write, read, first.json)
+    return FieldForm(write, read, first.json)
 
 
-def _integers(lengths: Container[int]) -> Form:
+def _integers(lengths: Container[int]) -> FieldForm:
     def read(value: Any) -> tuple[int, ...]:
         if value.__class__ is list and len(value) in lengths and {*map(type, value)} <= INTEGERS:
             return tuple(value)
         raise MisreadError("is not a list of integers of the right length")
 
-    return Form(list, read, list)
+    return FieldForm(list, read, list)
 
 
 def _itself(value: Any) -> Any:
     return value
 
 
-def _plain(kind: type, words: str) -> Form:
+def _plain(kind: type, words: str) -> FieldForm:
     def read(value: Any) -> Any:
         if value.__class__ is not kind:
             raise MisreadError(f"is not {words}")
         return value
 
-    return Form(_itself, read, kind)
+    return FieldForm(_itself, read, kind)
 
 
 def _dyadic(value: Any) -> Dyadic:
@@ -291,5 +291,5 @@ PLAIN = {
     str: _plain(str, "a text"),
     dict: _plain(dict, "an object"),
     NoneType: _plain(NoneType, "null"),
-    Dyadic: Form(attrgetter("pair"), _dyadic, list),
+    Dyadic: FieldForm(attrgetter("pair"), _dyadic, list),
 }

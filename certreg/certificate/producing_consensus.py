@@ -51,7 +51,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Consensus:
+class ProvedConsensus:
     """What is proved with one motion: witness, the rows that it meets, stages and what follows.
 
     labels: of each row "i", "o" or "?". upper: no motion meets more.
@@ -90,21 +90,21 @@ class ConsensusProver:
 
     def prove(
         self, rotation: NDArray[np.float64], translation: NDArray[np.float64], *, whole: bool = True
-    ) -> Consensus | None:
+    ) -> ProvedConsensus | None:
         """What is proved with this motion as witness; None where it meets too few pairs.
 
         whole: False: no more than whether all labels are, or that no motion meets more pairs.
         """
         return self.witnessed(witness_of(rotation, translation), whole=whole)
 
-    def witnessed(self, witness: Witness, *, whole: bool = True) -> Consensus | None:
+    def witnessed(self, witness: Witness, *, whole: bool = True) -> ProvedConsensus | None:
         """The same of a witness."""
         met = self._exact.met_by(witness)
         if len(met) < LEAST_PAIRS:
             return None
         part = Part.of(Stager(self.graph, met, whole))
         labels, upper = settled([part], whole=whole)
-        return Consensus(witness, tuple(met), tuple(part.stages), labels, upper)
+        return ProvedConsensus(witness, tuple(met), tuple(part.stages), labels, upper)
 
 
 def witness_of(rotation: NDArray[np.float64], translation: NDArray[np.float64]) -> Witness:
@@ -116,10 +116,10 @@ def witness_of(rotation: NDArray[np.float64], translation: NDArray[np.float64]) 
     return Witness(quaternion=(int(w), int(x), int(y), int(z)), shift=(a, b, c, exponent))
 
 
-def consensus_of(problem: RegistrationProblem, body: ConsensusBody) -> Consensus:
+def consensus_of(problem: RegistrationProblem, body: ConsensusBody) -> ProvedConsensus:
     """What a certificate says that the checker has accepted for the problem."""
     met = tuple(ExactRows(problem).met_by(body.witness))
-    return Consensus(body.witness, met, body.stages, body.labels, body.upper)
+    return ProvedConsensus(body.witness, met, body.stages, body.labels, body.upper)
 
 
 def pose_of(witness: Witness) -> Pose:
@@ -134,7 +134,7 @@ def pose_of(witness: Witness) -> Pose:
 
 def consensus_certificate(
     problem: RegistrationProblem,
-    found: Consensus,
+    found: ProvedConsensus,
     fit: Certificate[FitBody] | None,
     about: dict[str, Any] | None = None,
 ) -> Certificate[ConsensusBody]:

@@ -20,7 +20,7 @@ import numpy as np
 from certreg.certificate.envelope import Certificate
 from certreg.certificate.producing_consensus import (
     ANGLE_BITS,
-    Consensus,
+    ProvedConsensus,
     centred,
     reach_of,
     unheld,
@@ -66,7 +66,7 @@ END_BITS = 4  # more than it takes to tell the ends of a piece apart
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class ScaledConsensus(Consensus):
+class ScaledConsensus(ProvedConsensus):
     """What is proved with one motion whose scale is free; stages are those of the pieces."""
 
     witness: ScaledWitness

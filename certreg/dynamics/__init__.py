@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from certreg.dynamics.batch import bodies_of as bodies_of
     from certreg.dynamics.batch import bodies_on_springs as bodies_on_springs
     from certreg.dynamics.batch import simulate_many as simulate_many
-    from certreg.dynamics.body import Body as Body
+    from certreg.dynamics.body import AnyBody as AnyBody
     from certreg.dynamics.breaking import SHRINKING as SHRINKING
     from certreg.dynamics.breaking import BreakingRun as BreakingRun
     from certreg.dynamics.breaking import BreakingStage as BreakingStage
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from certreg.dynamics.rigid import rigid_body as rigid_body
     from certreg.dynamics.simulation import optimal_damping as optimal_damping
     from certreg.dynamics.simulation import simulate as simulate
-    from certreg.dynamics.springs import SpringBody as SpringBody
+    from certreg.dynamics.springs import SprungBody as SprungBody
     from certreg.dynamics.springs import spring_body as spring_body
     from certreg.dynamics.states import start_at_rest as start_at_rest
     from certreg.dynamics.states import state_at_rest as state_at_rest
@@ -48,7 +48,7 @@ __getattr__ = lazy_face(
             "bodies_on_springs",
             "simulate_many",
         ),
-        "body": ("Body",),
+        "body": ("AnyBody",),
         "breaking": (
             "BreakingRun",
             "BreakingStage",
@@ -71,7 +71,7 @@ __getattr__ = lazy_face(
             "simulate",
         ),
         "springs": (
-            "SpringBody",
+            "SprungBody",
             "spring_body",
         ),
         "states": (

@@ -54,7 +54,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import ArrayLike, NDArray
 
-    from certreg.dynamics.springs import SpringBody
+    from certreg.dynamics.springs import SprungBody
     from certreg.native import Records, StationaryPoses
 
 DIAGONAL = [0, 3, 5]  # of an upper triangle
@@ -182,7 +182,7 @@ class SpringBodies(Brief):
     lengths over 2^length_exponent of the body, c from its origin.
     """
 
-    bodies: tuple[SpringBody, ...]
+    bodies: tuple[SprungBody, ...]
     starts: Records
 
     PORTION: ClassVar[int] = 1024  # after which progress is told: full lanes
@@ -316,7 +316,7 @@ def bodies_on_springs(  # noqa: PLR0913 - each is one question, and has its usua
         sigma=sigma,
         weights=weights,
     )
-    bodies: list[SpringBody] = []
+    bodies: list[SprungBody] = []
     for k in range(given.count):
         try:
             bodies.append(body_on_springs(Springs(spring_moments(given.problem(k))), damping))

@@ -12,7 +12,7 @@ c the source's centre of mass minus the target's. On springs that are matrices W
 
     v' = f - mu v,    J omega' = tau - mu J omega - omega x J omega,
 
-f and tau the force and the torque of the springs, c from `SpringBody.origin`. And one that
+f and tau the force and the torque of the springs, c from `SprungBody.origin`. And one that
 breathes: a point stands at s R x + c, and the size s is a state:
 
     s J omega' = 2 vee(R^T C - C^T R) - s omega x J omega - (mu s + 2 p) J omega,    s' = p,
@@ -53,7 +53,7 @@ CLEARLY_THICK = 1e-10  # far above that and all rounding
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Body(Brief, ABC):
+class AnyBody(Brief, ABC):
     """What the dynamics knows of a problem: per unit of mass, lengths over 2^length_exponent.
 
     record: () of numbers, as certreg/native/generated lists them. basin: what is certified of the
@@ -160,7 +160,7 @@ class Body(Brief, ABC):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class ValleyBody(Body):
+class ValleyBody(AnyBody):
     """A body of whose optimum nothing is certified: it rests in the valley that it comes to."""
 
     CELL: ClassVar[Cell]  # of the table of what is supported

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from certreg.dynamics.basin import certified_basin
-from certreg.dynamics.body import Body, exponent_of, require_rank, require_thick
+from certreg.dynamics.body import AnyBody, exponent_of, require_rank, require_thick
 from certreg.dynamics.integrators import step_parameters
 from certreg.dynamics.states import (
     NO_TURN,
@@ -50,7 +50,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class RigidBody(Body):
+class RigidBody(AnyBody):
     """The body on springs of one weight per pair.
 
     record: () of BODY: C / M, the upper triangles of J / M and of its inverse, the spread of both

@@ -53,7 +53,7 @@ if TYPE_CHECKING:
 
     from certreg.dynamics import breathing, springs
     from certreg.dynamics.basin import Basin
-    from certreg.dynamics.body import Body
+    from certreg.dynamics.body import AnyBody
     from certreg.dynamics.integrators import SimulationSettings
     from certreg.native import Records
     from certreg.objective import Springs
@@ -116,7 +116,7 @@ def simulate(
     )
 
 
-def moving_body(objective: Isotropic | Springs, damping: float) -> Body:
+def moving_body(objective: Isotropic | Springs, damping: float) -> AnyBody:
     """The body that moves down an objective, with what is certified of its optimum.
 
     Raises DegenerateProblemError where the dynamics is not defined, or not in doubles.
@@ -128,7 +128,7 @@ def moving_body(objective: Isotropic | Springs, damping: float) -> Body:
     return body_on_weights(objective, damping)
 
 
-def _require_no_gain(moving: Body, batch: Batch) -> None:
+def _require_no_gain(moving: AnyBody, batch: Batch) -> None:
     """Raises DegenerateProblemError where a step too long for its spin drove a body too far."""
     if math.hypot(*array("d", batch.states.tobytes())) < MODEST:
         return

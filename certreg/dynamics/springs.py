@@ -41,7 +41,7 @@ LEAST_STIFFNESS = 1e-10  # of the largest: directions that are weaker have their
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class SpringBody(ValleyBody):
+class SprungBody(ValleyBody):
     """The body on springs that are matrices.
 
     record: () of SPRING_BODY. origin: what c is measured from, and centre: the source's centre of
@@ -116,7 +116,7 @@ class CentredSums:
     spread: Fraction
 
 
-def body_on_springs(objective: Springs, damping: float) -> SpringBody:
+def body_on_springs(objective: Springs, damping: float) -> SprungBody:
     """The body of an objective. Raises DegenerateProblemError where the dynamics is undefined."""
     require_rank(rank(objective.mass_scatter))
     return spring_body(objective.moments, damping)
@@ -124,7 +124,7 @@ def body_on_springs(objective: Springs, damping: float) -> SpringBody:
 
 def spring_body(
     moments: SpringMoments, damping: float, *, length_exponent: int | None = None
-) -> SpringBody:
+) -> SprungBody:
     """The body of a problem of general springs whose source is not collinear.
 
     The unit of length is 2^length_exponent; None: the power of two next to the root-mean-square
@@ -157,7 +157,7 @@ def spring_body(
     if not np.isfinite(numbers).all():
         message = "the springs are beyond double precision: bring the clouds to another unit"
         raise DegenerateProblemError(message, value=float(exponent))
-    return SpringBody(
+    return SprungBody(
         record=named(numbers, SPRING_BODY),
         length_exponent=exponent,
         origin=tuple(origin),

@@ -15,7 +15,7 @@ from certreg.results import Absent, Brief, Explained
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from certreg.dynamics.body import Body
+    from certreg.dynamics.body import AnyBody
     from certreg.dynamics.status import Status
     from certreg.native import Records
 
@@ -69,7 +69,7 @@ class Trajectory(Explained):
     step: float
     steps: int
     escapes: int
-    moving: Body
+    moving: AnyBody
     course: Course
 
     def __repr__(self) -> str:

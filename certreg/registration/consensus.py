@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 
 from certreg.certificate import (
-    Consensus,
     ConsensusProver,
+    ProvedConsensus,
     check_own_consensus,
     consensus_certificate,
     consensus_of,
@@ -64,7 +64,7 @@ if TYPE_CHECKING:
     from certreg.results import Verdict
 
 LOG = logging.getLogger(__name__)
-Proved = TypeVar("Proved", bound=Consensus)
+Proved = TypeVar("Proved", bound=ProvedConsensus)
 CONSENSUS_PARTS = 3  # of certify: consensus, fit, checker
 SECOND_EFFORT = 0.3  # of the search among the other pairs: a hint, nothing of it is proved
 
@@ -95,7 +95,7 @@ class ConsensusRegistration(Saved):
     """
 
     problem: RegistrationProblem
-    found: Consensus
+    found: ProvedConsensus
     fit: Registration | SpringRegistration
     certificate: Certificate[ConsensusBody | ConsensusSimilarityBody]
     verdict: Verdict
@@ -216,7 +216,7 @@ class Ways:
     """
 
     motion: str
-    search: Callable[[RegistrationProblem, float], Consensus | None]
+    search: Callable[[RegistrationProblem, float], ProvedConsensus | None]
     certificate: Callable[..., Certificate[Any]]
     candidates: Callable[..., Iterator[Candidate | ScaledCandidate]]
     result: type[ConsensusRegistration]
@@ -278,7 +278,7 @@ def restated_consensus(
 def restated(
     problem: RegistrationProblem,
     ways: Ways,
-    found: Consensus,
+    found: ProvedConsensus,
     certificate: Certificate[Any],
     verdict: Verdict,
 ) -> ConsensusRegistration:
@@ -294,7 +294,7 @@ def restated(
     )
 
 
-def _search(problem: RegistrationProblem, effort: float) -> Consensus | None:
+def _search(problem: RegistrationProblem, effort: float) -> ProvedConsensus | None:
     return proved_consensus(problem, ConsensusProver(problem, effort=effort), effort)
 
 
@@ -309,7 +309,7 @@ RIGID = Ways(
 
 def proved_consensus(
     problem: RegistrationProblem, prover: ConsensusProver, effort: float
-) -> Consensus | None:
+) -> ProvedConsensus | None:
     """Of all candidates the one of which most is proved, by rigid motions."""
     block, graph = problem.points, prover.consistent
     x, y = block.source, block.target
@@ -338,7 +338,7 @@ def most_proved(tried: Iterable[Proved | None]) -> Proved | None:
 
 
 def _fit(
-    problem: RegistrationProblem, found: Consensus, settings: FitSettings, names: RowNames
+    problem: RegistrationProblem, found: ProvedConsensus, settings: FitSettings, names: RowNames
 ) -> Registration | SpringRegistration:
     """The least squares over the pairs that are met; its rows say which of all they are."""
     met, factors = list(found.met), problem.factors
@@ -352,7 +352,7 @@ def _fit(
 
 
 def _second(
-    problem: RegistrationProblem, found: Consensus, ways: Ways, effort: float
+    problem: RegistrationProblem, found: ProvedConsensus, ways: Ways, effort: float
 ) -> int | None:
     """The most of the other pairs that a motion was seen to meet."""
     others = sorted(set(range(problem.n)) - set(found.met))

@@ -15,7 +15,7 @@ from certreg.results import Optimality
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from certreg.certificate import Consensus
+    from certreg.certificate import ProvedConsensus
     from certreg.problem import RegistrationProblem
     from certreg.registration.result import Registration
     from certreg.registration.row_names import RowNames
@@ -47,7 +47,7 @@ class PairLabels:
 
 
 def headline(
-    problem: RegistrationProblem, found: Consensus, names: RowNames, against: str | None
+    problem: RegistrationProblem, found: ProvedConsensus, names: RowNames, against: str | None
 ) -> str:
     """The first line: CERTIFIED only where every label is proved.
 

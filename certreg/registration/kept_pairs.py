@@ -16,7 +16,7 @@ from certreg.registration.row_names import RowNames
 from certreg.results import Presented
 
 if TYPE_CHECKING:
-    from certreg.certificate import Consensus
+    from certreg.certificate import ProvedConsensus
     from certreg.geometry import Pose
     from certreg.problem import RegistrationProblem
 
@@ -56,7 +56,7 @@ class KeptPairs(Presented):
     problem: RegistrationProblem
     rows: tuple[int, ...]
     motion: CommonMotion
-    most: Consensus | None
+    most: ProvedConsensus | None
     names: RowNames
     sets: int
 

@@ -96,7 +96,7 @@ class SimulatedRegistration(Brief):
 
 KINDS = {  # by the name of the body
     "RigidBody": lambda: ProblemTrajectory,
-    "SpringBody": found_late("certreg.registration.valley", "SimulatedSprings"),
+    "SprungBody": found_late("certreg.registration.valley", "SimulatedSprings"),
     "BreathingBody": found_late("certreg.registration.breathing", "SimulatedBreathing"),
 }
 

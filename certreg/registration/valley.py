@@ -32,7 +32,7 @@ from certreg.results import Ruling, Verdict
 
 if TYPE_CHECKING:
     from certreg.certificate import Certificate, SpringsListBody
-    from certreg.dynamics import SpringBody
+    from certreg.dynamics import SprungBody
     from certreg.native import Records
     from certreg.objective import Springs
     from certreg.relaxation import Found
@@ -55,7 +55,7 @@ class SimulatedSprings(SimulatedMotion):
     """On general springs; what is known of its end."""
 
     objective: Springs
-    moving: SpringBody
+    moving: SprungBody
 
     __repr__ = Trajectory.__repr__
 
@@ -151,7 +151,7 @@ class SimulatedSprings(SimulatedMotion):
         return lift(np.array(self.quaternion)).integers
 
 
-def exact_state(moving: SpringBody, state: Records) -> SpringState:
+def exact_state(moving: SprungBody, state: Records) -> SpringState:
     """A state of the body, exactly as its doubles say, in the user's unit."""
     unit = power_of_two(moving.length_exponent)
     q = lift(np.array(state["q"])).integers

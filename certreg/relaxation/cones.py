@@ -74,7 +74,7 @@ class Cones:
 
 @cache
 def cones_of(program: str) -> Cones:
-    """The cones of a program: a word of `Form`, or "quartic"."""
+    """The cones of a program: a word of `RelaxationForm`, or "quartic"."""
     given = json.loads((GENERATED / CONES_FILE).read_text("utf-8"))[program]
     right, unknowns = np.array(given["right"]), given["unknowns"]
     cost = np.zeros((unknowns, given["parameters"]))

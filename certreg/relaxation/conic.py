@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.relaxation.cones import Cones
-    from certreg.relaxation.qcqp import Form
+    from certreg.relaxation.qcqp import RelaxationForm
 
 SOLVER = "Clarabel"
 # How far the solver goes. Data are scaled so that the largest entry is near 1.
@@ -84,7 +84,7 @@ def status_of(said: str, *, solved: str, inaccurate: str) -> RelaxationStatus:
     return known.get(said, RelaxationStatus.FAILED)
 
 
-def solve(form: Form, C: NDArray[np.float64]) -> ConicSolution:
+def solve(form: RelaxationForm, C: NDArray[np.float64]) -> ConicSolution:
     """The solution of a relaxation for a finite C (3, 3) with its largest entry near 1, or zero.
 
     The tolerances of a solver are absolute as much as relative: far from 1 they mean little.

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 QUATERNION_SIZE = 4
 
 
-class Form(enum.StrEnum):
+class RelaxationForm(enum.StrEnum):
     """How the rotation is written; the value is the word used in files."""
 
     QUATERNION = "quaternion-4"
@@ -54,9 +54,9 @@ class QuadraticProgram(Generic[T]):
     quadratics: tuple[SquareMatrix[int], ...]
 
 
-def quadratic_program(form: Form, C: Sequence[Sequence[T]]) -> QuadraticProgram[T]:
+def quadratic_program(form: RelaxationForm, C: Sequence[Sequence[T]]) -> QuadraticProgram[T]:
     """The program of a form for a 3x3 matrix C."""
-    return quaternion_program(C) if form is Form.QUATERNION else rotation_program(C)
+    return quaternion_program(C) if form is RelaxationForm.QUATERNION else rotation_program(C)
 
 
 def quaternion_program(C: Sequence[Sequence[T]]) -> QuadraticProgram[T]:

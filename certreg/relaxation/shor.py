@@ -16,7 +16,7 @@ import numpy as np
 from certreg.exact import power_of_two
 from certreg.geometry import canonical, quaternion_from_matrix
 from certreg.relaxation.conic import ConicSolution, RelaxationStatus, solve, solver_name
-from certreg.relaxation.qcqp import Form
+from certreg.relaxation.qcqp import RelaxationForm
 from certreg.relaxation.stated import solve_stated, stated_name
 from certreg.results import Brief
 
@@ -46,7 +46,7 @@ class Relaxation(Brief):
     quaternion_wxyz: (4,), unit, first nonzero entry positive: the rotation read off Z.
     """
 
-    form: Form
+    form: RelaxationForm
     solver: str
     solver_word: str
     status: RelaxationStatus
@@ -69,9 +69,9 @@ class Relaxation(Brief):
 
 
 def relax(
-    objective: Isotropic, form: str = Form.QUATERNION, solver: str | None = None
+    objective: Isotropic, form: str = RelaxationForm.QUATERNION, solver: str | None = None
 ) -> Relaxation:
-    """The relaxation of a problem, in one of the two forms of `Form`.
+    """The relaxation of a problem, in one of the two forms of `RelaxationForm`.
 
     solver: one that CVXPY finds installed, by its name there; None for Clarabel, called directly.
 
@@ -95,17 +95,17 @@ def relax(
         status=status,
         unit=unit,
         value=solution.value,
-        multiplier=solution.multiplier if form is Form.QUATERNION else None,
+        multiplier=solution.multiplier if form is RelaxationForm.QUATERNION else None,
         rank=rank,
         quaternion_wxyz=quaternion,
     )
 
 
-def _known(form: str) -> Form:
-    if form not in set(Form):
-        message = f"form is {form!r}: this version knows {', '.join(Form)}"
+def _known(form: str) -> RelaxationForm:
+    if form not in set(RelaxationForm):
+        message = f"form is {form!r}: this version knows {', '.join(RelaxationForm)}"
         raise ValueError(message)
-    return Form(form)
+    return RelaxationForm(form)
 
 
 def _normalised(cross: Matrix3[int], shift: int) -> NDArray[np.float64]:
@@ -114,7 +114,7 @@ def _normalised(cross: Matrix3[int], shift: int) -> NDArray[np.float64]:
 
 
 def _rank_and_quaternion(
-    solution: ConicSolution, form: Form
+    solution: ConicSolution, form: RelaxationForm
 ) -> tuple[int | None, NDArray[np.float64] | None]:
     """The rank, and the top eigenvector of Z; or the rotation nearest to the R of its first column.
 
@@ -124,6 +124,6 @@ def _rank_and_quaternion(
         return None, None
     values, vectors = np.linalg.eigh(solution.matrix)
     rank = int((values > RANK_THRESHOLD * values[-1]).sum())
-    if form is Form.QUATERNION:
+    if form is RelaxationForm.QUATERNION:
         return rank, canonical(vectors[:, -1])
     return rank, quaternion_from_matrix(solution.matrix[1:, 0].reshape(3, 3).T)

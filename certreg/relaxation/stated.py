@@ -14,7 +14,7 @@ import numpy as np
 from certreg._loading import library
 from certreg.errors import MissingToolError
 from certreg.relaxation.conic import ConicSolution, RelaxationStatus, named, status_of
-from certreg.relaxation.qcqp import Form, quadratic_program
+from certreg.relaxation.qcqp import RelaxationForm, quadratic_program
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -38,7 +38,7 @@ class StatedRelaxation:
     solution: Any
 
 
-def statement(form: Form) -> StatedRelaxation:
+def statement(form: RelaxationForm) -> StatedRelaxation:
     """Maximise <F, Z> / multiple, <N, Z> = 1, <A, Z> = 0 for every quadratic A, Z >= 0, over Z.
 
     With Z = v v^T this is the quadratic program; what is relaxed is that Z has rank one.
@@ -61,7 +61,7 @@ def statement(form: Form) -> StatedRelaxation:
     return StatedRelaxation(problem=problem, cross_covariance=C, solution=Z)
 
 
-def solve_stated(form: Form, C: NDArray[np.float64], solver: str) -> ConicSolution:
+def solve_stated(form: RelaxationForm, C: NDArray[np.float64], solver: str) -> ConicSolution:
     """As `conic.solve`, by the solver that CVXPY knows by this name.
 
     Raises MissingToolError where CVXPY is not installed, or finds no solver of the name.

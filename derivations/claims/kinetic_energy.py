@@ -105,7 +105,7 @@ CLAIM = Claim(
     r"$\tfrac12\operatorname{tr}(R^{\mathsf T}R\,[\omega]S_2[\omega]^{\mathsf T})$ instead.",
     needs=("inertia",),
     runs=("derivations.motion.kinetic",),
-    used_by=("certreg.dynamics.rigid.RigidBody.energies",),
+    used_by=("certreg.dynamics.body.AnyBody.energies",),
     coq=("kinetic_reduction",),
     not_in_coq="Nothing: the whole claim is proved there.",
 )

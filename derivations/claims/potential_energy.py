@@ -124,7 +124,7 @@ CLAIM = Claim(
     runs=("derivations.motion.potential",),
     used_by=(
         "certreg.objective.isotropic.Isotropic.energy",
-        "certreg.dynamics.rigid.RigidBody.energies",
+        "certreg.dynamics.body.AnyBody.energies",
     ),
     coq=(
         "potential_reduction",

@@ -13,7 +13,7 @@ from benchmarks.rates.spring_stability import counted, unstable_directions
 from certreg.dynamics.body import steps_of
 from certreg.dynamics.integrators import SimulationSettings
 from certreg.dynamics.simulation import simulate
-from certreg.dynamics.springs import SpringBody, spring_body, without_traces
+from certreg.dynamics.springs import SprungBody, spring_body, without_traces
 from certreg.dynamics.states import CUBE
 from certreg.dynamics.status import SpringStatus
 from certreg.errors import DegenerateProblemError, InvalidProblemError
@@ -64,7 +64,7 @@ def any_state(seed: int) -> Any:
 class Points:
     """The same body as sums over its points, written as one reads them."""
 
-    def __init__(self, problem: RegistrationProblem, moving: SpringBody) -> None:
+    def __init__(self, problem: RegistrationProblem, moving: SprungBody) -> None:
         L = np.zeros((problem.n, 3, 3))
         L[:, (0, 1, 1, 2, 2, 2), (0, 0, 1, 0, 1, 2)] = problem.factors
         unit = 2.0**moving.length_exponent

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from certreg.certificate import springs_basin
-from certreg.certificate.producing_consensus import UNDECIDED, Consensus
+from certreg.certificate.producing_consensus import UNDECIDED, ProvedConsensus
 from certreg.certificate.springs_basin import Barrier, barrier_of, basin_of_springs
 from certreg.equilibrium.breaking import Labels
 from certreg.equilibrium.line_set import Finiteness, LineSet
@@ -79,7 +79,7 @@ def test_a_list_of_breaking_springs_is_complete_where_all_that_is_doubtful_is_a_
 def test_a_label_that_is_open_leaves_a_consensus_undecided():
     for labels in product(("inlier", "outlier", UNDECIDED), repeat=3):
         found = SimpleNamespace(labels=labels)
-        decided = asked(Consensus, "decided", labels=labels)
+        decided = asked(ProvedConsensus, "decided", labels=labels)
 
         assert decided == (UNDECIDED not in labels)
         found.decided, found.upper = decided, 7

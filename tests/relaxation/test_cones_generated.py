@@ -14,10 +14,10 @@ from certreg.objective import MONOMIALS, PAIRS
 from certreg.relaxation import stated_quartic
 from certreg.relaxation.cones import CONES_FILE, GENERATED, Columns, cones_of
 from certreg.relaxation.conic import called
-from certreg.relaxation.qcqp import Form, quadratic_program
+from certreg.relaxation.qcqp import RelaxationForm, quadratic_program
 from derivations import cones as chain
 
-PROGRAMS = [*Form, "quartic"]
+PROGRAMS = [*RelaxationForm, "quartic"]
 
 
 @pytest.fixture(scope="module")
@@ -72,7 +72,7 @@ def test_what_the_numbers_would_not_hold_is_refused():
     assert chain._numbers(right, p)["size"] == 3
 
 
-@pytest.mark.parametrize("form", Form)
+@pytest.mark.parametrize("form", RelaxationForm)
 def test_the_matrix_of_a_rotation_meets_the_cones_at_the_objective(form, rng):
     """x: the upper triangle of v v^T by rows, v = q or (1, vec R)."""
     cones, C = cones_of(form), rng.normal(size=(3, 3))
@@ -84,7 +84,7 @@ def test_the_matrix_of_a_rotation_meets_the_cones_at_the_objective(form, rng):
             [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
         ]
     )
-    v = q if form is Form.QUATERNION else np.array([1.0, *R.T.ravel()])
+    v = q if form is RelaxationForm.QUATERNION else np.array([1.0, *R.T.ravel()])
     Z = np.outer(v, v)
     unknowns = Z[np.triu_indices(len(v))]
 
@@ -134,7 +134,7 @@ def test_entries_in_any_order_are_those_of_scipy(rng):
 
 def test_clarabel_answers_as_with_the_matrices_of_scipy(rng):
     """Bit for bit: it reads the same numbers."""
-    cones = cones_of(Form.QUATERNION)
+    cones = cones_of(RelaxationForm.QUATERNION)
     cost = cones.cost @ rng.normal(size=9)
     alike = replace(cones, rows=csc(cones.rows), curvature=csc(cones.curvature))
 

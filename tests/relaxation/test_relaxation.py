@@ -42,7 +42,7 @@ from certreg.problem.moments import exact_moments
 from certreg.relaxation import conic, shor, stated
 from certreg.relaxation.conic import ConicSolution, RelaxationStatus
 from certreg.relaxation.qcqp import (
-    Form,
+    RelaxationForm,
     homogeneous,
     quadratic_program,
     quaternion_program,
@@ -162,7 +162,7 @@ def test_the_rotation_form_is_the_energy_up_to_a_constant():
     assert Isotropic(moments).energy(q) == moments.spread - form
 
 
-@pytest.mark.parametrize("form", Form)
+@pytest.mark.parametrize("form", RelaxationForm)
 def test_all_matrices_are_symmetric_and_the_constants_are_integers(form):
     program = quadratic_program(form, [[1, 2, 3], [4, 5, 6], [7, 8, 10]])
 
@@ -180,7 +180,7 @@ def solve(form, C) -> Any:
     return conic.solve(form, C)
 
 
-def relaxed(moments, form: str = Form.QUATERNION, **options) -> Any:
+def relaxed(moments, form: str = RelaxationForm.QUATERNION, **options) -> Any:
     """The relaxation, its numbers taken to be there."""
     return relax(Isotropic(moments), form, **options)
 
@@ -197,7 +197,7 @@ def statement(form):
 
 @pytest.mark.slow
 @pytest.mark.one_in(4)
-@pytest.mark.parametrize("form", Form)
+@pytest.mark.parametrize("form", RelaxationForm)
 @pytest.mark.parametrize("seed", range(8))
 def test_the_direct_call_gives_what_cvxpy_gives(form, seed):
     C = scaled_matrix(np.random.default_rng(seed))
@@ -216,7 +216,7 @@ def test_the_direct_call_gives_what_cvxpy_gives(form, seed):
 
 @pytest.mark.slow
 @pytest.mark.one_in(4)
-@pytest.mark.parametrize("form", Form)
+@pytest.mark.parametrize("form", RelaxationForm)
 @pytest.mark.parametrize("solver", ["SCS", "clarabel"])
 def test_a_solver_that_is_named_gives_what_clarabel_gives_directly(form, solver):
     """SCS splits, where Clarabel follows the central path: one is a witness of the other."""
@@ -254,7 +254,7 @@ def test_a_solver_that_cannot_solve_it_leaves_the_relaxation_out_and_others_are_
     assert "--no-relaxation leaves out" in both.err
 
 
-@pytest.mark.parametrize("form", Form)
+@pytest.mark.parametrize("form", RelaxationForm)
 @pytest.mark.parametrize("seed", range(8))
 def test_the_solution_satisfies_the_optimality_conditions(form, seed):
     """Z >= 0, feasible, and of the value claimed; the multiplier makes nu I - K >= 0."""
@@ -268,12 +268,12 @@ def test_the_solution_satisfies_the_optimality_conditions(form, seed):
     for A in program.quadratics:
         assert (np.array(A) * Z).sum() == pytest.approx(0, abs=ACCURACY)
     assert (F * Z).sum() == pytest.approx(program.multiple * found.value, abs=ACCURACY)
-    if form is Form.QUATERNION:
+    if form is RelaxationForm.QUATERNION:
         slack = found.multiplier * np.eye(4) - F
         assert np.linalg.eigvalsh(slack)[0] == pytest.approx(0, abs=ACCURACY)
 
 
-@pytest.mark.parametrize("form", Form)
+@pytest.mark.parametrize("form", RelaxationForm)
 def test_a_solve_leaves_no_trace_in_the_next(form):
     first, other = (scaled_matrix(np.random.default_rng(seed)) for seed in (1, 2))
     before = solve(form, first)
@@ -284,7 +284,7 @@ def test_a_solve_leaves_no_trace_in_the_next(form):
     assert np.array_equal(before.matrix, after.matrix)
 
 
-@pytest.mark.parametrize("form", Form)
+@pytest.mark.parametrize("form", RelaxationForm)
 def test_a_solver_that_fails_is_a_status_without_numbers(form, monkeypatch):
     monkeypatch.setattr(conic, "MAX_ITERATIONS", 1)
     moments = exact_moments(strategies.random_problem(np.random.default_rng(0)))
@@ -300,7 +300,7 @@ def test_a_solver_that_stops_short_says_so(monkeypatch):
     monkeypatch.setattr(conic, "GAP_TOLERANCE", 1e-14)
     monkeypatch.setattr(conic, "FEASIBILITY_TOLERANCE", 1e-14)
     moments = exact_moments(strategies.random_problem(np.random.default_rng(0)))
-    found = relaxed(moments, Form.ROTATION)
+    found = relaxed(moments, RelaxationForm.ROTATION)
 
     assert (found.status, found.solver_word) == (RelaxationStatus.INACCURATE, "AlmostSolved")
     assert found.value is not None
@@ -319,7 +319,7 @@ def test_a_named_solver_that_stops_short_says_so(monkeypatch):
     monkeypatch.setattr(stated, "statement", lambda _: program)
     monkeypatch.setattr(stated, "library", lambda *_: modelling)
 
-    found = stated.solve_stated(Form.QUATERNION, np.eye(3), "scs")
+    found = stated.solve_stated(RelaxationForm.QUATERNION, np.eye(3), "scs")
 
     assert (found.status, found.said) == (RelaxationStatus.INACCURATE, solved.status)
     assert (found.value, found.multiplier) == (2.0, 3.0)
@@ -339,7 +339,7 @@ def test_a_solver_that_is_not_installed_is_a_status(monkeypatch):
     assert relaxed(moments).status is RelaxationStatus.SOLVED
 
 
-@pytest.mark.parametrize("form", Form)
+@pytest.mark.parametrize("form", RelaxationForm)
 def test_where_c_is_zero_a_missing_or_failing_solver_is_what_is_named(form, monkeypatch):
     moments = exact_moments(next(each.problem for each in strategies.ZOO if each.pattern == (4,)))
     assert relaxed(moments, form).status is RelaxationStatus.DEGENERATE
@@ -426,7 +426,7 @@ def suboptimality(moments, quaternion):
     return float((truth(moments)[0] - Isotropic(moments).alignment(q)) / (largest or 1))
 
 
-@pytest.mark.parametrize("form", Form)
+@pytest.mark.parametrize("form", RelaxationForm)
 @pytest.mark.parametrize("specimen", strategies.ZOO, ids=lambda s: s.name)
 def test_value_rank_and_rotation_are_those_of_the_row(form, specimen):
     moments = exact_moments(specimen.problem)
@@ -435,26 +435,26 @@ def test_value_rank_and_rotation_are_those_of_the_row(form, specimen):
 
     degenerate = specimen.pattern == (4,)
     assert found.status is (RelaxationStatus.DEGENERATE if degenerate else RelaxationStatus.SOLVED)
-    assert found.rank == (m if form is Form.QUATERNION else m * (m + 1) // 2)
+    assert found.rank == (m if form is RelaxationForm.QUATERNION else m * (m + 1) // 2)
     assert abs(Fraction(found.value) - truth(moments)[0] / found.unit) < ACCURACY
     assert suboptimality(moments, found.quaternion_wxyz) < ACCURACY
     assert np.linalg.norm(found.quaternion_wxyz) == pytest.approx(1, abs=1e-14)
     assert next(entry for entry in found.quaternion_wxyz if entry) > 0
 
 
-@pytest.mark.parametrize("form", Form)
+@pytest.mark.parametrize("form", RelaxationForm)
 def test_the_optimal_rotations_span_as_many_dimensions_as_the_rank_of_the_rotation_form(form):
     """m of the quaternions, m (m + 1) / 2 of the vectors (1, vec R): exactly, by integers."""
     for m in (1, 2, 3, 4):
         members = [q + (0,) * (4 - m) for q in itertools.product(range(-1, 2), repeat=m) if any(q)]
-        if form is Form.ROTATION:
+        if form is RelaxationForm.ROTATION:
             members = [homogeneous(rotation_matrix(q), unit=squared_norm(q)) for q in members]
         assert rank_modulo([list(v) for v in members], 101) == (
-            m if form is Form.QUATERNION else m * (m + 1) // 2
+            m if form is RelaxationForm.QUATERNION else m * (m + 1) // 2
         )
 
 
-@pytest.mark.parametrize("form", Form)
+@pytest.mark.parametrize("form", RelaxationForm)
 @pytest.mark.parametrize("exponent", [-565, -300, 300, 664])  # 1e-170 to 1e200
 def test_a_power_of_two_as_scale_changes_the_unit_and_nothing_else(form, exponent):
     problem = strategies.random_problem(np.random.default_rng(3), noise=0.1)
@@ -470,7 +470,7 @@ def test_a_power_of_two_as_scale_changes_the_unit_and_nothing_else(form, exponen
 
 @pytest.mark.slow
 @hypothesis_settings(max_examples=60)
-@given(strategies.problems(), st.sampled_from(Form))
+@given(strategies.problems(), st.sampled_from(RelaxationForm))
 def test_every_problem_is_solved_to_the_accuracy_of_the_solver(problem, form):
     moments = exact_moments(problem)
     found = relaxed(moments, form)
@@ -617,4 +617,4 @@ def test_the_rank_counts_eigenvalues_above_a_share_of_the_largest(values, expect
         status=RelaxationStatus.SOLVED, said="", value=0.0, multiplier=0.0, matrix=matrix
     )
 
-    assert shor._rank_and_quaternion(solution, Form.QUATERNION)[0] == expected
+    assert shor._rank_and_quaternion(solution, RelaxationForm.QUATERNION)[0] == expected
