@@ -109,7 +109,7 @@ def cluster():
         yield here.scheduler_address, one
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_campaign_on_a_cluster_survives_a_killed_worker(tmp_path):
     kind = Cut(count=900, points=5, seed=3)
     finish(kind, tmp_path / "whole")

@@ -79,7 +79,7 @@ def test_the_folder_holds_what_the_manifest_lists_and_is_small():
     assert sum(file.stat().st_size for file in VECTORS.iterdir() if file.suffix in KEPT) < 700_000
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_vectors_are_made_anew_byte_for_byte(tmp_path: Path):
     run = subprocess.run(
         [sys.executable, "-W", "error", VECTORS / "make.py", tmp_path],

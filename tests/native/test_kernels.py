@@ -675,7 +675,7 @@ def test_sine_and_cosine_are_those_of_the_system_to_the_last_bits(half):
     assert function(-half, ctypes.byref(cosine)) == -sine
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_every_variant_gives_the_same_bytes(built):
     """A pair of each kind in processes of their own; 400 by `make rates NAME=variants`."""
     here = kernels.runnable(built, kernels.BUILT)
