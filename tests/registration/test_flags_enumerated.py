@@ -52,6 +52,12 @@ from certreg.results import (
 
 LITTLE = Fraction(1, 10**30)
 BOTH = (False, True)
+CODES = {
+    Optimality.CERTIFIED: 0,
+    Optimality.CERTIFIED_NOT_UNIQUE: 3,
+    Optimality.BOUNDED: 4,
+    Optimality.NOT_CERTIFIED: 4,
+}
 
 
 def asked(kind: type, name: str, /, **fields: Any) -> Any:
@@ -88,6 +94,18 @@ def test_a_label_that_is_open_leaves_a_consensus_undecided():
     for labels in product(("inlier", "outlier", "undecided"), repeat=3):
         decided = asked(TruncatedRegistration, "labels_unique", labels=labels)
         assert decided == ("undecided" not in labels)
+
+
+def test_a_consensus_with_open_labels_ends_with_3_at_the_maximum_and_with_4_below_it():
+    fine = SimpleNamespace(warnings=())
+    for sure, upper, status in product(BOTH, (7, 8), Optimality):
+        fit = SimpleNamespace(status=status, rmse=0.0, fit=fine)
+        code = asked(
+            ConsensusRegistration, "exit_code", labels_unique=sure, lower=7, upper=upper, fit=fit
+        )
+
+        own = 0 if sure else 3 if upper == 7 else 4
+        assert code == max(own, CODES[status])
 
 
 @pytest.mark.parametrize("unique", BOTH)
