@@ -1,8 +1,9 @@
 """Mutants of the functions that return a proved bound or a proof flag, by operators on their code.
 
 `tests/proved_functions.py` lists the functions; `make rates NAME=mutants` judges all mutants. Each
-operator changes one place: a constant by 1, the strictness of an inequality, the direction of a
-rounding, a sign, min or max, a conjunct. `mutants.change` puts a mutant in the place of the code.
+operator changes one place: a constant by 1, the strictness of an inequality, == and !=, the
+direction of a rounding, a sign, min or max, a conjunct. `mutants.change` puts a mutant in the place
+of the code.
 """
 
 from __future__ import annotations
@@ -18,7 +19,9 @@ from mutants import ROOT, Mutant
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-STRICTNESS: dict[type[ast.cmpop], type[ast.cmpop]] = {
+COMPARISONS: dict[type[ast.cmpop], type[ast.cmpop]] = {
+    ast.Eq: ast.NotEq,
+    ast.NotEq: ast.Eq,
     ast.Lt: ast.LtE,
     ast.LtE: ast.Lt,
     ast.Gt: ast.GtE,
@@ -147,7 +150,7 @@ def _variants(node: ast.expr) -> Iterator[ast.expr]:
         case ast.Constant(value=int() | float() as value) if not isinstance(value, bool):
             yield from _other_numbers(value)
         case ast.Compare():
-            yield from _other_strictness(node)
+            yield from _other_comparisons(node)
         case ast.BoolOp():
             yield from _other_conjunctions(node)
         case ast.BinOp() | ast.UnaryOp():
@@ -198,9 +201,9 @@ def _other_numbers(value: float) -> Iterator[ast.expr]:
         )
 
 
-def _other_strictness(node: ast.Compare) -> Iterator[ast.expr]:
+def _other_comparisons(node: ast.Compare) -> Iterator[ast.expr]:
     for i, op in enumerate(node.ops):
-        other = STRICTNESS.get(type(op))
+        other = COMPARISONS.get(type(op))
         if other is not None:
             ops = [*node.ops[:i], other(), *node.ops[i + 1 :]]
             yield ast.Compare(node.left, ops, node.comparators)

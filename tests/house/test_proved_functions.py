@@ -46,6 +46,7 @@ def f(a, b, bits):
     if not (a < b and b >= bits):
         raise ValueError(f"{a + 1} is not below {b - 1}")
     width: Final[3] = min(a[2], -(-b // bits))
+    known = a == b != width
     return nextafter(dyadic_above(width + b, bits), math.inf)
 """
 
@@ -65,6 +66,8 @@ def test_each_operator_changes_what_decides_and_no_message_annotation_or_column(
         "-(-b // bits) -> b // bits",
         "-b // bits -> -(b // bits)",
         "-b -> b",
+        "a == b != width -> a != b != width",
+        "a == b != width -> a == b == width",
         "dyadic_above -> dyadic_below",
         "width + b -> width - b",
         "math.inf -> -math.inf",
