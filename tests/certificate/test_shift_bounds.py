@@ -78,6 +78,9 @@ def test_whatever_rotation_within_the_angle_is_optimal_its_centre_is_within_the_
         close = spring_pose_bounds(objective, claiming(u, told), near).shift_upper
         assert close is not None
         assert 0.0 < apart(objective, near, q) <= close
+        slopes = objective.image_slopes(objective.centre)
+        square = 8 * sum(squared_norm(row) for row in slopes) * told.value
+        assert square <= Fraction(close) ** 2 <= square * (1 + Fraction(1, 2**50))
 
 
 def claiming(u: tuple[int, ...], told: Any) -> Any:

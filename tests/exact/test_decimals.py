@@ -49,6 +49,11 @@ def test_a_number_beside_a_decimal_keeps_its_side(value: Fraction | float, below
     assert Fraction(at_most(value)) == Fraction(above)
 
 
+def test_numbers_below_a_ten_thousandth_are_written_with_an_exponent():
+    assert at_least(Fraction(101, 10**6)) == "0.000101"
+    assert at_least(Fraction(999, 10**7)) == "9.99e-5"
+
+
 @given(st.floats(allow_nan=False, allow_infinity=False))
 def test_a_given_number_is_read_as_the_same_double(value: float):
     assert math.copysign(1.0, float(as_given(value))) == math.copysign(1.0, value)

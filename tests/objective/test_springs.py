@@ -183,6 +183,8 @@ def test_the_oscillation_holds_where_energies_have_no_linear_part():
 
     assert (min(energies), max(energies)) == (2, 18)
     assert 16 <= springs.oscillation <= 32
+    square = Fraction(25, 2) * springs.part_sizes[1]
+    assert square <= springs.oscillation**2 < square * (1 + Fraction(1, 2**50))
 
 
 def test_the_oscillation_holds_where_both_parts_add_up():
