@@ -2,8 +2,9 @@
 
 `tests/proved_functions.py` lists the functions; `make rates NAME=mutants` judges all mutants. Each
 operator changes one place: a constant by 1, the strictness of an inequality, == and !=, the
-direction of a rounding, a sign, min or max, a conjunct. `mutants.change` puts a mutant in the place
-of the code.
+direction of a rounding, a sign, min or max, a conjunct. Where a function names numbers of its
+module, one of them is changed at that place. `mutants.change` puts a mutant in the place of the
+code.
 """
 
 from __future__ import annotations
@@ -11,13 +12,14 @@ from __future__ import annotations
 import ast
 import tomllib
 from collections import Counter
+from copy import deepcopy
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, cast
 
 from mutants import ROOT, Mutant
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Mapping
 
 COMPARISONS: dict[type[ast.cmpop], type[ast.cmpop]] = {
     ast.Eq: ast.NotEq,
@@ -60,11 +62,14 @@ WORDS = frozenset(
 DIRECTIONS = ROUNDERS | WORDS
 
 REASONS = tomllib.loads((ROOT / "tests" / "equivalent_mutants.toml").read_text("utf-8"))
-EQUIVALENT: dict[str, str] = {  # mutants that are no faults, each with its reason
-    f"certreg/{module}.py:{change}": reason
+NO_FAULTS = {
+    f"certreg/{module}.py:{what}": reason
     for module, rows in REASONS.items()
-    for change, reason in rows.items()
+    for what, reason in rows.items()
 }
+# Mutants that are no faults, and constants of which no mutant is one, each with its reason.
+EQUIVALENT = {name: reason for name, reason in NO_FAULTS.items() if name.count(":") > 1}
+FREE_CONSTANTS = {name: reason for name, reason in NO_FAULTS.items() if name.count(":") == 1}
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,10 +93,16 @@ def mutants_of(file: str, name: str, tests: tuple[str, ...] = ()) -> list[Mutant
     for line in lines:
         starts.append(starts[-1] + len(line.encode()))
     data = text.encode()
-    function = function_named(ast.parse(text), name)
+    module = ast.parse(text)
+    function = function_named(module, name)
     begin, end = _span(starts, function)
+    named = {
+        constant: value
+        for constant, value in constants(module).items()
+        if f"{file}:{constant}" not in FREE_CONSTANTS
+    }
     seen, found = Counter[str](), list[Mutant]()
-    for change in changes(function):
+    for change in changes(function, named):
         seen[change.says] += 1
         number = f" ({seen[change.says]})" if seen[change.says] > 1 else ""
         first, last = _span(starts, change.at)
@@ -120,11 +131,36 @@ def _span(starts: list[int], node: ast.expr | ast.FunctionDef) -> tuple[int, int
     return first, starts[node.end_lineno - 1] + node.end_col_offset
 
 
-def changes(function: ast.FunctionDef) -> Iterator[Change]:
-    """Each change of one place, in the order of the text."""
+def constants(module: ast.Module) -> dict[str, ast.expr]:
+    """The numbers that a module names, alone or in tuples and mappings."""
+    found: dict[str, ast.expr] = {}
+    for node in module.body:
+        match node:
+            case (
+                ast.Assign(targets=[ast.Name(name)], value=value)
+                | ast.AnnAssign(target=ast.Name(name), value=ast.expr() as value)
+            ) if _is_of_numbers(value):
+                found[name] = value
+            case _:
+                pass
+    return found
+
+
+def _is_of_numbers(value: ast.expr) -> bool:
+    leaves = [n for n in ast.walk(value) if isinstance(n, ast.Constant | ast.Name)]
+    return all(
+        n.id == "Fraction" if isinstance(n, ast.Name) else isinstance(n.value, int | float)
+        for n in leaves
+    )
+
+
+def changes(function: ast.FunctionDef, named: Mapping[str, ast.expr]) -> Iterator[Change]:
+    """Each change of one place, in the order of the text; named: the numbers of the module."""
     for statement in function.body:
         for node in _expressions(statement):
             yield from (Change(node, new) for new in _variants(node))
+            if isinstance(node, ast.Name) and node.id in named:
+                yield from (Change(node, new) for new in _other_constants(named[node.id]))
 
 
 def _expressions(node: ast.AST) -> Iterator[ast.expr]:
@@ -192,13 +228,36 @@ def _other_directions(node: ast.Name | ast.Attribute) -> Iterator[ast.expr]:
             return
 
 
-def _other_numbers(value: float) -> Iterator[ast.expr]:
+def _other_numbers(value: float) -> Iterator[ast.Constant]:
     if isinstance(value, int):
         yield from (ast.Constant(value + 1), ast.Constant(value - 1))
     else:
         yield from (
             (ast.Constant(2 * value), ast.Constant(value / 2)) if value else (ast.Constant(1.0),)
         )
+
+
+def _other_constants(value: ast.expr) -> Iterator[ast.expr]:
+    """The same with another number in one place."""
+    for i, number in enumerate(_numbers(value)):
+        for other in _other_numbers(cast("float", number.value)):
+            new = deepcopy(value)
+            _numbers(new)[i].value = other.value
+            yield new
+
+
+def _numbers(value: ast.AST) -> list[ast.Constant]:
+    """The numbers of a constant, but keys of a mapping and the base of a power."""
+    match value:
+        case ast.Constant():
+            return [value]
+        case ast.Dict(values=parts):
+            pass
+        case ast.BinOp(op=ast.Pow() | ast.LShift(), right=exponent):
+            parts = [exponent]
+        case _:
+            parts = ast.iter_child_nodes(value)
+    return [number for part in parts for number in _numbers(part)]
 
 
 def _other_comparisons(node: ast.Compare) -> Iterator[ast.expr]:

@@ -10,7 +10,14 @@ import sys
 from importlib import import_module
 
 import pytest
-from function_mutants import EQUIVALENT, changes, mutants_of
+from function_mutants import (
+    EQUIVALENT,
+    FREE_CONSTANTS,
+    changes,
+    constants,
+    function_named,
+    mutants_of,
+)
 from mutants import ROOT, functions
 from proved_functions import PROVED
 
@@ -40,6 +47,18 @@ def test_every_equivalent_mutant_is_a_mutant_and_has_its_reason():
     assert all(len(reason) > 20 for reason in EQUIVALENT.values())
 
 
+def test_every_free_constant_is_a_number_that_a_listed_function_names_and_has_its_reason():
+    for name, reason in FREE_CONSTANTS.items():
+        file, constant = name.split(":")
+        module = ast.parse((ROOT / file).read_text("utf-8"))
+        listed = [function for row in PROVED if row.file == file for function in row.functions]
+        nodes = [n for each in listed for n in ast.walk(function_named(module, each))]
+
+        assert constant in constants(module), name
+        assert any(isinstance(n, ast.Name) and n.id == constant for n in nodes), name
+        assert len(reason) > 20
+
+
 OPERATORS = """
 def f(a, b, bits):
     "A docstring of 3 words."
@@ -55,7 +74,7 @@ def test_each_operator_changes_what_decides_and_no_message_annotation_or_column(
     (function,) = ast.parse(OPERATORS).body
 
     assert isinstance(function, ast.FunctionDef)
-    assert [change.says for change in changes(function)] == [
+    assert [change.says for change in changes(function, {})] == [
         "not (a < b and b >= bits) -> a < b and b >= bits",
         "a < b and b >= bits -> a < b or b >= bits",
         "a < b and b >= bits -> b >= bits",
@@ -71,6 +90,34 @@ def test_each_operator_changes_what_decides_and_no_message_annotation_or_column(
         "dyadic_above -> dyadic_below",
         "width + b -> width - b",
         "math.inf -> -math.inf",
+    ]
+
+
+CONSTANTS = """
+WORD, NAMES, OTHER = "a", ("b", 2), f()
+RANGES: dict[int, Fraction] = {3: Fraction(1, 2**9)}
+PAIR = (0.5, -1)
+
+def f(a, NAMES):
+    return RANGES[a] * max(PAIR) * OTHER * WORD
+"""
+
+
+def test_where_a_function_names_numbers_of_its_module_one_of_them_is_changed():
+    module = ast.parse(CONSTANTS)
+    named = constants(module)
+
+    assert list(named) == ["RANGES", "PAIR"]
+    assert [change.says for change in changes(function_named(module, "f"), named)] == [
+        "RANGES -> {3: Fraction(2, 2 ** 9)}",
+        "RANGES -> {3: Fraction(0, 2 ** 9)}",
+        "RANGES -> {3: Fraction(1, 2 ** 10)}",
+        "RANGES -> {3: Fraction(1, 2 ** 8)}",
+        "max -> min",
+        "PAIR -> (1.0, -1)",
+        "PAIR -> (0.25, -1)",
+        "PAIR -> (0.5, -2)",
+        "PAIR -> (0.5, -0)",
     ]
 
 
