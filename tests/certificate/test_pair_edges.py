@@ -17,17 +17,25 @@ from certreg.certificate.consensus import Witness
 from certreg.certificate.consistency import ExactRows
 from certreg.certificate.listing import SECOND_BITS, _below
 from certreg.certificate.many import _angles
+from certreg.certificate.producing_consensus import Consensus, reach_of
 from certreg.certificate.scaled_consensus import ConsensusSimilarityBody, Piece, ScaleRange
 from certreg.certificate.scaled_pairs import ScaledPairs, _at_most
 from certreg.certificate.shared_motion import is_refuted
 from certreg.certificate.springs_list import quaternion_product
 from certreg.certificate.staging import Stager
 from certreg.certificate.thinning import GraphThinning, transversal
-from certreg.exact import Dyadic, dyadic_above, dyadic_below, half_angle_bound, rank
+from certreg.exact import (
+    Dyadic,
+    double_above,
+    dyadic_above,
+    dyadic_below,
+    half_angle_bound,
+    rank,
+)
 from certreg.geometry import rotation_matrix
 from certreg.objective.levelling import MONOMIALS, levelled_exactly
 from certreg.problem import RegistrationProblem, bounded
-from certreg.problem.losses import Consensus
+from certreg.problem.losses import Consensus as WithinBounds
 from certreg.verify import OPEN, SAME
 
 LITTLE = Fraction(1, 10**30)
@@ -346,7 +354,7 @@ def test_who_is_met_is_who_the_fractions_say_is_met(unit: int, far: int):
     found = np.linalg.norm(target - source @ turn.T - [math.ldexp(k, -3) for k in shift], axis=1)
     bounds = found * np.tile([0.999, 1 - 1e-15, 1.0, 1 + 1e-15, 1.001, 1.5, 3.0], 6)
     points = RegistrationProblem(np.ldexp(source, unit), np.ldexp(target, unit))
-    problem = points.under(Consensus(np.ldexp(bounds, unit)))
+    problem = points.under(WithinBounds(np.ldexp(bounds, unit)))
     witness = Witness(quaternion=q, shift=(*shift, unit - 3))
     met = ExactRows(problem).met_by(witness)
 
@@ -368,9 +376,69 @@ def test_a_pair_is_met_at_a_bound_of_which_rounding_shows_less(shift, x, y, boun
     others = np.array([[4.0, 0, 0], [0, 4, 0]]) if bound < 1 else np.zeros((2, 3))
     points = RegistrationProblem(np.vstack([[x], others]), np.vstack([[y], others]))
     for least in (bound, math.nextafter(bound, 0.0)):
-        problem = points.under(Consensus(np.full(3, least)))
+        problem = points.under(WithinBounds(np.full(3, least)))
         witness = Witness(quaternion=(1, 0, 0, 0), shift=shift)
         met = ExactRows(problem).met_by(witness)
 
         assert met == met_in_fractions(problem, witness)
         assert (0 in met) == (least == bound or bound < 1)
+
+
+def test_a_met_row_is_an_inlier_where_fewer_rows_than_are_met_are_left_without_it():
+    for lefts in product((2, 3, 4), repeat=3):
+
+        def stage(_: Any, alive: int, least: int, clique: int, row: int, lefts=lefts) -> int:
+            assert least == 3
+            assert not (alive | clique) >> row & 1
+            return (1 << lefts[row]) - 1
+
+        stager: Any = SimpleNamespace(met=[0, 1, 2], graph=SimpleNamespace(effort=1.0), stage=stage)
+        sure = sum((left < 3) << row for row, left in enumerate(lefts))
+
+        assert Stager.inliers(stager, [], 0b111111) == sure
+        assert Stager.inliers(stager, [], 0b1111111) == 0
+
+
+def test_of_two_proofs_the_better_one_meets_more_then_labels_more_then_has_the_lower_bound():
+    """By all three numbers in that order, over every two of small ones."""
+    cases = list(product((2, 3), ("io?", "i??", "???"), (3, 4)))
+    for one, other in product(cases, repeat=2):
+        better = [
+            (one[0], -one[1].count("?"), -one[2]),
+            (other[0], -other[1].count("?"), -other[2]),
+        ]
+        first, second = (
+            Consensus(None, tuple(range(met)), (), labels, upper)  # type: ignore[arg-type]
+            for met, labels, upper in (one, other)
+        )
+
+        assert (first.worth > second.worth) == (better[0] > better[1]), (one, other)
+
+
+@pytest.mark.parametrize("level", [Fraction(k, 8) for k in range(-4, 45, 3)])
+def test_motions_turn_from_the_first_eigenvector_by_two_eigenvalues_and_a_millionth(level):
+    """2 K = diag(5, 1, 0, -6): p^T 2 K p >= c asks for sin^2 of at most (5 - c) / (5 - 1)."""
+    first, second = Fraction(5), Fraction(1)
+    reach = reach_of(np.diag([2.5, 0.5, 0.0, -3.0]), float(level), 8.0, (7, 0, 0, 0))
+    least = (first - level) / (first - second)
+    if not second < level < first:
+        assert reach is None
+        return
+    assert reach is not None
+
+    s, t = reach.sin2_half_angle.value, 8 * reach.tau.value
+    assert least < s < least * (1 + Fraction(1, 10**5))
+    assert t * s > first - level
+    assert t * (1 - s) < level - second
+
+
+@pytest.mark.parametrize("exponents", [(-1115, -1040), (-1070, -990), (-40, 10), (970, 1030)])
+def test_gaps_of_many_are_no_less_than_twice_what_is_proved_and_next_to_it(exponents):
+    rng = np.random.default_rng(5)
+    mantissas = rng.integers(2**31, 2**32, 400)
+    delta = np.stack([mantissas, rng.integers(*exponents, 400)], axis=1)
+    optima: Any = SimpleNamespace(delta=delta)
+
+    for gap, (mantissa, exponent) in zip(many._gaps(optima).tolist(), delta.tolist(), strict=True):
+        above = double_above(2 * Fraction(mantissa) * Fraction(2) ** exponent)
+        assert above <= gap <= math.nextafter(above, math.inf)

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import functools
 from importlib import import_module
+from itertools import combinations
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,6 +14,7 @@ import pytest
 from benchmarks.rates.consensus_labels import Cell
 from certreg.certificate import ConsensusProver, assuming, consensus_certificate, parting, staging
 from certreg.certificate.assuming import Assuming, CliqueAvoiding
+from certreg.certificate.consensus import Group, Strike
 from certreg.certificate.parting import Parting
 from certreg.certificate.refuting import PointRows
 from certreg.certificate.thinning import GraphThinning
@@ -237,3 +241,38 @@ def test_stages_that_make_a_certificate_too_long_are_left_out(monkeypatch):
     assert len(less.stages) == 1 < len(found.stages)
     assert less.upper > found.upper
     assert checker.check(consensus_certificate(problem, less, None).to_json()).verified
+
+
+@pytest.mark.parametrize("refuted", [3, 2])
+def test_a_row_falls_only_where_no_clique_is_left_however_soon_the_search_is_given_up(refuted):
+    """Six rows that all agree, four to be met: with the last one three of the five others are."""
+    struck = list[tuple[set[int], ...]]()
+
+    def refutation(_: int, rows: list[int]) -> Group:
+        return Group(rows=tuple(rows[:refuted]), weights=(1,) * (refuted + 1))
+
+    def strike(one: Strike) -> None:
+        struck.append(tuple(set(group.rows) for group in one.groups))
+
+    for choices in range(120):
+        points = SimpleNamespace(refutation=refutation)
+        thinning: Any = SimpleNamespace(
+            graph=SimpleNamespace(effort=choices / assuming.MOST_CHOICES, points=points),
+            near=SimpleNamespace(integers=[0b111111 & ~(1 << i) for i in range(6)]),
+            alive=0b111111,
+            closed=False,
+            least=4,
+            open_rows=lambda: [5],
+            beside=lambda _: 0b11111,
+            strike=strike,
+        )
+        struck.clear()
+        one = Assuming(thinning)
+
+        assert one.run() == bool(struck) == (not one.given_up)
+        for groups in struck:
+            assert all(
+                any(group <= set(clique) for group in groups)
+                for clique in combinations(range(5), 3)
+            ), choices
+    assert struck

@@ -12,7 +12,14 @@ from typing import Any
 import numpy as np
 
 from certreg.certificate import ExactPose, spring_pose_bounds
-from certreg.certificate.spring_bounds import CONSTANT, FAR, _differences, least_range
+from certreg.certificate.bounds import NO_ANGLE
+from certreg.certificate.spring_bounds import (
+    CONSTANT,
+    FAR,
+    NOT_CLAIMED,
+    _differences,
+    least_range,
+)
 from certreg.objective import Springs
 from certreg.problem import RegistrationProblem, spring_moments
 
@@ -139,3 +146,13 @@ def test_clouds_that_fit_exactly_are_measured_from_the_origin():
     assert objective.energy(q) == 0
     assert bounds.flat_energy == objective.translation_energy(q, (Fraction(0),) * 3)
     assert bounds.flat_energy == 5 * (1 + 4**2 + 9**2)
+
+
+def test_an_optimum_is_said_not_to_be_unique_where_the_certificate_says_so_alone():
+    objective, q = springs(), (1, 0, 0, 0)
+    for unique in (True, None, False):
+        of: Any = Body(q, Claims(unique=unique))
+        bounds = spring_pose_bounds(objective, of, at_best(objective, q))
+
+        assert bounds.angle_upper is None
+        assert bounds.stated("angle_upper") == (NO_ANGLE if unique is False else NOT_CLAIMED)

@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+import math
+from itertools import combinations
 from typing import Any
 
 import numpy as np
@@ -314,3 +316,29 @@ def test_a_box_holds_the_rational_root_beside_it_and_not_the_other(root: float, 
 
     assert ball.contains(arb(root))
     assert not ball.contains(arb(-root))
+
+
+def test_the_count_is_proved_where_equilibria_lie_in_the_planes_of_the_first_four_charts():
+    """K = sum of a v v^T / |v|^2; the first two v are 0 at (1, t, t^2, t^3) for t = 0, 1 and 2, 3.
+
+    K is 4 times |v|^2 of all v, less a multiple of 1 for which its trace is 0.
+    """
+    vectors = [(0, 1, -1, 0), (66, -19, -19, 6), (1, 3, 3, 8)]
+    assert all(np.dot(v, w) == 0 for v, w in combinations(vectors, 2))
+    norms = [int(np.dot(v, v)) for v in vectors]
+    whole = math.prod(norms)
+    K = np.zeros((4, 4), dtype=object)
+    for value, v, norm in zip((3, 5, 9), vectors, norms, strict=True):
+        K += 4 * value * whole // norm * np.outer(v, v).astype(object)
+    K -= K.trace() // 4 * np.eye(4, dtype=int).astype(object)
+    # Davenport's matrix, solved for 4 C
+    diagonal = [2 * (K[0][0] + K[k][k]) for k in (1, 2, 3)]
+    C = np.diag(np.array(diagonal, dtype=object))
+    for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+        both, turn = K[1 + i][1 + j], K[0][1 + k]  # C_ij + C_ji, C_ji - C_ij
+        C[i][j], C[j][i] = 2 * (both - turn), 2 * (both + turn)
+
+    assert (np.array(davenport_matrix(C.tolist()), dtype=object) == 4 * K).all()
+    found = at_most_four(C.tolist())
+    assert found is not None
+    assert found.chart == (1, 4, 16, 64)

@@ -469,3 +469,29 @@ def test_the_usual_limits_are_met_by_the_angle_too_where_one_rotation_is_optimal
     unproved: Any = SimpleNamespace(bounds=None, solution=solution, equilibria=equilibria)
     assert not _meets_usual(unproved)
     assert not headlines._meets_usual(unproved)
+
+
+def test_a_met_row_is_broken_where_its_residual_is_beyond_its_bound():
+    sizes = (math.nextafter(0.5, 0.0), 0.5, math.nextafter(0.5, 1.0))
+    for residuals, met in product(product(sizes, repeat=3), ((0, 1, 2), (0, 2))):
+        broken = asked(
+            ConsensusRegistration,
+            "broken",
+            residuals=np.array(residuals),
+            problem=SimpleNamespace(bounds=np.full(3, 0.5)),
+            found=SimpleNamespace(met=met),
+        )
+        assert broken == tuple(row for row in met if residuals[row] > 0.5)
+
+
+def test_a_turn_is_loose_by_residuals_where_they_are_neither_warned_of_nor_rounding():
+    edges = (0.4, math.nextafter(0.4, 1.0))
+    for estimated, warned, rounded, sigma in product(BOTH, BOTH, BOTH, edges):
+        registration: Any = SimpleNamespace(
+            covariance=SimpleNamespace(estimated=estimated, loosest_sigma=sigma),
+            fit=SimpleNamespace(warnings=("one",) * warned, rounded=rounded),
+        )
+        told = not estimated or not (warned or rounded)
+        assert headlines.is_loose(registration) == (told and sigma > 0.4)
+    nothing: Any = SimpleNamespace(covariance=None, fit=None)
+    assert not headlines.is_loose(nothing)
