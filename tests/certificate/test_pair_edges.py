@@ -17,7 +17,7 @@ from certreg.certificate.consensus import Witness
 from certreg.certificate.consistency import ExactRows
 from certreg.certificate.listing import SECOND_BITS, _below
 from certreg.certificate.many import _angles
-from certreg.certificate.producing_consensus import Consensus, reach_of
+from certreg.certificate.producing_consensus import ProvedConsensus, reach_of
 from certreg.certificate.scaled_consensus import ConsensusSimilarityBody, Piece, ScaleRange
 from certreg.certificate.scaled_pairs import ScaledPairs, _at_most
 from certreg.certificate.shared_motion import is_refuted
@@ -35,7 +35,7 @@ from certreg.exact import (
 from certreg.geometry import rotation_matrix
 from certreg.objective.levelling import MONOMIALS, levelled_exactly
 from certreg.problem import RegistrationProblem, bounded
-from certreg.problem.losses import Consensus as WithinBounds
+from certreg.problem.losses import Consensus
 from certreg.verify import OPEN, SAME
 
 LITTLE = Fraction(1, 10**30)
@@ -354,7 +354,7 @@ def test_who_is_met_is_who_the_fractions_say_is_met(unit: int, far: int):
     found = np.linalg.norm(target - source @ turn.T - [math.ldexp(k, -3) for k in shift], axis=1)
     bounds = found * np.tile([0.999, 1 - 1e-15, 1.0, 1 + 1e-15, 1.001, 1.5, 3.0], 6)
     points = RegistrationProblem(np.ldexp(source, unit), np.ldexp(target, unit))
-    problem = points.under(WithinBounds(np.ldexp(bounds, unit)))
+    problem = points.under(Consensus(np.ldexp(bounds, unit)))
     witness = Witness(quaternion=q, shift=(*shift, unit - 3))
     met = ExactRows(problem).met_by(witness)
 
@@ -376,7 +376,7 @@ def test_a_pair_is_met_at_a_bound_of_which_rounding_shows_less(shift, x, y, boun
     others = np.array([[4.0, 0, 0], [0, 4, 0]]) if bound < 1 else np.zeros((2, 3))
     points = RegistrationProblem(np.vstack([[x], others]), np.vstack([[y], others]))
     for least in (bound, math.nextafter(bound, 0.0)):
-        problem = points.under(WithinBounds(np.full(3, least)))
+        problem = points.under(Consensus(np.full(3, least)))
         witness = Witness(quaternion=(1, 0, 0, 0), shift=shift)
         met = ExactRows(problem).met_by(witness)
 
@@ -408,7 +408,7 @@ def test_of_two_proofs_the_better_one_meets_more_then_labels_more_then_has_the_l
             (other[0], -other[1].count("?"), -other[2]),
         ]
         first, second = (
-            Consensus(None, tuple(range(met)), (), labels, upper)  # type: ignore[arg-type]
+            ProvedConsensus(None, tuple(range(met)), (), labels, upper)  # type: ignore[arg-type]
             for met, labels, upper in (one, other)
         )
 
@@ -432,11 +432,11 @@ def test_motions_turn_from_the_first_eigenvector_by_two_eigenvalues_and_a_millio
     assert t * (1 - s) < level - second
 
 
-@pytest.mark.parametrize("exponents", [(-1115, -1040), (-1070, -990), (-40, 10), (970, 1030)])
-def test_gaps_of_many_are_no_less_than_twice_what_is_proved_and_next_to_it(exponents):
+@pytest.mark.parametrize(("least", "most"), [(-1115, -1040), (-1070, -990), (-40, 10), (970, 1030)])
+def test_gaps_of_many_are_no_less_than_twice_what_is_proved_and_next_to_it(least: int, most: int):
     rng = np.random.default_rng(5)
     mantissas = rng.integers(2**31, 2**32, 400)
-    delta = np.stack([mantissas, rng.integers(*exponents, 400)], axis=1)
+    delta = np.stack([mantissas, rng.integers(least, most, 400)], axis=1)
     optima: Any = SimpleNamespace(delta=delta)
 
     for gap, (mantissa, exponent) in zip(many._gaps(optima).tolist(), delta.tolist(), strict=True):
