@@ -24,7 +24,7 @@ from springs_boundaries import pair
 from certreg.certificate import springs_list_certificate
 from certreg.equilibrium import critical_lines
 from certreg.objective import MONOMIALS, Springs
-from certreg.problem import RegistrationProblem, spring_moments
+from certreg.problem import RegistrationProblem
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -46,7 +46,7 @@ class Listed:
 
     def __init__(self, problem: RegistrationProblem) -> None:
         """As it is produced."""
-        self.problem, self.objective = problem, Springs(spring_moments(problem))
+        self.problem, self.objective = problem, Springs.of(problem)
         lines = critical_lines(self.objective.floating_quartic()[0])
         self.certificate: Any = springs_list_certificate(problem, self.objective, lines)
         self.document: Document = json.loads(self.certificate.to_json())

@@ -30,7 +30,7 @@ from certreg.certificate.squares import sos_body
 from certreg.exact import Dyadic
 from certreg.geometry import dot, squared_norm
 from certreg.objective import Springs
-from certreg.problem import RegistrationProblem, spring_moments
+from certreg.problem import RegistrationProblem
 from certreg.relaxation import find_optimum
 
 if TYPE_CHECKING:
@@ -72,7 +72,7 @@ def document_of(problem: RegistrationProblem, body: SpringsConesBody) -> dict[st
 
 def proved(problem: RegistrationProblem) -> Proved:
     """What cones prove of a problem."""
-    objective = Springs(spring_moments(problem))
+    objective = Springs.of(problem)
     found = find_optimum(objective)
     squares = sos_body(objective, found)
     begun = time.process_time()

@@ -25,7 +25,6 @@ from certreg import RegistrationProblem
 from certreg.equilibrium import FloatingQuartic, PathsOutcome, critical_lines, descended, paths
 from certreg.geometry import squared_norm
 from certreg.objective import Springs
-from certreg.problem import spring_moments
 from certreg.relaxation import find_optimum
 
 INSTANCES = 500
@@ -60,7 +59,7 @@ def outcome_of(cell: Any, seed: int) -> Outcome:
     """What became of one instance of a cell."""
     made = spring_families.instance(cell, seed)
     problem = RegistrationProblem(**spring_families.statement(made))
-    objective = Springs(spring_moments(problem))
+    objective = Springs.of(problem)
     assert objective.quartic  # made before the clock starts
     begun = time.process_time()
     found = find_optimum(objective)

@@ -46,7 +46,7 @@ from certreg.native import (
     symmetric,
 )
 from certreg.objective import Springs
-from certreg.problem import DEFAULT_DAMPING, checked_damping, spring_moments
+from certreg.problem import DEFAULT_DAMPING, checked_damping
 from certreg.results import Brief
 
 if TYPE_CHECKING:
@@ -319,7 +319,7 @@ def bodies_on_springs(  # noqa: PLR0913 - each is one question, and has its usua
     bodies: list[SprungBody] = []
     for k in range(given.count):
         try:
-            bodies.append(body_on_springs(Springs(spring_moments(given.problem(k))), damping))
+            bodies.append(body_on_springs(Springs.of(given.problem(k)), damping))
         except DegenerateProblemError as error:
             message = f"instance {k}: {error}"
             raise DegenerateProblemError(

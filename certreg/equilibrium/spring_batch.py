@@ -27,7 +27,6 @@ from certreg.problem import (
     GivenSprings,
     checked_threads,
     many_spring_moments,
-    spring_moments,
     stated_many,
 )
 from certreg.results import Brief, Guarantee
@@ -275,7 +274,7 @@ def _proved(
     places = {int(k): place for place, k in enumerate(varied)}
     lists: list[LineSet] = []
     for k, outcome in enumerate(outcomes):
-        objective, found = Springs(spring_moments(given.problem(k))), None
+        objective, found = Springs.of(given.problem(k)), None
         if ends is not None and outcome is PathsOutcome.FOUND:
             place = places[k]
             lines = CriticalLines(
@@ -295,7 +294,7 @@ def _with_proved(rows: _Rows, lists: tuple[LineSet, ...], given: ManySprings) ->
     """The rows with those of complete lists in the place of theirs."""
     parts = [_picked(rows, ~np.array([one.complete for one in lists])[rows.problem])]
     parts += [
-        _of_list(found, k, Springs(spring_moments(given.problem(k))))
+        _of_list(found, k, Springs.of(given.problem(k)))
         for k, found in enumerate(lists)
         if found.complete
     ]

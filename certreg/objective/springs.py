@@ -19,7 +19,7 @@ from certreg.geometry import dot, homogeneous, quadratic_form, rotation_matrix, 
 from certreg.objective import quartics
 from certreg.objective.form import FULL, Form, Reduced, bordered
 from certreg.objective.polynomials import QUATERNION, PolynomialSystem, collected, exponents
-from certreg.problem import UPPER
+from certreg.problem import UPPER, spring_moments
 from certreg.results import Brief
 
 if TYPE_CHECKING:
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.geometry import Matrix4, SquareMatrix, T, Vector3, Vector4
-    from certreg.problem import SpringMoments
+    from certreg.problem import Motion, RegistrationProblem, SpringMoments
 
 DIAGONAL = (0, 3, 5)  # among the six entries of a symmetric matrix
 FARTHEST = 8  # the largest |R - R'|^2 of two rotations, in the Frobenius norm
@@ -48,10 +48,17 @@ class MassMoments(Brief):
 class Springs(Brief):
     """The objective of the exact moments of springs that are matrices; see `Objective`.
 
-    For searches in doubles take `floating_quartic`: the integers here may be beyond the doubles.
+    motion: without a translation the moments are those about the origin. For searches in doubles
+    take `floating_quartic`: the integers here may be beyond the doubles.
     """
 
     moments: SpringMoments
+    motion: Motion
+
+    @classmethod
+    def of(cls, problem: RegistrationProblem) -> Springs:
+        """The objective of a problem with general springs."""
+        return cls(spring_moments(problem), problem.motion)
 
     @cached_property
     def joint_form(self) -> Form:
@@ -65,10 +72,10 @@ class Springs(Brief):
             (m.source_exponent, m.target_exponent, m.weight_exponent),
         )
 
-    @property
+    @cached_property
     def reduced(self) -> Reduced:
-        """The energy with the best translation."""
-        return self.joint_form.reduced
+        """The energy with the best translation, if the motion has any."""
+        return self.joint_form.restricted(self.motion)
 
     @property
     def unit(self) -> Fraction:
@@ -77,8 +84,8 @@ class Springs(Brief):
 
     @cached_property
     def free_translations(self) -> tuple[Vector3[Fraction], ...]:
-        """A basis of the kernel of S: shifts that no spring resists, at any rotation."""
-        free = self.joint_form.free_translations
+        """A basis of the shifts of the motion that no spring resists, at any rotation."""
+        free = self.joint_form.free_translations(self.motion)
         return tuple((Fraction(a), Fraction(b), Fraction(c)) for a, b, c in free)
 
     # --- the objective

@@ -25,7 +25,7 @@ import numpy as np
 from certreg.dynamics import simulate
 from certreg.equilibrium import FloatingQuartic, PathsOutcome, critical_lines
 from certreg.objective import Springs
-from certreg.problem import RegistrationProblem, gaussian_instances, spring_moments
+from certreg.problem import RegistrationProblem, gaussian_instances
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -158,7 +158,7 @@ def _directions(rng: np.random.Generator, n: int) -> NDArray[np.float64]:
 
 def observed(problem: RegistrationProblem) -> SpringObservation:
     """The equilibria of an instance, counted, and where the run from its start ends."""
-    objective = Springs(spring_moments(problem))
+    objective = Springs.of(problem)
     quartic = objective.floating_quartic()[0]
     lines = critical_lines(quartic)
     if lines.outcome is not PathsOutcome.FOUND:

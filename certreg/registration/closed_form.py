@@ -128,7 +128,9 @@ def register(
     kind, about_origin = checked_scale(scale), checked_rotation_only(rotation_only)
     require_supported(Cell(springs=on_springs, scale=kind, rotation_only=about_origin))
     if on_springs:
-        problem = RegistrationProblem(source, target, weights=weights, **springs)
+        problem = RegistrationProblem(
+            source, target, weights=weights, rotation_only=about_origin, **springs
+        )
         return spring_certification.spring_pose(problem)
     x = _readable(cloud_array(source, "source"), "source")
     y = _readable(cloud_array(target, "target"), "target")

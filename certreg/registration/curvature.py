@@ -8,7 +8,6 @@ import numpy as np
 
 from certreg.exact import quotient_or_zero
 from certreg.objective import Neighbourhood
-from certreg.problem import Motion
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -29,7 +28,7 @@ def slope_and_curvature(
     """
     if not objective.oscillation:
         return np.zeros(3), np.zeros((3, 3))
-    near = Neighbourhood(objective.reduced, q, Motion())
+    near = Neighbourhood(objective.reduced, q, objective.motion)
     above, below = (near.unit / objective.oscillation).as_integer_ratio()
     rows = [near.gradient, *near.hessian]
     slope, *curved = [[quotient_or_zero(entry * above, below) for entry in row] for row in rows]

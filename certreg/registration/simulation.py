@@ -8,7 +8,6 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from certreg import objective as objectives
-from certreg import problem as problems
 from certreg._loading import found_late
 from certreg.certificate import RotationState, check_own, produce, require_accepted
 from certreg.dynamics import Trajectory, simulate
@@ -105,7 +104,7 @@ def objective_of(problem: RegistrationProblem) -> Isotropic | Springs:
     """The energy of a problem as a function of the rotation."""
     if problem.factors is None:
         return Isotropic.of(problem)
-    return objectives.Springs(problems.spring_moments(problem))
+    return objectives.Springs.of(problem)
 
 
 def simulated_motion(

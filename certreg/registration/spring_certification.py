@@ -23,7 +23,6 @@ from certreg.errors import DegenerateProblemError, OutOfRangeError
 from certreg.exact import nearest_double, nearest_root
 from certreg.geometry import Pose
 from certreg.objective import Springs
-from certreg.problem import spring_moments
 from certreg.registration.curvature import soft_axes
 from certreg.registration.freedom import Freedom
 from certreg.registration.loose_turns import axis_words
@@ -84,7 +83,7 @@ def _solved(
     done: Callable[[str], None],
 ) -> SpringSolution:
     """Everything that is computed, nothing yet checked."""
-    objective = Springs(spring_moments(problem))
+    objective = Springs.of(problem)
     done("exact sums")
     found = relaxation.find_optimum(objective, solver)
     done("optimum")
@@ -107,9 +106,9 @@ def spring_pose(problem: RegistrationProblem) -> Pose:
 
     Raises DegenerateProblemError where a shift or a turn is undetermined, or nearly so.
     """
-    objective = Springs(spring_moments(problem))
+    objective = Springs.of(problem)
     found = relaxation.find_optimum(objective)
-    open_ = Freedom.of(objective).words() or weak_shift_words(weak_shifts(objective.joint_form))
+    open_ = Freedom.of(objective).words() or weak_shift_words(weak_shifts(objective))
     if not open_ and len(soft := soft_axes(objective, found.quaternion)):
         about = " and ".join(axis_words(axis) for axis in soft)
         open_ = f"rotation about the source's axis {about} is undetermined to first order"

@@ -9,7 +9,6 @@ from certreg.certificate import check_own, require_accepted, springs_list_certif
 from certreg.equilibrium import SPRING_METHODS, compare, critical_lines, search
 from certreg.errors import UndecidedError
 from certreg.objective import Springs
-from certreg.problem import spring_moments
 from certreg.registration.parts import counted
 from certreg.registration.spring_equilibria import SpringEquilibria, spring_equilibria
 from certreg.registration.stating import require_method
@@ -64,7 +63,7 @@ def enumerated_springs(
     first, *_ = SPRING_METHODS
     method = method or first
     require_method(method, (*SPRING_METHODS, ALL), problem.cell)
-    objective = Springs(spring_moments(problem))
+    objective = Springs.of(problem)
     names = tuple(SPRING_METHODS) if method == ALL else (method,)
     done = counted(progress, len(names))
     searches = tuple(_searched(objective, name, done) for name in names)

@@ -186,7 +186,7 @@ def _reasons(critical: LineSet) -> dict[str, Absent]:
 
 def _open_words(objective: Springs) -> str:
     """What the springs leave open, or hardly resist; empty where nothing is known to be."""
-    weak = weak_shift_words(weak_shifts(objective.joint_form))
+    weak = weak_shift_words(weak_shifts(objective))
     rounding = f"{weak}; the translations are of rounding as much as of the data" if weak else ""
     return "; ".join(filter(None, (Freedom.of(objective).words(), rounding)))
 

@@ -67,7 +67,7 @@ class SpringSolution(AnySolution):
     @cached_property
     def weak_shifts(self) -> tuple[WeakShift, ...]:
         """The shifts that the springs hardly resist: of rounding as much as of the data."""
-        return weak_shifts(self.objective.joint_form)
+        return weak_shifts(self.objective)
 
     @cached_property
     def least(self) -> Fraction:

@@ -73,7 +73,7 @@ class SimulatedSprings(SimulatedMotion):
     def _coasting(self) -> tuple[str, ...]:
         freedom = Freedom.of(self.objective)
         free = filter(None, (freedom.shift_words(), freedom.turn_words()))
-        weak = weak_shift_words(weak_shifts(self.objective.joint_form))
+        weak = weak_shift_words(weak_shifts(self.objective))
         told = (*((words, COASTS) for words in free), (weak, STAYS))
         return tuple(f"{words}: {then}" for words, then in told if words)
 

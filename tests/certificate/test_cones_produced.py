@@ -24,14 +24,13 @@ from certreg.certificate import (
 from certreg.certificate import cones as producer
 from certreg.certificate.cones import cones_body
 from certreg.objective import Springs
-from certreg.problem import spring_moments
 from certreg.relaxation import find_optimum
 
 SCHEMAS = resources.files("certreg") / "report" / "schemas"
 
 
 def certificate_of(problem: RegistrationProblem) -> Any:
-    objective = Springs(spring_moments(problem))
+    objective = Springs.of(problem)
     return springs_certificate(problem, objective, find_optimum(objective))
 
 
@@ -127,7 +126,7 @@ def test_a_symmetry_that_moves_the_optimum_makes_it_not_unique():
 
 def test_an_energy_that_is_constant_is_proved_to_be():
     problem = RegistrationProblem(np.ones((1, 3)), np.ones((1, 3)), factors=[[1, 0, 0, 0, 0, 0]])
-    objective = Springs(spring_moments(problem))
+    objective = Springs.of(problem)
 
     proposal: Any = cones_body(objective, [(1, 0, 0, 0)])
 

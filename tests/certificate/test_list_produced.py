@@ -30,7 +30,6 @@ from certreg.errors import InvalidFileError
 from certreg.exact import Dyadic, dyadic_above, dyadic_below
 from certreg.geometry import squared_norm
 from certreg.objective import Springs
-from certreg.problem import spring_moments
 from certreg.report import report_of
 
 SCHEMAS = resources.files("certreg") / "report" / "schemas"
@@ -39,7 +38,7 @@ SCHEMAS = resources.files("certreg") / "report" / "schemas"
 @cache
 def made(cell: Cell, seed: int = 0) -> Any:
     problem = RegistrationProblem(**statement(instance(cell, seed)))
-    objective = Springs(spring_moments(problem))
+    objective = Springs.of(problem)
     lines = critical_lines(objective.floating_quartic()[0])
     return problem, objective, springs_list_certificate(problem, objective, lines)
 
@@ -141,7 +140,7 @@ def test_where_lines_are_not_all_apart_there_is_no_list():
     """One wall: a continuum."""
     points = instance(Cell("plane", 20, 0.05), 0).source
     problem = RegistrationProblem(points, points + 0.25, normals=[[1.0, 2.0, 2.0]] * 20)
-    objective = Springs(spring_moments(problem))
+    objective = Springs.of(problem)
     lines = critical_lines(objective.floating_quartic()[0])
 
     assert springs_list_certificate(problem, objective, lines) is None
@@ -152,7 +151,7 @@ def test_where_lines_are_not_all_apart_there_is_no_list():
 def test_multiple_and_infinitely_many_lines_are_never_listed():
     listed: list[str] = []
     for name, problem in degenerate_springs.NAMED.items():
-        objective = Springs(spring_moments(problem()))
+        objective = Springs.of(problem())
         lines = critical_lines(objective.floating_quartic()[0])
         certificate = springs_list_certificate(problem(), objective, lines)
         if certificate is not None:

@@ -21,7 +21,7 @@ from certreg.certificate.bounds import (
 from certreg.certificate.producing import produce_similarity
 from certreg.geometry import rotation_matrix, squared_norm
 from certreg.objective import Isotropic, Springs
-from certreg.problem import RegistrationProblem, Scale, exact_moments, spring_moments
+from certreg.problem import RegistrationProblem, Scale, exact_moments
 from certreg.results import Limits
 
 LITTLE = Fraction(1, 10**30)  # far below the spacing of the doubles
@@ -105,7 +105,7 @@ def springs() -> tuple[RegistrationProblem, Springs]:
     x, y = instance().source, instance().target
     factors = np.tile(np.diag([1.0, 2.0, 3.0]), (6, 1, 1))
     problem = RegistrationProblem(x, y, factors=factors)
-    return problem, Springs(spring_moments(problem))
+    return problem, Springs.of(problem)
 
 
 def test_the_energy_of_general_springs_is_the_sum_of_their_squares():

@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 
 from certreg.certificate import Certificate, springs_certificate
 from certreg.objective import Springs
-from certreg.problem import RegistrationProblem, spring_moments
+from certreg.problem import RegistrationProblem
 from certreg.relaxation import find_optimum
 from certreg.verify import Movable, RefusalError, check
 
@@ -26,7 +26,7 @@ CELLS = [
 
 
 def optimum_of(problem):
-    objective = Springs(spring_moments(problem))
+    objective = Springs.of(problem)
     return objective, find_optimum(objective)
 
 

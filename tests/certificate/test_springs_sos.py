@@ -22,7 +22,7 @@ from certreg.certificate import (
 )
 from certreg.certificate.squares import sos_body
 from certreg.objective import Isotropic, Springs
-from certreg.problem import RegistrationProblem, exact_moments, spring_moments
+from certreg.problem import RegistrationProblem, exact_moments
 from certreg.relaxation import find_optimum
 
 checker: Any = import_module("certreg.verify")
@@ -225,7 +225,7 @@ def test_a_certificate_is_about_its_factors_alone():
 def test_an_objective_that_is_constant_is_certified_with_no_angle():
     points = np.array([[1.0, 2.0, 3.0]])
     problem = RegistrationProblem(points, 2 * points, factors=[[1.0, 0.0, 1.0, 0.0, 0.0, 1.0]])
-    objective = Springs(spring_moments(problem))
+    objective = Springs.of(problem)
     certificate = springs_certificate(problem, objective, find_optimum(objective))
     verdict = verify(certificate, problem)
 
@@ -246,7 +246,7 @@ def wall(normals):
 @pytest.mark.slow
 def test_of_one_wall_a_gap_is_proved_and_the_optimum_proved_not_unique():
     problem = wall([[1, 2, 2]])
-    objective = Springs(spring_moments(problem))
+    objective = Springs.of(problem)
     certificate = springs_certificate(problem, objective, find_optimum(objective))
     verdict = verify(certificate, problem)
 
@@ -265,7 +265,7 @@ def test_of_one_wall_a_gap_is_proved_and_the_optimum_proved_not_unique():
 
 def test_where_the_relaxation_is_not_tight_its_own_gap_is_proved():
     problem = choi_lam()
-    objective = Springs(spring_moments(problem))
+    objective = Springs.of(problem)
     found = find_optimum(objective)
     body: Any = sos_body(objective, found)
     relaxed: Any = found.relaxation
@@ -314,7 +314,7 @@ def test_isotropic_data_have_the_same_optimum_by_both_kinds():
     general = RegistrationProblem(x, y, factors=np.tile([1.0, 0.0, 1.0, 0.0, 0.0, 1.0], (10, 1)))
     plain = RegistrationProblem(x, y)
     one = produce(plain, Isotropic(exact_moments(plain)))
-    objective = Springs(spring_moments(general))
+    objective = Springs.of(general)
     other = springs_certificate(general, objective, find_optimum(objective))
 
     assert verify(one, plain).proved

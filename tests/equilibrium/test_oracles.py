@@ -25,7 +25,7 @@ from certreg.equilibrium.groebner import eliminate, fibres
 from certreg.geometry.so3 import davenport_matrix, rotation_matrix
 from certreg.objective import Springs
 from certreg.objective.polynomials import multiplier_system
-from certreg.problem import RegistrationProblem, spring_moments
+from certreg.problem import RegistrationProblem
 from certreg.problem.moments import exact_moments
 
 FOLDER = os.environ.get("CERTREG_ORACLES")
@@ -158,7 +158,7 @@ def springs(seed):
         pytest.skip("half a minute each: make test-oracles")
     cell = spring_families.LISTED[seed % len(spring_families.LISTED)]
     stated = spring_families.statement(spring_families.instance(cell, seed))
-    objective = Springs(spring_moments(RegistrationProblem(**stated)))
+    objective = Springs.of(RegistrationProblem(**stated))
     found = search(objective, "homotopy").critical
     assert isinstance(found, LineSet)
     return objective.quartic, found
