@@ -257,6 +257,7 @@ class ConeProof:
             ),
             claims=SpringsClaims(gap=gap, sin2_half_angle=angle, unique=unique),
             symmetry=symmetry,
+            rotation_only=not self.objective.motion.translations,
         )
 
     def _form(self, body: SpringsConesBody) -> list[int]:

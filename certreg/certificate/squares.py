@@ -116,6 +116,7 @@ def _body(
             unique=unique,
         ),
         symmetry=symmetry,
+        rotation_only=not objective.motion.translations,
     )
 
 

@@ -30,6 +30,7 @@ from certreg.errors import InvalidFileError
 from certreg.exact import Dyadic, dyadic_above, dyadic_below
 from certreg.geometry import squared_norm
 from certreg.objective import Springs
+from certreg.problem import Motion
 from certreg.report import report_of
 
 SCHEMAS = resources.files("certreg") / "report" / "schemas"
@@ -103,7 +104,7 @@ def test_the_best_of_a_list_is_unique_where_the_bounds_of_its_energies_are_apart
     def claims(best: Fraction, second: Fraction) -> Any:
         energies = dict(zip(norms, (best, second), strict=True))
         objective: Any = SimpleNamespace(
-            energy=lambda q: energies[squared_norm(q)], unit=Fraction(1, 8)
+            energy=lambda q: energies[squared_norm(q)], unit=Fraction(1, 8), motion=Motion()
         )
         return listing._claimed(objective, charted, 4, list(lines), []).claims
 
