@@ -195,11 +195,10 @@ def judged(
     settings: AssessmentSettings | None = None,
 ) -> Assessment:
     """As `assess`, of a problem that is certified already."""
-    settings = settings or AssessmentSettings()
+    settings, problem = settings or AssessmentSettings(), registration.problem
+    given = read_for(problem, given)
     if isinstance(registration, SpringRegistration):
         return judged_on_springs(registration, given, settings)
-    problem = registration.problem
-    given = read_for(problem, given)
     turn = given.scaled_apart().turn if problem.scaled else given.turn
     fault = why_no_rotation(turn, settings.rotation_tolerance)
     if fault is not None:
@@ -285,7 +284,7 @@ def _notes(facts: Findings, verdict: PoseVerdict, given: GivenPose) -> str:
     if parts is not None:
         costs = "" if verdict is PoseVerdict.OPTIMAL else parts.words
         return costs + scale_note(problem, given)
-    return "" if problem.rotation_only else note_on(given)
+    return note_on(problem, given)
 
 
 def _beside(registration: Registration) -> dict[str, Any]:

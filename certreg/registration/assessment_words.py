@@ -28,6 +28,7 @@ from certreg.results import Absent, ComponentKind, Limits, PoseVerdict
 
 if TYPE_CHECKING:
     from certreg.geometry import GivenPose
+    from certreg.problem import RegistrationProblem
     from certreg.registration.findings import Findings, SigmaDistance
     from certreg.registration.headlines import Headline
 
@@ -181,8 +182,10 @@ def _apart(facts: Findings) -> float | None:
     return nearest_root(facts.translation_energy / moments.total_weight)
 
 
-def note_on(given: GivenPose) -> str:
+def note_on(problem: RegistrationProblem, given: GivenPose) -> str:
     """What was judged, where that is not just the pose as it was given."""
+    if not problem.motion.translations:
+        return ""
     note = "" if given.translation is not None else ROTATION_ALONE
     defect = rotation_defect(given.turn) if given.is_matrix else 0.0
     if defect > UNNOTED_DEFECT:

@@ -99,7 +99,7 @@ def judged_on_springs(
             "headline": headline,
             "green": chosen.good,
             "energies": facts.energies,
-            "words": _words(facts, verdict) + note_on(given),
+            "words": _words(facts, verdict) + note_on(registration.problem, given),
         },
         numbers,
     )

@@ -198,6 +198,17 @@ def test_a_reflection_is_no_rotation_whatever_the_springs_are():
     assert judged.verdict is PoseVerdict.NOT_A_ROTATION
 
 
+def test_a_scale_that_a_pose_has_apart_is_judged_whatever_the_springs_are():
+    problem = problem_of("plane")
+    pose = certify(problem).pose
+    given = pose.rotation, pose.translation
+
+    assert assess(problem, (*given, 1.0)).verdict is assess(problem, given).verdict
+    judged = assess(problem, (*given, 1.5))
+    assert judged.verdict is PoseVerdict.NOT_A_ROTATION
+    assert "scales by 1.5" in judged.headline
+
+
 def test_what_is_for_one_weight_per_pair_alone_says_so_in_one_line():
     with pytest.raises(InvalidProblemError, match="optimal damping is computed for") as caught:
         optimally_damped(problem_of("plane"))
