@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING
 
 from certreg.certificate import sin2_half_angle_between
 from certreg.exact import at_most, degrees_above, half_angle_bound, rational_root_above
-from certreg.problem import trace
+from certreg.problem import Scale, trace
 from certreg.registration import proved_degrees
 from certreg.report.lines import bounds_nothing, count_words, margin_words, number
+from certreg.report.pose_words import gap_words
 from certreg.report.robustness import robustness_words
 from certreg.results import Absent, ComponentKind, Guarantee
 
@@ -113,7 +114,7 @@ def sentences(
 ) -> list[Sentence]:
     """What the page says is known; the checker has accepted what the certificate claims."""
     return [
-        *_optimality(registration),
+        *optimality_sentence(registration),
         *uniqueness_sentences(registration),
         *motion_sentences(registration, body),
         *robustness_sentences(registration, "eigenvector_radius"),
@@ -156,18 +157,20 @@ def weak_words(registration: Registration) -> str:
     )
 
 
-def _optimality(registration: Registration) -> Iterator[Sentence]:
-    bounds = registration.bounds
+def optimality_sentence(registration: Registration) -> Iterator[Sentence]:
+    """Over which motions the pose is proved to be the best, and to within what."""
+    bounds, problem = registration.bounds, registration.problem
     if bounds is None:
         return
+    motion = problem.motion
+    divided = " divided by the scale" if problem.scale is Scale.SYMMETRIC else ""
+    what = f"the sum of weighted squared distances{divided}"
+    theorems = ["optimality_certificate", *["translation_gap"] * (motion.translations > 0)]
+    theorems += ["scale_elimination"] * motion.scaled
     yield Sentence(
-        words=(
-            "Over all rotations and translations: the sum of weighted squared distances at the "
-            "pose given below with all digits, by its quaternion and its translation, exceeds the "
-            f"minimum by at most {at_most(bounds.greatest_gap)}."
-        ),
+        words=gap_words(motion, what, bounds.greatest_gap),
         guarantee=Guarantee.EXACT,
-        theorems=("optimality_certificate", "translation_gap"),
+        theorems=tuple(theorems),
     )
 
 
