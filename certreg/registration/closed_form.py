@@ -106,7 +106,7 @@ def register(
     ------
     InvalidProblemError
         For arrays that are no clouds in correspondence, a number of threads below 1, another word
-        for the scale, and a scale or a rotation alone beside springs.
+        for the scale, and a free scale beside springs.
     DegenerateProblemError
         Where rounding may turn the pose by more than 1e-3 rad: above all where the best rotation is
         not unique, as for points on one line. Of springs where a shift or a turn is undetermined,
