@@ -1241,13 +1241,13 @@ class CheckedSprings:
         require(weight > 0, "all springs are 0")
         means = [sum([row[3 * j + 3] for row in H[: 3 * moves]]) for j in range(3)]  # times weight
         lever = sum([row[0] for row in H[3:12]]) - Fraction(sum([k * k for k in means]), weight)
-        for _ in range(3):
+        for _ in H[: 3 * moves]:
             (p, *h), *rows = rows
-            of, free = enumerate(rows), free + (moves and p == 0)
-            if p and moves:
+            of, free = enumerate(rows), free + (p == 0)
+            if p:
                 rows = [[(p * a - h[i] * b) // last for a, b in zip(r, h[i:])] for i, r in of]
                 last = p
-        form = [*chain(*rows)]
+        form = [*chain(*rows[-10:])]
         F = [sum([k * form[at] for at, k in terms.items()]) for terms in _quartic_terms().values()]
         return cls(F, _dyadic(1, e) / last, free, weight * _dyadic(1, e) / 3, lever * _dyadic(1, e))
 

@@ -369,6 +369,7 @@ def settled(checker: Any, width: Fraction, claims: dict[str, Any]) -> bool:
         second=Fraction(-9),
         n=1,
         digest="",
+        rotation_only=None,
         _told=lambda _: [],
     )
     settle: Any = vars(checker.SpringsListStatement)["_settled"]

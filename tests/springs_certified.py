@@ -25,10 +25,10 @@ class Certified:
     certificate: Any  # of a sum of squares; None where no proof was found
 
 
-def certificate_of(problem: RegistrationProblem) -> Any:
+def certificate_of(problem: RegistrationProblem, **asked: Any) -> Any:
     """By a sum of squares."""
     objective = Springs.of(problem)
-    return springs_certificate(problem, objective, find_optimum(objective))
+    return springs_certificate(problem, objective, find_optimum(objective), **asked)
 
 
 @cache
