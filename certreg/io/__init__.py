@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from certreg.io.streams import Place as Place
     from certreg.io.streams import number as number
     from certreg.io.streams import reading as reading
+    from certreg.io.streams import refused as refused
     from certreg.io.streams import require_ending as require_ending
     from certreg.io.text import TEXT_FORMATS as TEXT_FORMATS
     from certreg.io.text import parse_rows as parse_rows
@@ -77,6 +78,7 @@ __getattr__ = lazy_face(
             "Place",
             "number",
             "reading",
+            "refused",
             "require_ending",
         ),
         "text": (
