@@ -9,17 +9,14 @@ from certreg._loading import lazy_face
 if TYPE_CHECKING:
     from certreg.problem.arrays import as_doubles as as_doubles
     from certreg.problem.arrays import cloud_array as cloud_array
+    from certreg.problem.arrays import contiguous as contiguous
     from certreg.problem.arrays import data_frame as data_frame
     from certreg.problem.arrays import finite_doubles as finite_doubles
+    from certreg.problem.arrays import first_row as first_row
     from certreg.problem.arrays import mapped_file as mapped_file
     from certreg.problem.arrays import real_numbers as real_numbers
     from certreg.problem.arrays import remedy_of_shape as remedy_of_shape
     from certreg.problem.arrays import row_blocks as row_blocks
-    from certreg.problem.blocks import Block as Block
-    from certreg.problem.blocks import PointBlock as PointBlock
-    from certreg.problem.blocks import SpringBlock as SpringBlock
-    from certreg.problem.blocks import contiguous as contiguous
-    from certreg.problem.blocks import first_row as first_row
     from certreg.problem.bounds import LEAST_PAIRS as LEAST_PAIRS
     from certreg.problem.bounds import MOST_PAIRS as MOST_PAIRS
     from certreg.problem.bounds import bounded as bounded
@@ -30,6 +27,7 @@ if TYPE_CHECKING:
     from certreg.problem.effort import checked_threads as checked_threads
     from certreg.problem.exact_sums import FACTORS as FACTORS
     from certreg.problem.exact_sums import UPPER as UPPER
+    from certreg.problem.exact_sums import Sums as Sums
     from certreg.problem.exact_sums import second_method as second_method
     from certreg.problem.exact_sums import sums_by as sums_by
     from certreg.problem.floating_springs import FloatingSpringMoments as FloatingSpringMoments
@@ -87,8 +85,6 @@ if TYPE_CHECKING:
     from certreg.problem.spring_rows import require_not_of_source as require_not_of_source
     from certreg.problem.spring_rows import unused_springs as unused_springs
     from certreg.problem.spring_rows import warn_of_unused as warn_of_unused
-    from certreg.problem.spring_sums import second_spring_method as second_spring_method
-    from certreg.problem.spring_sums import spring_sums_by as spring_sums_by
     from certreg.problem.springs import GivenSprings as GivenSprings
     from certreg.problem.springs import SpringSummary as SpringSummary
     from certreg.problem.support import Cell as Cell
@@ -96,6 +92,7 @@ if TYPE_CHECKING:
     from certreg.problem.support import Verb as Verb
     from certreg.problem.support import refusal as refusal
     from certreg.problem.support import require_supported as require_supported
+    from certreg.problem.terms import Pairs as Pairs
 
 __getattr__ = lazy_face(
     __name__,
@@ -103,19 +100,14 @@ __getattr__ = lazy_face(
         "arrays": (
             "as_doubles",
             "cloud_array",
+            "contiguous",
             "data_frame",
             "finite_doubles",
+            "first_row",
             "mapped_file",
             "real_numbers",
             "remedy_of_shape",
             "row_blocks",
-        ),
-        "blocks": (
-            "Block",
-            "PointBlock",
-            "SpringBlock",
-            "contiguous",
-            "first_row",
         ),
         "bounds": ("LEAST_PAIRS", "MOST_PAIRS", "bounded", "checked_bounds"),
         "breaking": (
@@ -126,6 +118,7 @@ __getattr__ = lazy_face(
         "exact_sums": (
             "FACTORS",
             "UPPER",
+            "Sums",
             "second_method",
             "sums_by",
         ),
@@ -192,10 +185,6 @@ __getattr__ = lazy_face(
             "labels_of",
             "require_same_labels",
         ),
-        "spring_sums": (
-            "second_spring_method",
-            "spring_sums_by",
-        ),
         "spring_rows": (
             "SPRING_COLUMNS",
             "held_by",
@@ -215,5 +204,6 @@ __getattr__ = lazy_face(
             "refusal",
             "require_supported",
         ),
+        "terms": ("Pairs",),
     },
 )

@@ -17,11 +17,11 @@ import numpy as np
 from certreg._loading import cached_property
 from certreg.native import library_if_any
 from certreg.problem.arrays import row_blocks
-from certreg.problem.blocks import SpringBlock
 from certreg.problem.exact_sums import UPPER
 from certreg.problem.floating_sums import total
 from certreg.problem.moments import near_mean
 from certreg.problem.spring_sums import COORDINATES
+from certreg.problem.terms import Pairs
 from certreg.results import Brief
 
 if TYPE_CHECKING:
@@ -122,12 +122,12 @@ def _summed(
     return np.array([total(row) for row in table.tolist()])
 
 
-def _blocks(problem: RegistrationProblem) -> Iterator[SpringBlock]:
-    return map(problem.spring_block, row_blocks(problem.n))
+def _blocks(problem: RegistrationProblem) -> Iterator[Pairs]:
+    return map(problem.block, row_blocks(problem.n))
 
 
 def _of_block(
-    block: SpringBlock, origin: NDArray[np.float64], exponents: tuple[int, int]
+    block: Pairs, origin: NDArray[np.float64], exponents: tuple[int, int]
 ) -> NDArray[np.float64]:
     """(73, 2), values and what rounding left of them; (73, 1) where nothing is compiled."""
     if exponents != (0, 0):
@@ -142,19 +142,17 @@ def _of_block(
     return sums
 
 
-def _over(
-    block: SpringBlock, origin: NDArray[np.float64], exponents: tuple[int, int]
-) -> SpringBlock:
+def _over(block: Pairs, origin: NDArray[np.float64], exponents: tuple[int, int]) -> Pairs:
     """Deviations and factors over powers of two, without overflow: first halved, then the rest."""
     length, factor = exponents
     source, target = (
         np.ldexp(0.5 * side - 0.5 * part, 1 - length)
         for side, part in ((block.source, origin[:3]), (block.target, origin[3:]))
     )
-    return SpringBlock(source=source, target=target, factors=np.ldexp(block.factors, -factor))
+    return Pairs(source=source, target=target, springs=np.ldexp(block.factors, -factor))
 
 
-def summed_in_numpy(block: SpringBlock, origin: NDArray[np.float64]) -> NDArray[np.float64]:
+def summed_in_numpy(block: Pairs, origin: NDArray[np.float64]) -> NDArray[np.float64]:
     """(73,): the sums, where nothing is compiled."""
     with np.errstate(over="ignore", invalid="ignore", under="ignore"):
         x, y = block.source - origin[:3], block.target - origin[3:]

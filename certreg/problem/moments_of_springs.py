@@ -10,15 +10,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from certreg.problem.spring_sums import spring_sums
+from certreg.problem.spring_sums import SPRUNG
 from certreg.results import Brief
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from certreg.geometry import Matrix3, Vector3
+    from certreg.problem.exact_sums import Sums
     from certreg.problem.problem import RegistrationProblem
-    from certreg.problem.spring_sums import SpringSums
 
 Six = tuple[int, int, int, int, int, int]
 
@@ -53,10 +53,10 @@ class SpringMoments(Brief):
 
 def spring_moments(problem: RegistrationProblem) -> SpringMoments:
     """The moments of a problem of general springs, in integers: no rounding anywhere."""
-    return spring_moments_of(spring_sums(problem), problem.n)
+    return spring_moments_of(SPRUNG.of(problem), problem.n)
 
 
-def spring_moments_of(sums: SpringSums, n: int) -> SpringMoments:
+def spring_moments_of(sums: Sums, n: int) -> SpringMoments:
     """The moments that exact sums over n points make."""
     numbers = sums.integers
     sixes = [_six(numbers[k : k + 6]) for k in range(24, 60, 6)]

@@ -47,7 +47,7 @@ if TYPE_CHECKING:
 
     from certreg.geometry import Pose, Similarity
     from certreg.objective import Isotropic
-    from certreg.problem import Block, RegistrationProblem
+    from certreg.problem import Pairs, RegistrationProblem
 
 PARAMETERS = 6  # of a pose in a matrix: a translation that is given has rows of 0 there
 TURN = 3  # where its rotation begins
@@ -369,7 +369,7 @@ def least_correlation(matrix: NDArray[np.float64]) -> float:
 
 
 def residual_distances(
-    points: RegistrationProblem | Block, pose: Pose | Similarity
+    points: RegistrationProblem | Pairs, pose: Pose | Similarity
 ) -> NDArray[np.float64]:
     """(N,), |y_i - R x_i - t|, in the unit of length; no square of a length is formed."""
     with np.errstate(over="ignore", invalid="ignore"):

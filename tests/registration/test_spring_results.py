@@ -42,7 +42,7 @@ def registered(family: str, **more: Any) -> Any:
 
 def energy(problem: RegistrationProblem, rotation: Array, translation: Array) -> float:
     """The objective, by the definition."""
-    block = problem.spring_block(slice(None))
+    block = problem.block(slice(None))
     residuals = block.target - block.source @ rotation.T - translation
     springs = np.einsum("kij,klj->kil", *[lower_triangles(block.factors)] * 2)
     return float(np.einsum("ki,kij,kj->", residuals, springs, residuals))
@@ -140,7 +140,7 @@ def test_springs_alike_in_every_way_give_the_numbers_of_the_road_of_one_weight()
 def test_residuals_of_planes_and_lines_are_the_distances_to_them():
     for family in ("plane", "line"):
         found = registered(family)
-        block = found.problem.spring_block(slice(None))
+        block = found.problem.block(slice(None))
         moved = found.pose.apply(block.source)
         nearest = SpringAxes.of(block.factors).pulled_to(moved, block.target)
 
