@@ -134,24 +134,19 @@ EMPTY = Sums(
 class Summation:
     """How the sums over pairs with one kind of springs are taken.
 
-    methods: each makes the sums of some pairs. fastest: of them, on this machine. second: another
-    one, for a second opinion, that shares no step with it; else Python's integers. empty: no pairs.
+    methods: each makes the sums of some pairs. fastest: of them, on this machine. opinions: two
+    that share no step, each a second opinion on the other. empty: the sums over no pairs.
     """
 
     methods: Mapping[SumMethod, Callable[[Pairs], Sums]]
     fastest: Callable[[RegistrationProblem], SumMethod]
-    second: Mapping[SumMethod, SumMethod]
+    opinions: tuple[SumMethod, SumMethod]
     empty: Sums
 
     def by(self, method: SumMethod, problem: RegistrationProblem, threads: int) -> Sums:
         """The sums over all pairs by one method; Python's integers are added by one thread."""
-        summed = self.methods[method]
-        return over_blocks(
-            lambda rows: summed(problem.block(rows)),
-            problem.n,
-            1 if method is SumMethod.INTEGERS else threads,
-            self.empty,
-        )
+        summed, count = self.methods[method], 1 if method is SumMethod.INTEGERS else threads
+        return over_blocks(lambda rows: summed(problem.block(rows)), problem.n, count, self.empty)
 
     def of(self, problem: RegistrationProblem) -> Sums:
         """The sums over all pairs, by the fastest method here."""
@@ -170,25 +165,20 @@ def fastest_method(problem: RegistrationProblem) -> SumMethod:
 
 def second_method(problem: RegistrationProblem) -> SumMethod:
     """Another method than the fastest one, for a second opinion; the two share no step."""
-    summation = summation_of(problem)
-    return summation.second.get(summation.fastest(problem), SumMethod.INTEGERS)
+    one, other = summation_of(problem).opinions
+    return {one: other, other: one}.get(fastest_method(problem), SumMethod.INTEGERS)
 
 
 def sums_by(method: SumMethod, problem: RegistrationProblem, *, threads: int = THREADS) -> Sums:
     """The sums over all pairs by one method. Raises MissingLibraryError.
 
-    Blocks with numbers of too many sizes for the method go by another one that shares no step with
-    exponents: by limbs, and where these would be too many, by Python's integers.
-    threads: how many may work at once; Python's integers are added by one.
+    Blocks with numbers of too many sizes for it go by limbs or integers, never by exponents.
     """
     return summation_of(problem).by(method, problem, threads)
 
 
 def over_blocks(summed: Callable[[slice], Sums], n: int, threads: int, empty: Sums) -> Sums:
-    """The sums over n rows: of k threads each takes every k-th block.
-
-    All end when one fails, or at Ctrl-C.
-    """
+    """The sums over n rows: each of k threads takes every k-th; all end when one fails."""
     blocks = list(row_blocks(n))
     if len(blocks) == 1:
         return summed(blocks[0])
@@ -449,10 +439,7 @@ WEIGHTED = Summation(
         SumMethod.FIXED_POINT: lambda pairs: _by_fixed_point(loaded_library(), pairs),
     },
     fastest=_fastest,
-    second={
-        SumMethod.FIXED_POINT: SumMethod.BY_EXPONENT,
-        SumMethod.BY_EXPONENT: SumMethod.FIXED_POINT,
-    },
+    opinions=(SumMethod.FIXED_POINT, SumMethod.BY_EXPONENT),
     empty=EMPTY,
 )
 SUMMATIONS = {  # by whether springs are matrices

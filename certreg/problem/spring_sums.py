@@ -140,6 +140,6 @@ SPRUNG = Summation(
         SumMethod.LIMBS: _by_limbs,
     },
     fastest=_fastest,
-    second={SumMethod.LIMBS: SumMethod.BY_EXPONENT, SumMethod.BY_EXPONENT: SumMethod.LIMBS},
+    opinions=(SumMethod.LIMBS, SumMethod.BY_EXPONENT),
     empty=EMPTY,
 )
