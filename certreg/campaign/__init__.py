@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from certreg.campaign.table import Block as Block
     from certreg.campaign.table import Column as Column
     from certreg.campaign.table import csv_bytes as csv_bytes
+    from certreg.campaign.table import records_bytes as records_bytes
     from certreg.campaign.table import require_parquet as require_parquet
     from certreg.campaign.table import write_table as write_table
     from certreg.campaign.task import Task as Task
@@ -63,6 +64,7 @@ __getattr__ = lazy_face(
             "Column",
             "SUMMARY",
             "csv_bytes",
+            "records_bytes",
             "require_parquet",
             "write_table",
         ),

@@ -13,9 +13,7 @@ not proved. An instance whose paths did not all end apart is left out, and said 
 
 from __future__ import annotations
 
-import csv
 import enum
-import io
 import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -242,13 +240,3 @@ def spring_rows(counts: Sequence[SpringCounts]) -> Iterator[dict[str, Any]]:
             "ended_wrong_high": ended[1],
             "unsettled": each.ended(RunEnd.UNSETTLED),
         }
-
-
-def spring_table(counts: Sequence[SpringCounts]) -> bytes:
-    """The rows as CSV with a header; nothing where a number is None."""
-    text = io.StringIO()
-    rows = list(spring_rows(counts))
-    writer = csv.DictWriter(text, list(rows[0]), lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(rows)
-    return text.getvalue().encode()
