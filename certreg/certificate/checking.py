@@ -11,7 +11,7 @@ from fractions import Fraction
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from certreg import problem as problems  # whose names load NumPy, which most here do without
+from certreg import problem as problems  # it loads NumPy, which most here do without
 from certreg.certificate.differing import told_apart
 from certreg.certificate.envelope import certificate_bytes
 from certreg.certificate.mistaken import why_no_certificate, why_no_certificates

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-# Of these wings names are asked where they are needed: they load NumPy.
+# These load NumPy, and are loaded where they are needed.
 from certreg import registration, report
 from certreg.errors import CertregError
 

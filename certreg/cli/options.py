@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-# Of these wings names are asked where they are needed: they load NumPy, `certreg verify` does not.
+# These load NumPy, and are loaded where they are needed: `certreg verify` does without.
 from certreg import certificate, io, registration
 from certreg import problem as problems
 from certreg.cli.numbers import FROM_ZERO, NUMBER

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-# Of this wing names are asked where they are needed: they load NumPy.
+# These load NumPy, and are loaded where they are needed.
 from certreg import io
 from certreg import problem as problems
 from certreg.cli.numbers import NUMBER

@@ -105,7 +105,8 @@ class SprungBody(ValleyBody):
 class CentredSums:
     """The 73 sums about the source's centre of mass and an origin of the target, in fractions.
 
-    As in `certreg.problem.SpringMoments`, in the user's unit; scatter: six rows of six.
+    As in `certreg.problem.moments_of_springs.SpringMoments`, in the user's unit. scatter: six rows
+    of six.
     """
 
     stiffness: list[Fraction]

@@ -15,7 +15,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from certreg import native  # asked for its generator where that is needed: it loads CasADi
+from certreg import native  # it loads CasADi
 from certreg._loading import library
 from certreg.campaign import LocalWorkers
 from certreg.errors import CertregError

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Literal, TypedDict, cast
 
-from certreg import problem as problems  # of whose names most calls need none
+from certreg import problem as problems
 from certreg._loading import late
 from certreg.dynamics import SimulationSettings
 from certreg.native import Integrator

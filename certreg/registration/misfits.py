@@ -38,7 +38,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg import problem as problems
+from certreg import problem as problems  # loaded where it is asked: few problems need it
 from certreg._loading import cached_property
 from certreg.exact import nearest_or_zero, power_of_two, rank
 from certreg.geometry import squared_norm
@@ -269,7 +269,6 @@ def _outlier_remedy(rows: RowFit, names: RowNames) -> str:
     which = names.words(rows.far, k) if k <= NAMED_AGAIN else "these rows"
     they, them = ("it is", "it") if k == 1 else ("they are", "them")
     remedy = f"check {which}; if {they} wrong, mend {them} or leave {them} out, and certify again"
-    # Asked of the face, which loads what few problems need.
     return f"{remedy}{PROVE_WRONG}" if rows.rows <= problems.MOST_PAIRS else remedy
 
 

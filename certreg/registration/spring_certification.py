@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg import certificate as proofs  # what proposes and proves is loaded where it is called
+from certreg import certificate as proofs  # what proves is loaded where it is called
 from certreg import relaxation
 from certreg.certificate import (
     ExactPose,

@@ -7,7 +7,7 @@ import math
 from fractions import Fraction
 from typing import TYPE_CHECKING, cast
 
-from certreg import registration as made  # whose results with a free scale are few
+from certreg import registration as made  # of a free scale
 from certreg._loading import late
 from certreg.exact import double_above, nearest_double
 from certreg.registration import (

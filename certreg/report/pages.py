@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, cast
 
-from certreg import registration as made  # whose other kinds of results most pages do without
+from certreg import registration as made  # most pages do without
 from certreg._loading import late
 from certreg.registration import AnyRegistration
 from certreg.report.page import Report

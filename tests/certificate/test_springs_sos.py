@@ -18,7 +18,11 @@ from certreg.certificate import (
     Certificate,
     ExactPose,
     blockwise,
+    checking,
+    producing,
+    producing_springs,
     sin2_half_angle_between,
+    spring_bounds,
 )
 from certreg.certificate.squares import sos_body
 from certreg.objective import Isotropic, Springs
@@ -26,9 +30,11 @@ from certreg.problem import RegistrationProblem, exact_moments, spring_moments
 from certreg.relaxation import find_optimum
 
 checker: Any = import_module("certreg.verify")
-proofs: Any = import_module("certreg.certificate")  # whose results may be None, and are not here
-spring_pose_bounds, produce = proofs.spring_pose_bounds, proofs.produce
-springs_certificate, verify = proofs.springs_certificate, proofs.verify
+# Whose results may be None, and are not here.
+spring_pose_bounds: Any = spring_bounds.spring_pose_bounds
+springs_certificate: Any = producing_springs.springs_certificate
+produce: Any = producing.produce
+verify: Any = checking.verify
 SCHEMAS = Path(checker.__file__).parent / "report" / "schemas"
 CELLS = [
     ("plane", 7, 0.1),

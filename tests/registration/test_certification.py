@@ -18,7 +18,7 @@ from certreg.dynamics import SimulationSettings, Trajectory, optimal_damping
 from certreg.errors import ContradictionError, InvalidFileError, InvalidProblemError
 from certreg.objective import Isotropic
 from certreg.problem import RegistrationProblem, exact_moments
-from certreg.registration import certify
+from certreg.registration import assess, certify
 from certreg.registration.simulation import ProblemTrajectory, final_state, proved_end
 from certreg.relaxation.conic import ConicSolution, RelaxationStatus
 from certreg.results import Absent, Limits, Optimality, Ruling, Verdict
@@ -60,7 +60,7 @@ def test_what_is_not_asked_for_is_not_computed(bare: Registration, monkeypatch: 
 
     monkeypatch.setattr(CERTIFICATION, "relax", computed)
     monkeypatch.setattr(CERTIFICATION, "simulated_motion", computed)
-    import_module("certreg.registration").assess(PROBLEM, np.eye(3), np.zeros(3))
+    assess(PROBLEM, np.eye(3), np.zeros(3))
 
 
 def simulated(problem: RegistrationProblem, settings: SimulationSettings | None = None) -> Any:
