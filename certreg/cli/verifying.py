@@ -8,8 +8,9 @@ import click
 
 from certreg.certificate import verify as checked
 from certreg.certificate import verify_lines, verify_with_coq
+from certreg.cli.certified_clouds import bound_clouds
 from certreg.cli.numbers import NUMBER
-from certreg.cli.options import CLOUD, bound_clouds, certificate_argument
+from certreg.cli.options import CLOUD, certificate_argument
 from certreg.cli.writing import WritingCommand
 from certreg.registration import DONE, REFUSED
 
