@@ -34,7 +34,7 @@ from certreg.registration import (
     worst,
 )
 from certreg.registration import certify as certified
-from certreg.report import printable
+from certreg.report import FILES, REPORT, printable
 from certreg.verify import shown
 
 if TYPE_CHECKING:
@@ -46,7 +46,7 @@ if TYPE_CHECKING:
     from certreg.registration import ConsensusRegistration, FitDemands, TruncatedRegistration
 
 
-@click.command(cls=WritingCommand, files=report.FILES, epilog=EXIT_CODES)
+@click.command(cls=WritingCommand, files=FILES, epilog=EXIT_CODES)
 @cloud_options
 @limit_options
 @fit_options
@@ -130,7 +130,7 @@ def certify(
 
 def _tell_files(certificate: Path) -> None:
     """Where the certificate and the page are, and what to type to check it again."""
-    place, page = printable(certificate), certificate.with_name(report.REPORT)
+    place, page = printable(certificate), certificate.with_name(REPORT)
     click.echo(f"\nCertificate: {place}  (re-check it: certreg verify {shlex.quote(place)})")
     if page.exists():
         click.echo(f"Report: {printable(page)}  (open it in a browser)")
@@ -181,7 +181,7 @@ def demo(out: Path) -> int:
             code = REFUSED
         click.echo(f"  certificate: {path}")
         if path is not None:
-            click.echo(f"  report:      {path.with_name(report.REPORT)}\n")
+            click.echo(f"  report:      {path.with_name(REPORT)}\n")
     click.echo("Every certificate above was accepted by the checker. Check them yourself:")
     certificate = shown(out / STORIES[0].name / "certificate.json")
     click.echo(f"  {_own_name()} verify {shlex.quote(certificate)}")
