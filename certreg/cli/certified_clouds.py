@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-# These load NumPy, and are loaded where they are needed: `certreg verify` does without.
-from certreg import certificate, io
+from certreg._loading import late
 from certreg.cli.numbers import NUMBER
 from certreg.cli.options import (
     CLOUD,
@@ -21,16 +20,24 @@ from certreg.cli.options import (
     spring_options,
 )
 from certreg.cli.wrong_pairs import certified_bounds
-from certreg.io import TEXT_FORMATS, read_clouds
+from certreg.io.text import TEXT_FORMATS, read_clouds
 from certreg.verify import INLINE_MAX, Clouds
 
 if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
+    from certreg.certificate import checking
     from certreg.cli.wrong_pairs import WrongPairs
-    from certreg.io import Pair, Pairing
-    from certreg.problem import RegistrationProblem
+    from certreg.io import pairing as io_pairing
+    from certreg.io import problems
+    from certreg.io.pairing import Pair, Pairing
+    from certreg.problem.problem import RegistrationProblem
+else:
+    # These load NumPy, and are loaded where they are needed: `certreg verify` does without.
+    checking = late("certreg.certificate.checking")
+    io_pairing = late("certreg.io.pairing")
+    problems = late("certreg.io.problems")
 
 
 def bound_clouds(*, lightly: bool) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
@@ -71,8 +78,8 @@ def bound_clouds(*, lightly: bool) -> Callable[[Callable[..., Any]], Callable[..
             clouds, pair, notes = None, None, list[str]()
             if paths and (springs or wrong) is not None:
                 chosen = {} if springs is None else {"springs": springs}
-                pairing = pairing or io.BY_LABEL
-                clouds, pair = io.read_problem(*paths, **noise, pairing=pairing, **chosen)
+                pairing = pairing or io_pairing.BY_LABEL
+                clouds, pair = problems.read_problem(*paths, **noise, pairing=pairing, **chosen)
                 notes = pair.notes
             elif paths:
                 clouds, notes = _clouds_to_bind(*paths, **noise, pairing=pairing, lightly=lightly)
@@ -126,7 +133,7 @@ def _of_any_weight(clouds: RegistrationProblem | Clouds) -> Clouds:
 
 def _bounded(clouds: Any, pair: Pair, wrong: WrongPairs) -> Clouds:
     """The clouds of a problem with the bounds of its pairs."""
-    return certificate.bounded_clouds(clouds, wrong.bounds(pair), wrong.objective)
+    return checking.bounded_clouds(clouds, wrong.bounds(pair), wrong.objective)
 
 
 def _of_model(
@@ -152,8 +159,8 @@ def _clouds_to_bind(
     files = (source, target) if weights is None else (source, target, weights)
     if lightly and pairing is None and all(file.suffix.lower() in TEXT_FORMATS for file in files):
         return read_clouds(source, target, sigma=sigma, weights=weights)
-    problem, pair = io.read_problem(
-        source, target, sigma=sigma, weights=weights, pairing=pairing or io.BY_LABEL
+    problem, pair = problems.read_problem(
+        source, target, sigma=sigma, weights=weights, pairing=pairing or io_pairing.BY_LABEL
     )
     weighed = sigma is not None or weights is not None or pair.weighed
     if weighed or problem.n > INLINE_MAX:

@@ -13,18 +13,33 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-# These load NumPy, and are loaded where they are needed: `certreg verify` does without.
-from certreg import io, registration
-from certreg import problem as problems
+from certreg._loading import late
 from certreg.cli.numbers import FROM_ZERO, NUMBER
 from certreg.errors import SlowSimulationWarning
-from certreg.report import printable
+from certreg.report.markup import printable
 from certreg.results import MAX_ANGLE, MAX_GAP, Limits
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Generator
 
-    from certreg.io import Pairing, SpringSource
+    from certreg.io import labels
+    from certreg.io import pairing as io_pairing
+    from certreg.io import problems as io_problems
+    from certreg.io import springs as io_springs
+    from certreg.io.pairing import Pairing
+    from certreg.io.springs import SpringSource
+    from certreg.problem import motion, support
+    from certreg.registration import certification, exit_codes
+else:
+    # These load NumPy, and are loaded where they are needed: `certreg verify` does without.
+    labels = late("certreg.io.labels")
+    io_pairing = late("certreg.io.pairing")
+    io_problems = late("certreg.io.problems")
+    io_springs = late("certreg.io.springs")
+    certification = late("certreg.registration.certification")
+    exit_codes = late("certreg.registration.exit_codes")
+    motion = late("certreg.problem.motion")
+    support = late("certreg.problem.support")
 
 EXIT_CODES = """
 \b
@@ -97,9 +112,9 @@ def pairing_options(command: Callable[..., Any]) -> Callable[..., Any]:
             raise click.UsageError(message)
         if pairs is None and match == "all" and not ignore_weights:
             return command(*args, pairing=None, **options)
-        pairing = io.Pairing(
+        pairing = io_pairing.Pairing(
             pairs=pairs,
-            match=io.Match(match),
+            match=labels.Match(match),
             one_to_one=one_to_one,
             ignore_weights=ignore_weights,
         )
@@ -127,7 +142,9 @@ def spring_options(command: Callable[..., Any]) -> Callable[..., Any]:
     def wrapped(*args: Any, columns: tuple[str, ...], **options: Any) -> Any:
         given = {kind: options.pop(kind) for kind in SPRING_FILES}
         files = {kind: path for kind, path in given.items() if path is not None}
-        springs = io.SpringSource(columns=columns, files=files) if columns or files else None
+        springs = (
+            io_springs.SpringSource(columns=columns, files=files) if columns or files else None
+        )
         return command(*args, springs=springs, **options)
 
     return wrapped
@@ -148,7 +165,7 @@ def model_options(command: Callable[..., Any]) -> Callable[..., Any]:
     @click.option("--rotation-only", is_flag=True, help="No translation: rows are directions.")
     @functools.wraps(command)
     def wrapped(*args: Any, scale: str, rotation_only: bool, **options: Any) -> Any:
-        model = {"scale": problems.Scale(scale), "rotation_only": rotation_only}
+        model = {"scale": motion.Scale(scale), "rotation_only": rotation_only}
         return command(*args, model=model, **options)
 
     return wrapped
@@ -203,7 +220,7 @@ def fit_options(command: Callable[..., Any]) -> Callable[..., Any]:
         if max_rmse is not None and not math.isfinite(max_rmse):
             message = f"--max-rmse is {max_rmse}: give a finite number, 0 or more"
             raise click.UsageError(message)
-        demands = registration.FitDemands(require_fit=require_fit, max_rmse=max_rmse)
+        demands = exit_codes.FitDemands(require_fit=require_fit, max_rmse=max_rmse)
         return command(*args, demands=demands, **options)
 
     return wrapped
@@ -252,20 +269,20 @@ def cloud_options(command: Callable[..., Any]) -> Callable[..., Any]:
     ) -> Any:
         if sigma is not None and weights is not None:
             raise click.UsageError(SIGMA_OR_WEIGHTS)
-        loss = problems.Loss.of(options.get("objective"), options.get("max_residual"))
-        problems.require_supported(problems.Cell(springs=springs is not None, loss=loss, **model))
-        stated, pair = io.read_problem(
+        loss = support.Loss.of(options.get("objective"), options.get("max_residual"))
+        support.require_supported(support.Cell(springs=springs is not None, loss=loss, **model))
+        stated, pair = io_problems.read_problem(
             source,
             target,
             sigma=sigma,
             weights=weights,
             damping=damping if isinstance(damping, float) else None,
-            pairing=pairing or io.BY_LABEL,
+            pairing=pairing or io_pairing.BY_LABEL,
             **({} if springs is None else {"springs": springs}),
         )
         stated = stated.modelled(**model)
         if damping == OPTIMAL and options.get("max_residual") is None:
-            stated = registration.optimally_damped(stated)  # else that of the pairs within
+            stated = certification.optimally_damped(stated)  # else that of the pairs within
         for note in pair.notes:
             click.echo(f"note: {note}", err=True)
         with _patience(f"working on {stated.n} correspondences"):

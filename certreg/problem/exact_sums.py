@@ -23,7 +23,8 @@ from typing import TYPE_CHECKING, ClassVar, Self, TypeVar
 
 import numpy as np
 
-from certreg.native import MissingLibraryError, loaded_library
+from certreg.native.kernels import MissingLibraryError
+from certreg.native.library import loaded_library
 from certreg.problem.arrays import row_blocks
 from certreg.problem.lifting import lift
 
@@ -32,7 +33,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from certreg.native import FixedSums, Library
+    from certreg.native.library import FixedSums, Library
     from certreg.problem.blocks import Block
     from certreg.problem.problem import RegistrationProblem
 

@@ -13,7 +13,8 @@ from itertools import product
 from operator import mul
 from typing import TYPE_CHECKING, ClassVar
 
-from certreg.native import library_if_any, loaded_library, springs_by_exponent, springs_by_limbs
+from certreg.native.library import library_if_any, loaded_library
+from certreg.native.spring_sums import springs_by_exponent, springs_by_limbs
 from certreg.problem.blocks import SpringBlock
 from certreg.problem.exact_sums import THREADS, UPPER, SumMethod, Sums, over_blocks
 from certreg.problem.lifting import lift
@@ -21,7 +22,7 @@ from certreg.problem.lifting import lift
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from certreg.native import SpringIntegers
+    from certreg.native.spring_sums import SpringIntegers
     from certreg.problem.problem import RegistrationProblem
 
 LIMB_POINTS = 1024  # from here on limbs: below, they take longer than exponents

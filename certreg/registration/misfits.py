@@ -39,16 +39,18 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from certreg._loading import cached_property
-from certreg.exact import nearest_or_zero, power_of_two, rank
-from certreg.geometry import squared_norm
-from certreg.problem import MOST_PAIRS, trace
+from certreg.exact.dyadic import nearest_or_zero, power_of_two
+from certreg.exact.elimination import rank
+from certreg.geometry.so3 import squared_norm
+from certreg.problem.bounds import MOST_PAIRS
+from certreg.problem.moments import trace
 from certreg.registration.outlying import PAIRINGS, ROUNDING
 from certreg.registration.tails import log_beta_below, log_choices, log_ratio_below
 from certreg.registration.units import UNITS
 from certreg.results import Brief
 
 if TYPE_CHECKING:
-    from certreg.objective import Isotropic
+    from certreg.objective.isotropic import Isotropic
     from certreg.registration.outlying import OtherPairing, RowFit
     from certreg.registration.row_names import RowNames
 

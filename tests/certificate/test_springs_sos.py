@@ -14,20 +14,16 @@ import pytest
 from exact_springs import choi_lam
 from springs_certified import certified
 
-from certreg.certificate import (
-    Certificate,
-    ExactPose,
-    blockwise,
-    checking,
-    producing,
-    producing_springs,
-    sin2_half_angle_between,
-    spring_bounds,
-)
+from certreg.certificate import blockwise, checking, producing, producing_springs, spring_bounds
+from certreg.certificate.bounds import ExactPose, sin2_half_angle_between
+from certreg.certificate.envelope import Certificate
 from certreg.certificate.squares import sos_body
-from certreg.objective import Isotropic, Springs
-from certreg.problem import RegistrationProblem, exact_moments, spring_moments
-from certreg.relaxation import find_optimum
+from certreg.objective.isotropic import Isotropic
+from certreg.objective.springs import Springs
+from certreg.problem.moments import exact_moments
+from certreg.problem.moments_of_springs import spring_moments
+from certreg.problem.problem import RegistrationProblem
+from certreg.relaxation.optimum import find_optimum
 
 checker: Any = import_module("certreg.verify")
 # Whose results may be None, and are not here.

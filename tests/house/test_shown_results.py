@@ -344,7 +344,7 @@ def test_words_of_a_file_are_escaped_in_a_card():
 
 
 def made_verdict(words: str) -> str:
-    from certreg.certificate import CertificateVerdict
+    from certreg.certificate.checking import CertificateVerdict
 
     return CertificateVerdict(ruling=results.Ruling.REFUTED, words=words)._repr_html_()
 

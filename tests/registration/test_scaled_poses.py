@@ -14,10 +14,10 @@ from strategies import random_rotation
 
 import certreg
 from certreg import Pose, RegistrationProblem, Similarity, assess
-from certreg.certificate import ExactPose
+from certreg.certificate.bounds import ExactPose
 from certreg.errors import InvalidProblemError
 from certreg.geometry.given import given_pose
-from certreg.objective import Isotropic
+from certreg.objective.isotropic import Isotropic
 from certreg.registration.scaled_poses import gap_parts
 from certreg.results import Optimality, PoseVerdict
 
