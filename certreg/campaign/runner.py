@@ -26,7 +26,8 @@ from certreg.errors import (
     ContradictionError,
     RefusedCertificateError,
 )
-from certreg.io import refused, write_atomically
+from certreg.io.atomic import write_atomically
+from certreg.io.streams import refused
 from certreg.verify import shown
 
 if TYPE_CHECKING:

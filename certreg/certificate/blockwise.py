@@ -1,6 +1,7 @@
 """The checker on many points: its parser and its proofs, over points that come in blocks.
 
 `certreg.verify.check` has all points in memory. Here they may stay in their files, and only the way
+from certreg.problem.exact_sums import Sums
 from the points to the checker is new: the digest is taken of the blocks, moments are added up.
 A module of its own: it loads NumPy, and `checking`, which asks it, answers without.
 """
@@ -10,13 +11,8 @@ from __future__ import annotations
 from itertools import combinations_with_replacement
 from typing import TYPE_CHECKING
 
-from certreg.problem import (
-    FACTORS,
-    UPPER,
-    row_blocks,
-    second_method,
-    sums_by,
-)
+from certreg.problem.arrays import row_blocks
+from certreg.problem.exact_sums import FACTORS, UPPER, second_method, sums_by
 from certreg.verify import (
     Outcome,
     RefusalError,
@@ -31,7 +27,8 @@ from certreg.verify import (
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from certreg.problem import RegistrationProblem, Sums
+    from certreg.problem.exact_sums import Sums
+    from certreg.problem.problem import RegistrationProblem
     from certreg.verify import Limits
 
 Table = list[list[int]]

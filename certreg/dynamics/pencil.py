@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.geometry import rotation_matrix
-from certreg.native import library_if_any
+from certreg.geometry.so3 import rotation_matrix
+from certreg.native.library import library_if_any
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

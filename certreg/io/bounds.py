@@ -9,7 +9,7 @@ import numpy as np
 from certreg.io.npy import read_array
 from certreg.io.streams import refused
 from certreg.io.text import read_numbers
-from certreg.problem import first_row
+from certreg.problem.arrays import first_row
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -13,7 +13,7 @@ from certreg.io.optional import unknown_format
 from certreg.io.standard_input import is_standard_input, standard_input
 from certreg.io.streams import reading, refused
 from certreg.io.text import TEXT_FORMATS, parse_points
-from certreg.problem import first_row, remedy_of_shape
+from certreg.problem.arrays import first_row, remedy_of_shape
 from certreg.results import Brief
 
 if TYPE_CHECKING:

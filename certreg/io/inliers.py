@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from certreg.io.labels import text_of_field
 from certreg.io.streams import count, refused
 from certreg.io.text import read_rows
-from certreg.problem import INLIER_WORDS
+from certreg.problem.inliers import INLIER_WORDS
 from certreg.verify import shown
 
 if TYPE_CHECKING:

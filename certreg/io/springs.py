@@ -14,7 +14,7 @@ from certreg._loading import late
 from certreg.errors import InvalidFileError, InvalidProblemError
 from certreg.io.standard_input import is_standard_input
 from certreg.io.streams import refused
-from certreg.problem import held_rows, require_not_of_source
+from certreg.problem.spring_rows import held_rows, require_not_of_source
 from certreg.results import Brief
 from certreg.verify import shown
 

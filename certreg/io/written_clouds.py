@@ -15,7 +15,7 @@ from certreg.io.labels import csv_field
 from certreg.io.npy import write_array
 from certreg.io.ply import write_ply
 from certreg.io.streams import refused
-from certreg.problem import contiguous, row_blocks
+from certreg.problem.arrays import contiguous, row_blocks
 from certreg.verify import shown
 
 if TYPE_CHECKING:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.geometry import quaternion_from_matrix, rotation_matrix
+from certreg.geometry.so3 import quaternion_from_matrix, rotation_matrix
 from certreg.native.layout import (
     BREATHING_STATE,
     ENERGIES,

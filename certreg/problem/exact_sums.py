@@ -24,7 +24,8 @@ from typing import TYPE_CHECKING, ClassVar, Self
 import numpy as np
 
 from certreg._loading import found_late
-from certreg.native import MissingLibraryError, loaded_library
+from certreg.native.kernels import MissingLibraryError
+from certreg.native.library import loaded_library
 from certreg.problem.arrays import row_blocks
 from certreg.problem.lifting import lift
 
@@ -33,7 +34,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from certreg.native import FixedSums, Library
+    from certreg.native.library import FixedSums, Library
     from certreg.problem.problem import RegistrationProblem
     from certreg.problem.terms import Pairs
 

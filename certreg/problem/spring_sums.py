@@ -13,14 +13,15 @@ from itertools import product
 from operator import mul
 from typing import TYPE_CHECKING, ClassVar
 
-from certreg.native import library_if_any, loaded_library, springs_by_exponent, springs_by_limbs
+from certreg.native.library import library_if_any, loaded_library
+from certreg.native.spring_sums import springs_by_exponent, springs_by_limbs
 from certreg.problem.exact_sums import UPPER, Summation, SumMethod, Sums
 from certreg.problem.lifting import lift
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from certreg.native import SpringIntegers
+    from certreg.native.spring_sums import SpringIntegers
     from certreg.problem.problem import RegistrationProblem
     from certreg.problem.terms import Pairs
 

@@ -5,11 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from certreg.dynamics import SHRINKING, BreakingStatus, run_breaking
-from certreg.equilibrium import Labels, SpringSet
+from certreg.dynamics.breaking import SHRINKING, BreakingStatus, run_breaking
+from certreg.equilibrium.breaking import Labels, SpringSet
 from certreg.errors import InvalidProblemError
-from certreg.native import Integrator
-from certreg.problem import Loss, RegistrationProblem, bounded
+from certreg.native.loops import Integrator
+from certreg.problem.bounds import bounded
+from certreg.problem.problem import RegistrationProblem
+from certreg.problem.support import Loss
 from certreg.registration.breaking import equilibrium_of
 from certreg.results import Brief
 
@@ -17,7 +19,8 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import ArrayLike, NDArray
 
-    from certreg.dynamics import BreakingRun, BreakingStage, SimulationSettings
+    from certreg.dynamics.breaking import BreakingRun, BreakingStage
+    from certreg.dynamics.integrators import SimulationSettings
     from certreg.registration.breaking import BreakingEquilibrium
 
 LARGEST_SHRINKING = 1e6  # more breaks almost all springs at once

@@ -14,7 +14,7 @@ from commands import certreg, strict_json
 from jsonschema import Draft202012Validator
 from test_reproduce import SCHEMA, shown_texts
 
-from certreg.campaign import records_bytes
+from certreg.campaign.table import records_bytes
 from certreg.dynamics.batch import bodies_of, simulate_many
 from certreg.dynamics.integrators import SimulationSettings
 from certreg.equilibrium.batch import solve_many

@@ -14,9 +14,8 @@ import pytest
 from campaign_work import InProcess, finish, tree
 from commands import certreg as run_command
 
-from certreg.campaign import records_bytes
 from certreg.campaign.store import MANIFEST, SHARDS
-from certreg.campaign.table import SUMMARY
+from certreg.campaign.table import SUMMARY, records_bytes
 from certreg.cli import reproducing
 from certreg.cli.reproducing import LARGEST_RUNS
 from certreg.errors import InvalidFileError, InvalidProblemError

@@ -13,7 +13,7 @@ import pytest
 from jsonschema import Draft202012Validator
 from test_reproduce import SCHEMA
 
-from certreg.campaign import records_bytes
+from certreg.campaign.table import records_bytes
 from certreg.objective.springs import Springs
 from certreg.paper import spring_maps as mapping
 from certreg.paper.spring_figures import counts_drawing, spring_drawings
