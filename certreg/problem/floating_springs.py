@@ -136,7 +136,7 @@ def _of_block(
     if library is None:
         return summed_in_numpy(block, origin)[:, np.newaxis]
     sums = np.empty((len(COORDINATES), 2))
-    arrays = (block.source, block.target, block.factors, origin, sums)
+    arrays = (block.source, block.target, block.springs, origin, sums)
     pointers = [ctypes.c_void_p(array.ctypes.data) for array in arrays]
     library.handle.certreg_springs(ctypes.c_int64(len(block.source)), *pointers)
     return sums
@@ -149,7 +149,7 @@ def _over(block: Pairs, origin: NDArray[np.float64], exponents: tuple[int, int])
         np.ldexp(0.5 * side - 0.5 * part, 1 - length)
         for side, part in ((block.source, origin[:3]), (block.target, origin[3:]))
     )
-    return Pairs(source=source, target=target, springs=np.ldexp(block.factors, -factor))
+    return Pairs(source=source, target=target, springs=np.ldexp(block.springs, -factor))
 
 
 def summed_in_numpy(block: Pairs, origin: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -157,7 +157,7 @@ def summed_in_numpy(block: Pairs, origin: NDArray[np.float64]) -> NDArray[np.flo
     with np.errstate(over="ignore", invalid="ignore", under="ignore"):
         x, y = block.source - origin[:3], block.target - origin[3:]
         L = np.zeros((len(x), 3, 3))
-        L[:, (0, 1, 1, 2, 2, 2), (0, 0, 1, 0, 1, 2)] = block.factors
+        L[:, (0, 1, 1, 2, 2, 2), (0, 0, 1, 0, 1, 2)] = block.springs
         W = L @ L.transpose(0, 2, 1)
         six = W.reshape(-1, 9)[:, (0, 1, 2, 4, 5, 8)]
         squares = np.stack([x[:, j] * x[:, k] for j, k in UPPER], axis=1)
@@ -186,7 +186,7 @@ def _exponents(problem: RegistrationProblem, origin: NDArray[np.float64]) -> tup
     for block in _blocks(problem):
         for side, part in ((block.source, origin[:3]), (block.target, origin[3:])):
             farthest = max(farthest, float(np.abs(0.5 * side - 0.5 * part).max()))
-        most = max(most, float(np.abs(block.factors).max()))
+        most = max(most, float(np.abs(block.springs).max()))
     return math.frexp(farthest)[1] + 1, math.frexp(most)[1]
 
 

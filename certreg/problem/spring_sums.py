@@ -61,11 +61,11 @@ EMPTY = SpringSums(
 
 def _by_exponent(block: Pairs) -> SpringSums:
     library = loaded_library()
-    return _named(springs_by_exponent(library, block.source, block.target, block.factors))
+    return _named(springs_by_exponent(library, block.source, block.target, block.springs))
 
 
 def _by_limbs(block: Pairs) -> SpringSums:
-    raw = springs_by_limbs(loaded_library(), block.source, block.target, block.factors)
+    raw = springs_by_limbs(loaded_library(), block.source, block.target, block.springs)
     if raw is not None:
         return _named(raw)
     count = len(block.source)
@@ -77,7 +77,7 @@ def _by_limbs(block: Pairs) -> SpringSums:
 
 def _fits(block: Pairs) -> bool:
     library = loaded_library()
-    return springs_by_limbs(library, block.source, block.target, block.factors) is not None
+    return springs_by_limbs(library, block.source, block.target, block.springs) is not None
 
 
 def _named(raw: SpringIntegers) -> SpringSums:
@@ -86,7 +86,7 @@ def _named(raw: SpringIntegers) -> SpringSums:
 
 
 def _by_integers(block: Pairs) -> SpringSums:
-    x, y, rows = (lift(array.ravel()) for array in (block.source, block.target, block.factors))
+    x, y, rows = (lift(array.ravel()) for array in (block.source, block.target, block.springs))
     points = [x.integers[k::3] for k in range(3)]
     ends = [y.integers[k::3] for k in range(3)]
     springs = _springs([rows.integers[k::6] for k in range(6)])

@@ -16,7 +16,6 @@ NO_WEIGHTS = (
     "this problem has general springs, a matrix for every pair and not a weight: what was asked is "
     "for weights only"
 )
-NO_SPRINGS = "this problem has one weight for each pair, not general springs"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -35,13 +34,6 @@ class Pairs(Brief):
         """(k,). Raises InvalidProblemError of factors."""
         if self.springs.ndim != 1:
             raise InvalidProblemError(NO_WEIGHTS, array="weights")
-        return self.springs
-
-    @property
-    def factors(self) -> NDArray[np.float64]:
-        """(k, 6). Raises InvalidProblemError of weights."""
-        if self.springs.ndim != 2:
-            raise InvalidProblemError(NO_SPRINGS, array="factors")
         return self.springs
 
     @property

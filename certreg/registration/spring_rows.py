@@ -57,8 +57,8 @@ def rows_at(block: Pairs, pose: Pose) -> SpringRows:
     """The rows of a block at a pose; of numbers beyond the doubles not finite ones."""
     with np.errstate(all="ignore"):
         residuals = block.target - pose.apply(block.source)
-        size = np.abs(block.factors).max(axis=1)
-        lower = lower_triangles(block.factors / np.where(size > 0, size, 1.0)[:, np.newaxis])
+        size = np.abs(block.springs).max(axis=1)
+        lower = lower_triangles(block.springs / np.where(size > 0, size, 1.0)[:, np.newaxis])
         pulled = np.linalg.norm(np.einsum("kij,ki->kj", lower, residuals), axis=1)
         stiffest = _largest_singular(lower)
         return SpringRows(

@@ -86,7 +86,7 @@ def test_the_largest_mantissas_and_a_full_block_do_not_overflow(method, size):
 @compiled
 def test_every_variant_gives_the_same_integers():
     block = of(11, 300, scales=(3.0, 1e-4, 7.0)).block(slice(300))
-    points = (block.source, block.target, block.factors)
+    points = (block.source, block.target, block.springs)
     found = [springs_by_limbs(library, *points) for library in libraries_of_all_variants()]
 
     assert found[0] is not None
@@ -128,7 +128,7 @@ def test_points_of_too_many_sizes_for_limbs_go_by_exponents_and_then_by_integers
     assert fastest_method(problem) is SumMethod.BY_EXPONENT
     assert fastest_method(of(12, 1100)) is SumMethod.LIMBS
     block = problem.block(slice(1100))
-    points = (block.source, block.target, block.factors)
+    points = (block.source, block.target, block.springs)
     assert springs_by_limbs(loaded_library(), *points) is None
 
 

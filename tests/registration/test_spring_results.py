@@ -46,7 +46,7 @@ def energy(problem: RegistrationProblem, rotation: Array, translation: Array) ->
     """The objective, by the definition."""
     block = problem.block(slice(None))
     residuals = block.target - block.source @ rotation.T - translation
-    springs = np.einsum("kij,klj->kil", *[lower_triangles(block.factors)] * 2)
+    springs = np.einsum("kij,klj->kil", *[lower_triangles(block.springs)] * 2)
     return float(np.einsum("ki,kij,kj->", residuals, springs, residuals))
 
 
@@ -144,7 +144,7 @@ def test_residuals_of_planes_and_lines_are_the_distances_to_them():
         found = registered(family)
         block = found.problem.block(slice(None))
         moved = found.pose.apply(block.source)
-        nearest = SpringAxes.of(block.factors).pulled_to(moved, block.target)
+        nearest = SpringAxes.of(block.springs).pulled_to(moved, block.target)
 
         assert found.residuals == pytest.approx(np.linalg.norm(moved - nearest, axis=1), abs=1e-12)
         assert found.rmse == pytest.approx(np.sqrt(np.mean(found.residuals**2)))
