@@ -9,8 +9,6 @@ from certreg._loading import lazy_face
 if TYPE_CHECKING:
     from certreg.dynamics.basin import Basin as Basin
     from certreg.dynamics.batch import Bodies as Bodies
-    from certreg.dynamics.batch import SpringBodies as SpringBodies
-    from certreg.dynamics.batch import SpringEnds as SpringEnds
     from certreg.dynamics.batch import bodies_of as bodies_of
     from certreg.dynamics.batch import bodies_on_springs as bodies_on_springs
     from certreg.dynamics.batch import simulate_many as simulate_many
@@ -42,8 +40,6 @@ __getattr__ = lazy_face(
         "basin": ("Basin",),
         "batch": (
             "Bodies",
-            "SpringBodies",
-            "SpringEnds",
             "bodies_of",
             "bodies_on_springs",
             "simulate_many",
