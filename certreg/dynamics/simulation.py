@@ -28,9 +28,9 @@ from certreg.dynamics.integrators import (
     DEFAULT_SETTINGS,
     integrate,
     spring_ratios,
+    spring_ratios_of_one,
     step_parameters,
 )
-from certreg.dynamics.pencil import spring_ratios_of_one
 from certreg.dynamics.rigid import body_on_weights, core_of
 from certreg.dynamics.trajectory import Course, Trajectory
 from certreg.equilibrium import TRANSLATION_STIFFNESS, unit_double

@@ -292,7 +292,7 @@ def test_the_springs_of_one_body_are_the_same_without_compiled_code(monkeypatch)
     bodies = bodies_of(clouds.sources, clouds.targets)
     rows = [(bodies.records[[k]], bodies.basins[[k]]) for k in range(40)]
     compiled = np.array([spring_ratios(*row)[0] for row in rows])
-    monkeypatch.setattr("certreg.dynamics.pencil.library_if_any", lambda: None)
+    monkeypatch.setattr("certreg.dynamics.integrators.library_if_any", lambda: None)
     plain = np.array([spring_ratios(*row)[0] for row in rows])
 
     assert (np.diff(compiled) >= 0).all()
