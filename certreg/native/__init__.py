@@ -59,7 +59,6 @@ if TYPE_CHECKING:
     from certreg.native.layout import record_of as record_of
     from certreg.native.layout import symmetric as symmetric
     from certreg.native.layout import width as width
-    from certreg.native.library import FixedSums as FixedSums
     from certreg.native.library import Library as Library
     from certreg.native.library import library_if_any as library_if_any
     from certreg.native.library import loaded_library as loaded_library
@@ -81,11 +80,14 @@ if TYPE_CHECKING:
     from certreg.native.paths import critical_point_near as critical_point_near
     from certreg.native.paths import many_quartic_paths as many_quartic_paths
     from certreg.native.paths import quartic_paths as quartic_paths
-    from certreg.native.spring_sums import SpringIntegers as SpringIntegers
-    from certreg.native.spring_sums import springs_by_exponent as springs_by_exponent
-    from certreg.native.spring_sums import springs_by_limbs as springs_by_limbs
     from certreg.native.stationary import ManyClouds as ManyClouds
     from certreg.native.stationary import StationaryPoses as StationaryPoses
+    from certreg.native.sums import IntegerSums as IntegerSums
+    from certreg.native.sums import fixed_point_fits as fixed_point_fits
+    from certreg.native.sums import springs_by_exponent as springs_by_exponent
+    from certreg.native.sums import springs_by_limbs as springs_by_limbs
+    from certreg.native.sums import sums_by_exponent as sums_by_exponent
+    from certreg.native.sums import sums_in_fixed_point as sums_in_fixed_point
 
 __getattr__ = lazy_face(
     __name__,
@@ -155,7 +157,6 @@ __getattr__ = lazy_face(
             "width",
         ),
         "library": (
-            "FixedSums",
             "Library",
             "library_if_any",
             "loaded_library",
@@ -182,14 +183,17 @@ __getattr__ = lazy_face(
             "many_quartic_paths",
             "quartic_paths",
         ),
-        "spring_sums": (
-            "SpringIntegers",
-            "springs_by_exponent",
-            "springs_by_limbs",
-        ),
         "stationary": (
             "ManyClouds",
             "StationaryPoses",
+        ),
+        "sums": (
+            "IntegerSums",
+            "fixed_point_fits",
+            "springs_by_exponent",
+            "springs_by_limbs",
+            "sums_by_exponent",
+            "sums_in_fixed_point",
         ),
     },
 )

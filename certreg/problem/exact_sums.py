@@ -23,7 +23,13 @@ from typing import TYPE_CHECKING, ClassVar, Self, TypeVar
 
 import numpy as np
 
-from certreg.native import MissingLibraryError, loaded_library
+from certreg.native import (
+    MissingLibraryError,
+    fixed_point_fits,
+    loaded_library,
+    sums_by_exponent,
+    sums_in_fixed_point,
+)
 from certreg.problem.arrays import row_blocks
 from certreg.problem.lifting import lift
 
@@ -32,7 +38,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from certreg.native import FixedSums, Library
+    from certreg.native import IntegerSums, Library
     from certreg.problem.blocks import Block
     from certreg.problem.problem import RegistrationProblem
 
@@ -204,7 +210,7 @@ def _compiled() -> Library | None:
     """The compiled library; None where there is none, or it has no integers of 128 bits."""
     try:
         compiled = loaded_library()
-        compiled.exact_sums(np.ones((1, 3)), np.ones((1, 3)), np.ones(1))
+        sums_by_exponent(compiled, np.ones((1, 3)), np.ones((1, 3)), np.ones(1))
     except MissingLibraryError:
         return None
     return compiled
@@ -213,7 +219,7 @@ def _compiled() -> Library | None:
 def _fits(compiled: Library, problem: RegistrationProblem) -> bool:
     """Whether the first block fits into fixed point."""
     block = problem.block(next(iter(row_blocks(problem.n))))
-    return compiled.fixed_point_fits(block.source, block.target, _unequal(block.weights))
+    return fixed_point_fits(compiled, block.source, block.target, _unequal(block.weights))
 
 
 def _unequal(weights: NDArray[np.float64]) -> NDArray[np.float64] | None:
@@ -222,30 +228,26 @@ def _unequal(weights: NDArray[np.float64]) -> NDArray[np.float64] | None:
 
 
 def _by_exponent(compiled: Library, block: Block) -> Sums:
-    raw = compiled.exact_sums(block.source, block.target, block.weights)
-    return Sums.stated(raw.integers, raw.places, raw.lowest)
+    raw = sums_by_exponent(compiled, block.source, block.target, block.weights)
+    return Sums.stated(raw.integers, raw.units, raw.lowest)
 
 
 def _by_fixed_point(compiled: Library, block: Block) -> Sums:
     weights = _unequal(block.weights)
-    raw = compiled.fixed_sums(block.source, block.target, weights)
+    raw = sums_in_fixed_point(compiled, block.source, block.target, weights)
     if raw is None:
         return _by_limbs(block)
-    a, b, c = (
-        None if bit is None else unit + bit for unit, bit in zip(raw.units, raw.lowest, strict=True)
-    )
     integers = _without_biases(raw)
     if weights is not None:
-        return Sums.stated(integers, raw.units, (a, b, c))
+        return Sums.stated(integers, raw.units, raw.lowest)
     one = lift(block.weights[:1])
     (weight,), unit = one.integers, one.exponent
     many = (len(block.weights), *integers[1:])
-    return Sums.stated(
-        [weight * k for k in many], (*raw.units[:2], unit), (a, b, unit if weight else None)
-    )
+    lowest = (*raw.lowest[:2], unit if weight else None)
+    return Sums.stated([weight * k for k in many], (*raw.units[:2], unit), lowest)
 
 
-def _without_biases(raw: FixedSums) -> list[int]:
+def _without_biases(raw: IntegerSums) -> list[int]:
     """Sums of W, W X, ... from those of W, W (X + p), ...
 
     With P = 2^p and Q = 2^q, sum W X = sum W (X + P) - P sum W, and for the products

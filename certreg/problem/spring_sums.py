@@ -21,7 +21,6 @@ from certreg.problem.lifting import lift
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from certreg.native import SpringIntegers
     from certreg.problem.problem import RegistrationProblem
 
 LIMB_POINTS = 1024  # from here on limbs: below, they take longer than exponents
@@ -104,13 +103,14 @@ def spring_sums_by(
 
 def _by_exponent(block: SpringBlock) -> SpringSums:
     library = loaded_library()
-    return _named(springs_by_exponent(library, block.source, block.target, block.factors))
+    raw = springs_by_exponent(library, block.source, block.target, block.factors)
+    return SpringSums.stated(raw.integers, raw.units, raw.lowest)
 
 
 def _by_limbs(block: SpringBlock) -> SpringSums:
     raw = springs_by_limbs(loaded_library(), block.source, block.target, block.factors)
     if raw is not None:
-        return _named(raw)
+        return SpringSums.stated(raw.integers, raw.units, raw.lowest)
     count = len(block.source)
     if count <= PIECE:
         return _by_integers(block)
@@ -127,11 +127,6 @@ def _part(block: SpringBlock, rows: slice) -> SpringBlock:
 def _fits(block: SpringBlock) -> bool:
     library = loaded_library()
     return springs_by_limbs(library, block.source, block.target, block.factors) is not None
-
-
-def _named(raw: SpringIntegers) -> SpringSums:
-    a, b, c = raw.lowest
-    return SpringSums.stated(raw.integers, raw.units, (a, b, None if c is None else 2 * c))
 
 
 def _by_integers(block: SpringBlock) -> SpringSums:
