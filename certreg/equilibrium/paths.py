@@ -297,9 +297,8 @@ def many_critical_lines(quartics: Reals) -> GatheredEnds:
     clear = (ends.changes <= POLISHED) & (ends.conditions <= CLEAR_CONDITION)
     points = ends.points
     codes = np.where(ends.codes == REACHED, REGULAR, LOST).astype(np.int8)
-    for k in np.flatnonzero(~clear.all(axis=1)):
-        one = PathEnds(**{name: getattr(ends, name)[k] for name in PathEnds.__annotations__})
-        sorted_out = _sorted_out(FloatingQuartic.of(quartics[k]), roots, one, SETTINGS)
+    for k in np.flatnonzero(~clear.all(axis=1)).tolist():
+        sorted_out = _sorted_out(FloatingQuartic.of(quartics[k]), roots, ends.of(k), SETTINGS)
         points[k], codes[k] = sorted_out.points, sorted_out.codes
     found = gathered(points, codes)
     again = [k for k, o in enumerate(found.outcomes) if o is PathsOutcome.INCOMPLETE]

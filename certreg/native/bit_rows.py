@@ -6,14 +6,13 @@ Where there is no compiled code rows are struck alike in Python's integers, a hu
 from __future__ import annotations
 
 import ctypes
-import sys
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
 from certreg._loading import cached_property
-from certreg.native.library import library_if_any
+from certreg.native.library import little_library
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -108,7 +107,7 @@ def agreeing(points: NDArray[np.float64], bounds: NDArray[np.float64]) -> Agreei
 
     None where there is no compiled code.
     """
-    library = library_if_any() if sys.byteorder == "little" else None
+    library = little_library()
     if library is None:
         return None
     n = len(bounds)
@@ -180,7 +179,7 @@ class Thinned(Protocol):
 
 def thinned(near: Neighbours, alive: int, least: int, clique: int) -> Thinned:
     """The rows left of `alive`, as bits. clique: rows that colours do not strike."""
-    library = library_if_any() if sys.byteorder == "little" else None
+    library = little_library()
     if library is None:
         return PlainThinned(BitRows.of(near), alive, least, clique)
     return CompiledThinned(library.handle, BitRows.of(near), alive, least, clique)

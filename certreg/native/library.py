@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import struct
+import sys
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, fields
 from functools import cache, lru_cache
@@ -279,3 +280,9 @@ def library_if_any() -> Library | None:
         return loaded_library()
     except MissingLibraryError:
         return None
+
+
+@cache
+def little_library() -> Library | None:
+    """That, for rows of bits and long integers; None where the processor keeps bytes otherwise."""
+    return library_if_any() if sys.byteorder == "little" else None
