@@ -74,22 +74,7 @@ class _Log(ctypes.Structure):
 
 
 class _Batch(ctypes.Structure):
-    _fields_ = (
-        ("count", ctypes.c_int64),
-        ("bodies", _POINTER),
-        ("basins", _POINTER),
-        ("steps", _POINTER),
-        ("states", _POINTER),
-        ("taken", _POINTER),
-        ("status", _POINTER),
-        ("escapes", _POINTER),
-        ("times", _POINTER),
-        ("log", ctypes.POINTER(_Log)),
-    )
-
-
-class _Single(ctypes.Structure):
-    """A batch of one, whose body, basin and step are given as bytes: no address is asked for."""
+    """The first parts are addresses, or for one body bytes: then no address is asked for."""
 
     _fields_ = (
         ("count", ctypes.c_int64),
@@ -220,11 +205,8 @@ class Library:
         count, given = len(batch.bodies), (batch.bodies, batch.basins, batch.steps)
         written = (batch.states, batch.taken, batch.status, batch.escapes, batch.times)
         logged = None if record is None else ctypes.pointer(record)
-        passed = (
-            _Single(1, *[part.tobytes() for part in given], *_addresses(written), logged)
-            if count == 1
-            else _Batch(count, *_addresses((*given, *written)), logged)
-        )
+        parts = [part.tobytes() for part in given] if count == 1 else _addresses(given)
+        passed = _Batch(count, *parts, *_addresses(written), logged)
         call = getattr(self.handle, f"{kind.value}{loop}")
         call(ctypes.byref(passed), ctypes.byref(_settings(rules)))
         if log is not None and record is not None:
