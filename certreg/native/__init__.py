@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from certreg.native.bit_rows import mask_of as mask_of
     from certreg.native.bit_rows import rows_of as rows_of
     from certreg.native.bit_rows import thinned as thinned
-    from certreg.native.cliques import CliqueEnumeration as CliqueEnumeration
     from certreg.native.cliques import enumeration as enumeration
     from certreg.native.cliques import greedy_clique as greedy_clique
     from certreg.native.cliques import triangles as triangles
@@ -102,7 +101,6 @@ __getattr__ = lazy_face(
             "thinned",
         ),
         "cliques": (
-            "CliqueEnumeration",
             "enumeration",
             "greedy_clique",
             "triangles",

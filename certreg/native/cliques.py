@@ -6,7 +6,7 @@ Where there is no compiled code the same ones are found in Python.
 from __future__ import annotations
 
 import ctypes
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -62,21 +62,13 @@ def _greedily(near: list[int], alive: int, row: int) -> list[int]:
     return clique
 
 
-class CliqueEnumeration(Protocol):
-    """All cliques of a size, some at a time."""
+def enumeration(
+    near: BitRows, size: int, steps: int, dear: int
+) -> CompiledEnumeration | PlainEnumeration:
+    """All cliques of a size, of all rows of the graph, some at a time.
 
-    @property
-    def steps(self) -> int:
-        """Those left; below 0 the enumeration has ended before all were found."""
-        ...
-
-    def some(self, most: int) -> Rows:
-        """The next cliques, (up to so many, size); none: there are no more, or steps."""
-        ...
-
-
-def enumeration(near: BitRows, size: int, steps: int, dear: int) -> CliqueEnumeration:
-    """Of all rows of the graph. dear: the steps of a clique, beside those of the search."""
+    dear: the steps of a clique, beside those of the search.
+    """
     library = little_library()
     if library is None:
         return PlainEnumeration(near, size, steps, dear)
@@ -103,11 +95,11 @@ class CompiledEnumeration:
 
     @property
     def steps(self) -> int:
-        """Those left."""
+        """Those left; below 0 the enumeration has ended before all were found."""
         return self._state.steps
 
     def some(self, most: int) -> Rows:
-        """The next cliques."""
+        """The next cliques, (up to so many, size); none: there are no more, or steps."""
         found = np.empty((most, self._size), dtype=np.int64)
         count: int = self._handle.certreg_cliques(
             ctypes.byref(self._state), ctypes.c_int64(most), ctypes.c_void_p(found.ctypes.data)
