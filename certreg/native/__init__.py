@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from certreg.native.cones import search_cones as search_cones
     from certreg.native.eigenbasis import FIXED_BITS as FIXED_BITS
     from certreg.native.eigenbasis import fixed_eigenbasis as fixed_eigenbasis
+    from certreg.native.engine import compiled_engine as compiled_engine
     from certreg.native.engine import current_engine as current_engine
     from certreg.native.kernels import GENERATED as GENERATED
     from certreg.native.kernels import HERE as HERE
@@ -66,6 +67,7 @@ if TYPE_CHECKING:
     from certreg.native.loops import PERTURBATION_GROWTH as PERTURBATION_GROWTH
     from certreg.native.loops import Batch as Batch
     from certreg.native.loops import Ending as Ending
+    from certreg.native.loops import Engine as Engine
     from certreg.native.loops import Integrator as Integrator
     from certreg.native.loops import Kind as Kind
     from certreg.native.loops import Log as Log
@@ -119,7 +121,10 @@ __getattr__ = lazy_face(
             "FIXED_BITS",
             "fixed_eigenbasis",
         ),
-        "engine": ("current_engine",),
+        "engine": (
+            "compiled_engine",
+            "current_engine",
+        ),
         "kernels": (
             "GENERATED",
             "HERE",
@@ -163,6 +168,7 @@ __getattr__ = lazy_face(
             "BASIN_SHARE",
             "Batch",
             "Ending",
+            "Engine",
             "Integrator",
             "Kind",
             "LARGEST_PERTURBATION",

@@ -24,7 +24,7 @@ from certreg.exact import (
     nearest_double,
     nearest_root,
 )
-from certreg.native import Integrator
+from certreg.native import Integrator, MissingLibraryError
 from certreg.objective import Isotropic
 from certreg.problem import RegistrationProblem, Verb, refusal, require_supported
 from certreg.registration.agreement import agreement, require_sound_trajectory
@@ -242,7 +242,7 @@ def _simulation(
         return Absent(unmoved.sentence)
     try:
         return simulated_motion(problem, objective, integrator, settings=settings)
-    except DegenerateProblemError as error:
+    except (DegenerateProblemError, MissingLibraryError) as error:
         return Absent(str(error))
 
 

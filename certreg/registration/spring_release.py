@@ -13,6 +13,7 @@ import numpy as np
 from certreg.dynamics import simulate, spring_body
 from certreg.equilibrium import SPRING_METHODS, search
 from certreg.errors import DegenerateProblemError
+from certreg.native import MissingLibraryError
 from certreg.registration.spring_equilibria import SpringEquilibria, spring_equilibria
 
 if TYPE_CHECKING:
@@ -41,7 +42,7 @@ def returns(
     """Whether a body released at rest 1 degree from an equilibrium comes back to it.
 
     Turned about the first axis of the source, with the translation that is best there. None where
-    the equations of motion are not defined, or the run did not come to rest.
+    the equations of motion are not defined or not compiled, or the run did not come to rest.
     """
     w, x, y, z = part.basis[:, 0]
     c, s = math.cos(RELEASED / 2.0), math.sin(RELEASED / 2.0)
@@ -49,7 +50,7 @@ def returns(
     try:
         start = spring_body(objective.moments, problem.damping).balanced(turned)
         run = simulate(objective, problem.damping, start=start)
-    except DegenerateProblemError:
+    except (DegenerateProblemError, MissingLibraryError):
         return None
     if not run.at_rest:
         return None

@@ -20,6 +20,7 @@ import pytest
 from commands import certreg
 from engines import engine
 from instructions import above_the_baseline, fused, listing_of, taken_from_the_system
+from reference_engine import reference
 
 import build_kernels
 from benchmarks.rates import variants
@@ -187,7 +188,7 @@ def test_every_variant_computes_what_the_generated_python_does(built):
     for one in every_variant(built):
         for name, shape in one.shapes.items():
             given = [rng.uniform(0.5, 1.0, size) for size in shape.arguments]
-            pairs = zip(one.evaluate(name, *given), evaluator().evaluate(name, *given), strict=True)
+            pairs = zip(one.evaluate(name, *given), reference().evaluate(name, *given), strict=True)
             for mine, other in pairs:
                 np.testing.assert_allclose(mine, other, rtol=1e-9, atol=1e-9, err_msg=one.words)
 
