@@ -14,16 +14,16 @@ from operator import mul
 from typing import TYPE_CHECKING, ClassVar
 
 from certreg.native.library import library_if_any, loaded_library
-from certreg.native.spring_sums import springs_by_exponent, springs_by_limbs
+from certreg.native.sums import springs_by_exponent, springs_by_limbs
 from certreg.problem.exact_sums import UPPER, Summation, SumMethod, Sums
 from certreg.problem.lifting import lift
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from certreg.native.spring_sums import SpringIntegers
     from certreg.problem.problem import RegistrationProblem
     from certreg.problem.terms import Pairs
+
 
 LIMB_POINTS = 1024  # from here on limbs: below, they take longer than exponents
 PIECE = 256  # points of one attempt where the numbers of a block are of too many sizes for limbs
@@ -61,13 +61,14 @@ EMPTY = SpringSums(
 
 def _by_exponent(block: Pairs) -> SpringSums:
     library = loaded_library()
-    return _named(springs_by_exponent(library, block.source, block.target, block.springs))
+    raw = springs_by_exponent(library, block.source, block.target, block.springs)
+    return SpringSums.stated(raw.integers, raw.units, raw.lowest)
 
 
 def _by_limbs(block: Pairs) -> SpringSums:
     raw = springs_by_limbs(loaded_library(), block.source, block.target, block.springs)
     if raw is not None:
-        return _named(raw)
+        return SpringSums.stated(raw.integers, raw.units, raw.lowest)
     count = len(block.source)
     if count <= PIECE:
         return _by_integers(block)
@@ -78,11 +79,6 @@ def _by_limbs(block: Pairs) -> SpringSums:
 def _fits(block: Pairs) -> bool:
     library = loaded_library()
     return springs_by_limbs(library, block.source, block.target, block.springs) is not None
-
-
-def _named(raw: SpringIntegers) -> SpringSums:
-    a, b, c = raw.lowest
-    return SpringSums.stated(raw.integers, raw.units, (a, b, None if c is None else 2 * c))
 
 
 def _by_integers(block: Pairs) -> SpringSums:

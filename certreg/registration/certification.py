@@ -12,11 +12,9 @@ from certreg.certificate.checking import check_own, require_accepted
 from certreg.certificate.producing import produce, produce_similarity
 from certreg.dynamics.integrators import DEFAULT_SETTINGS, SimulationSettings
 from certreg.dynamics.simulation import optimal_damping
-from certreg.errors import (
-    DegenerateProblemError,
-    InvalidProblemError,
-)
+from certreg.errors import DegenerateProblemError, InvalidProblemError
 from certreg.exact.dyadic import nearest_double, nearest_root
+from certreg.native.kernels import MissingLibraryError
 from certreg.native.loops import Integrator
 from certreg.objective.isotropic import Isotropic
 from certreg.problem.support import Verb, refusal, require_supported
@@ -39,6 +37,7 @@ if TYPE_CHECKING:
     from certreg.registration.simulation import SimulatedMotion
     from certreg.relaxation.shor import Relaxation
     from certreg.results import Verdict
+
 
 LOG = logging.getLogger(__name__)
 PARTS = 3  # of certify, besides relaxation and simulation: sums, certificate, checker
@@ -238,7 +237,7 @@ def _simulation(
         return Absent(unmoved.sentence)
     try:
         return simulated_motion(problem, objective, integrator, settings=settings)
-    except DegenerateProblemError as error:
+    except (DegenerateProblemError, MissingLibraryError) as error:
         return Absent(str(error))
 
 

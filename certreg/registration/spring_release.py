@@ -14,6 +14,7 @@ from certreg.dynamics.simulation import simulate
 from certreg.dynamics.springs import spring_body
 from certreg.equilibrium.methods import SPRING_METHODS, search
 from certreg.errors import DegenerateProblemError
+from certreg.native.kernels import MissingLibraryError
 from certreg.registration.spring_equilibria import SpringEquilibria, spring_equilibria
 
 if TYPE_CHECKING:
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
     from certreg.objective.springs import Springs
     from certreg.problem.problem import RegistrationProblem
     from certreg.registration.spring_equilibria import SpringEquilibrium
+
 
 RELEASED = math.radians(1.0)  # from the equilibrium: far above what runs end within
 RETURNED = math.radians(0.1)  # to it: ten times what a run that ends is off
@@ -42,7 +44,7 @@ def returns(
     """Whether a body released at rest 1 degree from an equilibrium comes back to it.
 
     Turned about the first axis of the source, with the translation that is best there. None where
-    the equations of motion are not defined, or the run did not come to rest.
+    the equations of motion are not defined or not compiled, or the run did not come to rest.
     """
     w, x, y, z = part.basis[:, 0]
     c, s = math.cos(RELEASED / 2.0), math.sin(RELEASED / 2.0)
@@ -50,7 +52,7 @@ def returns(
     try:
         start = spring_body(objective.moments, problem.damping).balanced(turned)
         run = simulate(objective, problem.damping, start=start)
-    except DegenerateProblemError:
+    except (DegenerateProblemError, MissingLibraryError):
         return None
     if not run.at_rest:
         return None

@@ -43,6 +43,7 @@ def test_where_they_end_is_one_of_the_equilibria_that_are_listed():
     listed = solve_many_springs(SOURCES, TARGETS, normals=NORMALS)
 
     assert ends.at_rest.all()
+    assert not ends.converged.any()
     for k in range(COUNT):
         q = ends.states["q"][k] / np.linalg.norm(ends.states["q"][k])
         here = listed.quaternions[k, : listed.counts[k]]

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import certreg
-from certreg.dynamics.batch import Bodies
+from certreg.dynamics import batch
 from certreg.equilibrium import batch as solutions
 from certreg.equilibrium.methods import METHODS
 
@@ -72,7 +72,7 @@ def test_many_problems_tell_every_portion(monkeypatch: pytest.MonkeyPatch, threa
 def test_many_simulations_tell_every_portion_and_end_where_they_did(
     monkeypatch: pytest.MonkeyPatch,
 ):
-    monkeypatch.setattr(Bodies, "PORTION", 8)
+    monkeypatch.setattr(batch, "PORTION", 8)
     bodies = certreg.bodies_of(SOURCE, TARGETS)
     heard = Heard()
     told = certreg.simulate_many(bodies, progress=heard)
