@@ -155,7 +155,7 @@ def test_of_a_mapped_file_nothing_is_left_to_be_read(tmp_path: Path):
 
 
 def test_a_relaxation_without_a_value_says_why(monkeypatch: pytest.MonkeyPatch):
-    def lost(*_: object) -> ConicSolution:
+    def lost(*_: object, **__: object) -> ConicSolution:
         return ConicSolution(status=RelaxationStatus.FAILED, said="")
 
     monkeypatch.setattr(import_module("certreg.relaxation.shor"), "solve", lost)
