@@ -23,6 +23,8 @@ if TYPE_CHECKING:
     from certreg.certificate.checking import verify_lines as verify_lines
     from certreg.certificate.checking import verify_with_coq as verify_with_coq
     from certreg.certificate.consensus import ConsensusBody as ConsensusBody
+    from certreg.certificate.consensus import ConsensusSimilarityBody as ConsensusSimilarityBody
+    from certreg.certificate.consensus import ScaleRange as ScaleRange
     from certreg.certificate.consistency import consistent_pairs as consistent_pairs
     from certreg.certificate.count import AT_MOST as AT_MOST
     from certreg.certificate.count import CountBody as CountBody
@@ -47,12 +49,6 @@ if TYPE_CHECKING:
     )
     from certreg.certificate.producing_consensus import consensus_of as consensus_of
     from certreg.certificate.producing_consensus import pose_of as pose_of
-    from certreg.certificate.producing_scaled import ScaledConsensus as ScaledConsensus
-    from certreg.certificate.producing_scaled import ScaledProver as ScaledProver
-    from certreg.certificate.producing_scaled import (
-        scaled_consensus_certificate as scaled_consensus_certificate,
-    )
-    from certreg.certificate.producing_scaled import scaled_consensus_of as scaled_consensus_of
     from certreg.certificate.producing_springs import springs_certificate as springs_certificate
     from certreg.certificate.producing_springs import (
         springs_list_certificate as springs_list_certificate,
@@ -62,10 +58,6 @@ if TYPE_CHECKING:
     )
     from certreg.certificate.radius import MOST_DEGREES as MOST_DEGREES
     from certreg.certificate.radius import Radius as Radius
-    from certreg.certificate.scaled_consensus import (
-        ConsensusSimilarityBody as ConsensusSimilarityBody,
-    )
-    from certreg.certificate.scaled_consensus import ScaleRange as ScaleRange
     from certreg.certificate.shared_motion import CommonMotion as CommonMotion
     from certreg.certificate.shared_motion import common_motion as common_motion
     from certreg.certificate.shared_motion import sets_apart as sets_apart
@@ -106,7 +98,7 @@ __getattr__ = lazy_face(
             "verify_lines",
             "verify_with_coq",
         ),
-        "consensus": ("ConsensusBody",),
+        "consensus": ("ConsensusBody", "ConsensusSimilarityBody", "ScaleRange"),
         "consistency": ("consistent_pairs",),
         "count": (
             "AT_MOST",
@@ -149,13 +141,6 @@ __getattr__ = lazy_face(
             "MOST_DEGREES",
             "Radius",
         ),
-        "producing_scaled": (
-            "ScaledConsensus",
-            "ScaledProver",
-            "scaled_consensus_certificate",
-            "scaled_consensus_of",
-        ),
-        "scaled_consensus": ("ConsensusSimilarityBody", "ScaleRange"),
         "shared_motion": ("CommonMotion", "common_motion", "sets_apart"),
         "similarity": ("SimilarityBody", "SimilarityClaims"),
         "springs_cones": ("SpringsConesBody",),

@@ -51,7 +51,7 @@ BODIES = {  # by their kind: module of this wing, and class
     "springs-list": ("springs_list", "SpringsListBody"),
     "consensus": ("consensus", "ConsensusBody"),
     "truncated-rotation": ("truncated", "TruncatedRotationBody"),
-    "consensus-similarity": ("scaled_consensus", "ConsensusSimilarityBody"),
+    "consensus-similarity": ("consensus", "ConsensusSimilarityBody"),
 }
 KINDS = {  # each is loaded where a certificate is of it
     kind: found_late(f"certreg.certificate.{module}", body)

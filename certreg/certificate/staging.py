@@ -10,9 +10,8 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from certreg.certificate.assuming import Assuming
-from certreg.certificate.consensus import INLIER, OUTLIER, UNDECIDED, Stage
+from certreg.certificate.consensus import INLIER, NONE, OPEN, OUTLIER, SAME, UNDECIDED, Stage
 from certreg.certificate.parting import Parting
-from certreg.certificate.scaled_consensus import NONE, OPEN, SAME
 from certreg.certificate.thinning import GraphThinning
 from certreg.native import mask_of
 

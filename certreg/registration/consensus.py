@@ -311,7 +311,7 @@ def proved_consensus(
     problem: RegistrationProblem, prover: ConsensusProver, effort: float
 ) -> ProvedConsensus | None:
     """Of all candidates the one of which most is proved, by rigid motions."""
-    block, graph = problem.points, prover.consistent
+    block, graph = problem.points, prover.graph.near
     x, y = block.source, block.target
     best = most_proved(
         prover.prove(one.rotation, one.translation, whole=False)

@@ -180,5 +180,5 @@ def judged_labels(
         motion=motion,
         most=most,
         names=RowNames.of(about or {}, problem.n),
-        sets=sets_apart(prover.consistent),
+        sets=sets_apart(prover.graph.near),
     )

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from certreg.certificate import (
-    ScaledConsensus,
-    ScaledProver,
+    ConsensusProver,
+    ProvedConsensus,
+    consensus_certificate,
+    consensus_of,
     pose_of,
-    scaled_consensus_certificate,
-    scaled_consensus_of,
 )
 from certreg.errors import InvalidProblemError
 from certreg.exact import at_least, at_most, double_above, double_below
@@ -39,7 +39,7 @@ class ScaledConsensusRegistration(ConsensusRegistration):
     symmetric as the problem says.
     """
 
-    found: ScaledConsensus
+    found: ProvedConsensus
 
     __repr__ = ConsensusRegistration.__repr__
 
@@ -58,7 +58,7 @@ class ScaledConsensusRegistration(ConsensusRegistration):
             rotation=rigid.rotation,
             translation=rigid.translation,
             quaternion_wxyz=rigid.quaternion_wxyz,
-            scale=float(self.found.witness.factor.value),
+            scale=float(self.found.witness.scale),
         )
 
     @property
@@ -106,12 +106,12 @@ def ranges_words(some: Sequence[tuple[float, float]]) -> str:
     return " and ".join([", ".join(told[:-1]), told[-1]] if len(told) > 1 else told)
 
 
-def _search(problem: RegistrationProblem, effort: float) -> ScaledConsensus | None:
+def _search(problem: RegistrationProblem, effort: float) -> ProvedConsensus | None:
     """Of all candidates the one of which most is proved."""
-    block, prover = problem.points, ScaledProver(problem, effort=effort)
+    block, prover = problem.points, ConsensusProver(problem, effort=effort)
     x, y = block.source, block.target
     best = most_proved(
-        prover.prove(one.scale, one.rotation, one.translation, whole=False)
+        prover.prove(one.rotation, one.translation, one.scale, whole=False)
         for one in scaled_candidates(x, y, problem.bounds, effort=effort)
     )
     if best is not None:
@@ -119,7 +119,7 @@ def _search(problem: RegistrationProblem, effort: float) -> ScaledConsensus | No
     return best if best is None or best.decided else prover.witnessed(best.witness)
 
 
-def _require_spread(problem: RegistrationProblem, found: ScaledConsensus) -> None:
+def _require_spread(problem: RegistrationProblem, found: ProvedConsensus) -> None:
     """Refuses pairs that most motions meet and that have no best scale."""
     block, rows = problem.block(slice(None)), list(found.met)
     symmetric = problem.scale is Scale.SYMMETRIC
@@ -140,14 +140,14 @@ def restated_scaled_consensus(
     verdict: Verdict,
 ) -> ConsensusRegistration:
     """As `restated_consensus`, of a free scale."""
-    found = scaled_consensus_of(problem, certificate.body)
+    found = consensus_of(problem, certificate.body)
     return restated(problem, SCALED, found, certificate, verdict)
 
 
 SCALED = Ways(
     motion="motion with a scale",
     search=_search,
-    certificate=scaled_consensus_certificate,
+    certificate=consensus_certificate,
     candidates=scaled_candidates,
     result=ScaledConsensusRegistration,
 )
