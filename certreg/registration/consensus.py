@@ -60,7 +60,7 @@ if TYPE_CHECKING:
     from certreg.registration.misfits import FitWarning
     from certreg.registration.result import Registration
     from certreg.registration.spring_result import SpringRegistration
-    from certreg.relaxation import Candidate, ScaledCandidate
+    from certreg.relaxation import Candidate
     from certreg.results import Verdict
 
 LOG = logging.getLogger(__name__)
@@ -218,7 +218,7 @@ class Ways:
     motion: str
     search: Callable[[RegistrationProblem, float], ProvedConsensus | None]
     certificate: Callable[..., Certificate[Any]]
-    candidates: Callable[..., Iterator[Candidate | ScaledCandidate]]
+    candidates: Callable[..., Iterator[Candidate]]
     result: type[ConsensusRegistration]
 
 

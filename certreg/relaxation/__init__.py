@@ -13,6 +13,7 @@ from certreg._loading import lazy_face
 if TYPE_CHECKING:
     from certreg.relaxation.conic import RelaxationStatus as RelaxationStatus
     from certreg.relaxation.consensus_search import candidates as candidates
+    from certreg.relaxation.consensus_search import scaled_candidates as scaled_candidates
     from certreg.relaxation.optimum import Found as Found
     from certreg.relaxation.optimum import find_optimum as find_optimum
     from certreg.relaxation.optimum import optimum_of as optimum_of
@@ -21,8 +22,6 @@ if TYPE_CHECKING:
     from certreg.relaxation.refining import refined as refined
     from certreg.relaxation.rotation_boxes import BoxSearch as BoxSearch
     from certreg.relaxation.rotation_boxes import search_boxes as search_boxes
-    from certreg.relaxation.scaled_search import ScaledCandidate as ScaledCandidate
-    from certreg.relaxation.scaled_search import scaled_candidates as scaled_candidates
     from certreg.relaxation.shor import Relaxation as Relaxation
     from certreg.relaxation.shor import relax as relax
     from certreg.relaxation.truncated_squares import Candidate as Candidate
@@ -34,7 +33,7 @@ __getattr__ = lazy_face(
     __name__,
     {
         "conic": ("RelaxationStatus",),
-        "consensus_search": ("candidates",),
+        "consensus_search": ("candidates", "scaled_candidates"),
         "optimum": (
             "Found",
             "find_optimum",
@@ -49,7 +48,6 @@ __getattr__ = lazy_face(
             "BoxSearch",
             "search_boxes",
         ),
-        "scaled_search": ("ScaledCandidate", "scaled_candidates"),
         "shor": (
             "Relaxation",
             "relax",
