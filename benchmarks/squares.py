@@ -17,8 +17,8 @@ from certreg.certificate.producing_springs import springs_certificate
 from certreg.objective.springs import Springs
 from certreg.problem.moments_of_springs import spring_moments
 from certreg.problem.problem import RegistrationProblem
+from certreg.relaxation.cvxpy_models import quartic_statement, solve_stated
 from certreg.relaxation.optimum import find_optimum
-from certreg.relaxation.stated_quartic import solve_stated_quartic
 from certreg.verify import check
 from tests.spring_families import Cell, instance, statement
 
@@ -37,7 +37,7 @@ def measure() -> Iterator[Figure]:
         content = _produced(problem)
         found = find_optimum(Springs(spring_moments(problem)))
         rest = found.levelled.rest
-        again = partial(solve_stated_quartic, rest, "CLARABEL")
+        again = partial(solve_stated, quartic_statement(), rest, "CLARABEL")
         works = partial(_produced, problem), partial(check, content), again
         times = fastest(*works, rounds=ROUNDS, clock=time.process_time)
         for row, seconds in zip((made, checked, solved), times, strict=True):

@@ -72,12 +72,7 @@ PROVED = (
     _of("certificate/shared_motion", "is_refuted", "certificate/test_pair_edges"),
     _of(
         "certificate/consistency",
-        "ExactRows.agree ExactRows.met_by ExactRows._met_by",
-        "certificate/test_pair_edges",
-    ),
-    _of(
-        "certificate/scaled_pairs",
-        "ScaledPairs._agree ScaledPairs.met_by _at_most",
+        "ExactRows.agree ExactRows.met_by ConsistentPairs.met_by _at_most",
         "certificate/test_pair_edges",
     ),
     _of("certificate/thinning", "GraphThinning.closed transversal", "certificate/test_pair_edges"),
@@ -94,12 +89,12 @@ PROVED = (
         "registration/test_flags_enumerated",
     ),
     _of(
-        "certificate/producing_scaled",
-        "ScaledConsensus.open_scales",
+        "certificate/producing_consensus",
+        "ProvedConsensus.open_scales",
         "certificate/test_scaled_pairs",
     ),
     _of(
-        "certificate/scaled_consensus",
+        "certificate/consensus",
         "ConsensusSimilarityBody.met_elsewhere",
         "certificate/test_pair_edges",
     ),

@@ -25,12 +25,7 @@ from certreg.errors import InvalidProblemError, UndecidedError
 from certreg.problem.bounds import LEAST_PAIRS
 from certreg.problem.effort import checked_effort
 from certreg.problem.row_lengths import apart
-from certreg.registration.consensus_words import (
-    PairLabels,
-    headline,
-    repeated_rows,
-    repeated_words,
-)
+from certreg.registration.consensus_words import PairLabels, headline, repeated_rows, repeated_words
 from certreg.registration.exit_codes import (
     DONE,
     NOT_CERTIFIED,
@@ -55,18 +50,17 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from certreg.certificate.consensus import ConsensusBody
+    from certreg.certificate.consensus import ConsensusBody, ConsensusSimilarityBody
     from certreg.certificate.envelope import Certificate
-    from certreg.certificate.scaled_consensus import ConsensusSimilarityBody
     from certreg.geometry.pose import Pose
     from certreg.geometry.similarity import Similarity
     from certreg.problem.problem import RegistrationProblem
     from certreg.registration.misfits import FitWarning
     from certreg.registration.result import Registration
     from certreg.registration.spring_result import SpringRegistration
-    from certreg.relaxation.scaled_search import ScaledCandidate
     from certreg.relaxation.truncated_squares import Candidate
     from certreg.results import Verdict
+
 
 LOG = logging.getLogger(__name__)
 Proved = TypeVar("Proved", bound=ProvedConsensus)
@@ -223,7 +217,7 @@ class Ways:
     motion: str
     search: Callable[[RegistrationProblem, float], ProvedConsensus | None]
     certificate: Callable[..., Certificate[Any]]
-    candidates: Callable[..., Iterator[Candidate | ScaledCandidate]]
+    candidates: Callable[..., Iterator[Candidate]]
     result: type[ConsensusRegistration]
 
 
@@ -316,7 +310,7 @@ def proved_consensus(
     problem: RegistrationProblem, prover: ConsensusProver, effort: float
 ) -> ProvedConsensus | None:
     """Of all candidates the one of which most is proved, by rigid motions."""
-    block, graph = problem.points, prover.consistent
+    block, graph = problem.points, prover.graph.near
     x, y = block.source, block.target
     best = most_proved(
         prover.prove(one.rotation, one.translation, whole=False)

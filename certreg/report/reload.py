@@ -16,11 +16,10 @@ import numpy as np
 
 from certreg.certificate.bounds import ExactPose, PoseBounds, pose_bounds
 from certreg.certificate.checking import CertificateVerdict, verify
-from certreg.certificate.consensus import ConsensusBody
+from certreg.certificate.consensus import ConsensusBody, ConsensusSimilarityBody
 from certreg.certificate.count import CountBody
 from certreg.certificate.envelope import Certificate, body_of
 from certreg.certificate.isotropic import IsotropicBody
-from certreg.certificate.scaled_consensus import ConsensusSimilarityBody
 from certreg.certificate.similarity import SimilarityBody
 from certreg.certificate.spring_bounds import spring_pose_bounds
 from certreg.certificate.springs_list import SpringsListBody

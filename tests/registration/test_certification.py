@@ -32,6 +32,7 @@ if TYPE_CHECKING:
 
     from certreg.registration.result import Registration
 
+
 CERTIFICATION = import_module("certreg.registration.certification")
 TURN = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
 PROBLEM = random_problem(np.random.default_rng(4), n=8, noise=0.1, scale=8.0)
@@ -159,7 +160,7 @@ def test_of_a_mapped_file_nothing_is_left_to_be_read(tmp_path: Path):
 
 
 def test_a_relaxation_without_a_value_says_why(monkeypatch: pytest.MonkeyPatch):
-    def lost(*_: object) -> ConicSolution:
+    def lost(*_: object, **__: object) -> ConicSolution:
         return ConicSolution(status=RelaxationStatus.FAILED, said="")
 
     monkeypatch.setattr(import_module("certreg.relaxation.shor"), "solve", lost)
