@@ -48,6 +48,7 @@ if TYPE_CHECKING:
     from certreg.exact.spaces import IntegerQuaternion
     from certreg.objective.springs import Springs
 
+
 BUDGET = 300_000  # cones; the checker refuses beyond
 CAPS = 16  # the checker takes a few more
 NUMBER_BITS = 32  # mantissas of mu, delta and curvatures
@@ -259,6 +260,7 @@ class ConeProof:
             ),
             claims=SpringsClaims(gap=gap, sin2_half_angle=angle, unique=unique),
             symmetry=symmetry,
+            rotation_only=not self.objective.motion.translations,
         )
 
     def _form(self, body: SpringsConesBody) -> list[int]:

@@ -17,6 +17,7 @@ from itertools import combinations_with_replacement
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from certreg.certificate.springs_sos import SpringsClaims, SpringsSosBody
 from certreg.exact.dyadic import dyadic_above, power_of_two
@@ -26,12 +27,10 @@ from certreg.geometry.so3 import dot, squared_norm
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from numpy.typing import NDArray
-
     from certreg.objective.springs import Springs
     from certreg.relaxation.optimum import Found
 
-    Array = NDArray[np.float64]
+Array = NDArray[np.float64]
 
 QUARTICS: tuple[tuple[int, ...], ...] = tuple(combinations_with_replacement(range(4), 4))
 PRODUCTS = tuple(combinations_with_replacement(range(4), 2))
@@ -117,6 +116,7 @@ def _body(
             unique=unique,
         ),
         symmetry=symmetry,
+        rotation_only=not objective.motion.translations,
     )
 
 

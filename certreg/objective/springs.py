@@ -22,6 +22,7 @@ from certreg.objective import quartics
 from certreg.objective.form import FULL, Form, Reduced, bordered
 from certreg.objective.polynomials import QUATERNION, PolynomialSystem, collected, exponents
 from certreg.problem.exact_sums import UPPER
+from certreg.problem.moments_of_springs import spring_moments
 from certreg.results import Brief
 
 if TYPE_CHECKING:
@@ -32,6 +33,9 @@ if TYPE_CHECKING:
     from certreg.geometry.constraints import SquareMatrix
     from certreg.geometry.so3 import Matrix4, T, Vector3, Vector4
     from certreg.problem.moments_of_springs import SpringMoments
+    from certreg.problem.motion import Motion
+    from certreg.problem.problem import RegistrationProblem
+
 
 DIAGONAL = (0, 3, 5)  # among the six entries of a symmetric matrix
 FARTHEST = 8  # the largest |R - R'|^2 of two rotations, in the Frobenius norm
@@ -51,10 +55,17 @@ class MassMoments(Brief):
 class Springs(Brief):
     """The objective of the exact moments of springs that are matrices; see `Objective`.
 
-    For searches in doubles take `floating_quartic`: the integers here may be beyond the doubles.
+    motion: without a translation the moments are those about the origin. For searches in doubles
+    take `floating_quartic`: the integers here may be beyond the doubles.
     """
 
     moments: SpringMoments
+    motion: Motion
+
+    @classmethod
+    def of(cls, problem: RegistrationProblem) -> Springs:
+        """The objective of a problem with general springs."""
+        return cls(spring_moments(problem), problem.motion)
 
     @cached_property
     def joint_form(self) -> Form:
@@ -68,10 +79,10 @@ class Springs(Brief):
             (m.source_exponent, m.target_exponent, m.weight_exponent),
         )
 
-    @property
+    @cached_property
     def reduced(self) -> Reduced:
-        """The energy with the best translation."""
-        return self.joint_form.reduced
+        """The energy with the best translation, if the motion has any."""
+        return self.joint_form.restricted(self.motion)
 
     @property
     def unit(self) -> Fraction:
@@ -80,8 +91,8 @@ class Springs(Brief):
 
     @cached_property
     def free_translations(self) -> tuple[Vector3[Fraction], ...]:
-        """A basis of the kernel of S: shifts that no spring resists, at any rotation."""
-        free = self.joint_form.free_translations
+        """A basis of the shifts of the motion that no spring resists, at any rotation."""
+        free = self.joint_form.free_translations(self.motion)
         return tuple((Fraction(a), Fraction(b), Fraction(c)) for a, b, c in free)
 
     # --- the objective

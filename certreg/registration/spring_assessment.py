@@ -48,6 +48,7 @@ if TYPE_CHECKING:
     from certreg.registration.spring_findings import SpringFindings
     from certreg.registration.spring_result import SpringRegistration
 
+
 NUMBERS = (
     *("objective", "rmse", "gap_lower", "gap_upper", "gap_share", "rounding_cost", "angle_upper"),
     *("gap_parts", "shift_upper", "angle_to_optimum", "nearest_index", "nearest_angle"),
@@ -100,7 +101,7 @@ def judged_on_springs(
             "headline": headline,
             "green": chosen.good,
             "energies": facts.energies,
-            "words": _words(facts, verdict) + note_on(given),
+            "words": _words(facts, verdict) + note_on(registration.problem, given),
         },
         numbers,
     )

@@ -19,16 +19,12 @@ from certreg.errors import DegenerateProblemError, OutOfRangeError
 from certreg.exact.dyadic import nearest_double, nearest_root
 from certreg.geometry.pose import Pose
 from certreg.objective.springs import Springs
-from certreg.problem.moments_of_springs import spring_moments
 from certreg.registration.curvature import soft_axes
 from certreg.registration.freedom import Freedom
 from certreg.registration.loose_turns import axis_words
 from certreg.registration.parts import logged
 from certreg.registration.robustness import NONE_PROVED
-from certreg.registration.spring_result import (
-    SpringRegistration,
-    SpringSolution,
-)
+from certreg.registration.spring_result import SpringRegistration, SpringSolution
 from certreg.registration.weak_shifts import weak_shift_words, weak_shifts
 from certreg.results import OUT_OF_RANGE, Absent, Limits
 
@@ -41,8 +37,9 @@ if TYPE_CHECKING:
     from certreg.results import Verdict
 else:
     # what proves is loaded where it is called
-    producing_springs = late("certreg.certificate.producing_springs")
     optimum = late("certreg.relaxation.optimum")
+    producing_springs = late("certreg.certificate.producing_springs")
+
 
 NOT_CERTIFIED = Absent("not certified")
 SPRING_PARTS = 4  # of certify: sums, optimum, certificate, checker
@@ -86,7 +83,7 @@ def _solved(
     done: Callable[[str], None],
 ) -> SpringSolution:
     """Everything that is computed, nothing yet checked."""
-    objective = Springs(spring_moments(problem))
+    objective = Springs.of(problem)
     done("exact sums")
     found = optimum.find_optimum(objective, solver)
     done("optimum")
@@ -109,9 +106,9 @@ def spring_pose(problem: RegistrationProblem) -> Pose:
 
     Raises DegenerateProblemError where a shift or a turn is undetermined, or nearly so.
     """
-    objective = Springs(spring_moments(problem))
+    objective = Springs.of(problem)
     found = optimum.find_optimum(objective)
-    open_ = Freedom.of(objective).words() or weak_shift_words(weak_shifts(objective.joint_form))
+    open_ = Freedom.of(objective).words() or weak_shift_words(weak_shifts(objective))
     if not open_ and len(soft := soft_axes(objective, found.quaternion)):
         about = " and ".join(axis_words(axis) for axis in soft)
         open_ = f"rotation about the source's axis {about} is undetermined to first order"

@@ -11,7 +11,6 @@ from certreg.equilibrium.methods import SPRING_METHODS, compare, search
 from certreg.equilibrium.paths import critical_lines
 from certreg.errors import UndecidedError
 from certreg.objective.springs import Springs
-from certreg.problem.moments_of_springs import spring_moments
 from certreg.registration.parts import counted
 from certreg.registration.spring_equilibria import SpringEquilibria, spring_equilibria
 from certreg.registration.stating import require_method
@@ -26,6 +25,7 @@ if TYPE_CHECKING:
     from certreg.equilibrium.methods import Comparison, Search
     from certreg.problem.problem import RegistrationProblem
     from certreg.registration.parts import Progress
+
 
 ALL = "all"  # methods
 
@@ -68,7 +68,7 @@ def enumerated_springs(
     first, *_ = SPRING_METHODS
     method = method or first
     require_method(method, (*SPRING_METHODS, ALL), problem.cell)
-    objective = Springs(spring_moments(problem))
+    objective = Springs.of(problem)
     names = tuple(SPRING_METHODS) if method == ALL else (method,)
     done = counted(progress, len(names))
     searches = tuple(_searched(objective, name, done) for name in names)

@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from certreg.objective.springs import Springs
     from certreg.problem.problem import RegistrationProblem
 
+
 LINES = 40
 SAME_ENERGY = Fraction(1, 1 << 90)  # of the oscillation
 KNOWN = Fraction(1, 1 << 300)  # of the oscillation: to this the energy of a proved one is known
@@ -187,7 +188,7 @@ def _reasons(critical: LineSet) -> dict[str, Absent]:
 
 def _open_words(objective: Springs) -> str:
     """What the springs leave open, or hardly resist; empty where nothing is known to be."""
-    weak = weak_shift_words(weak_shifts(objective.joint_form))
+    weak = weak_shift_words(weak_shifts(objective))
     rounding = f"{weak}; the translations are of rounding as much as of the data" if weak else ""
     return "; ".join(filter(None, (Freedom.of(objective).words(), rounding)))
 

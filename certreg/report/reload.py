@@ -53,6 +53,7 @@ if TYPE_CHECKING:
     from certreg.report.any_report import AnyReport
     from certreg.results import Verdict
 
+
 SPRING = 12 * 8  # bytes of two points and six entries of a factor
 BOUNDED_PAIR = 8 * 8  # bytes of two points, a weight and a bound
 BOUNDED_SPRING = 13 * 8  # bytes of two points, a bound and a factor
@@ -207,10 +208,10 @@ def _required_body(certificate: Certificate[Any], file: Path, *, pointless: bool
 def _problem(certificate: Certificate[Any], clouds: Clouds | None) -> RegistrationProblem:
     """The problem of a certificate that the checker has accepted for the clouds."""
     body = certificate.body
-    if body.KIND in SPRING_KINDS:
-        return _spring_problem(certificate)
+    sprung = body.KIND in SPRING_KINDS
+    points = _spring_problem(certificate) if sprung else _weighted(certificate, clouds)
     scale = Scale(body.scale) if isinstance(body, SimilarityBody) else Scale.NONE
-    return _weighted(certificate, clouds).modelled(scale, rotation_only=body.rotation_only)
+    return points.modelled(scale, rotation_only=body.rotation_only)
 
 
 def _weighted(certificate: Certificate[Any], clouds: Clouds | None) -> RegistrationProblem:

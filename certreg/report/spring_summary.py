@@ -21,6 +21,7 @@ from certreg.results import Absent, Limits, Optimality
 if TYPE_CHECKING:
     from certreg.registration.spring_result import SpringRegistration
 
+
 NAMES = {
     "plane": "planes",
     "line": "lines",
@@ -29,6 +30,7 @@ NAMES = {
 }
 ONE_OF_MANY = "The pose below is one of those that are as good."
 LEAST_SHIFT = "The pose below is the one of them that moves the source's centre least."
+COUNTS = ("none", "one", "two", "three", "four", "five", "six", "seven", "eight")
 RANKS = {1: "plane", 2: "line", 3: "full spring"}
 HOW = {
     Method.SQUARES: "a sum of squares of degree four",
@@ -110,18 +112,19 @@ def soft_words(registration: SpringRegistration) -> str:
 
 
 def few_words(registration: SpringRegistration) -> str:
-    """That there are too few springs for a pose that fits exactly; empty where there are six.
+    """That there are too few springs for a pose that fits exactly; empty where there are enough.
 
     Where every residual L^T r is zero the Hessian is 2 J^T J, J their Jacobian, of a rank that is
     at most the sum of those of the springs. No more is said: five planes that cannot be met may
     single one pose out.
     """
-    problem = registration.problem
+    problem, needed = registration.problem, COUNTS[registration.problem.motion.parameters]
     if problem.degrees_of_freedom >= 0:
         return ""
     return (
         f"the ranks of the springs add up to {problem.observations} (a plane 1, a line 2, a full "
-        "spring 3): a pose that fits exactly needs six at least to be determined to first order"
+        f"spring 3): a pose that fits exactly needs {needed} at least to be determined to first "
+        "order"
     )
 
 

@@ -32,7 +32,6 @@ from certreg.paper.spring_maps import (
     spring_rows,
     wilson,
 )
-from certreg.problem.moments_of_springs import spring_moments
 from certreg.problem.problem import RegistrationProblem
 from certreg.relaxation.optimum import find_optimum
 
@@ -107,7 +106,7 @@ def test_one_wall_is_not_counted():
 def test_the_minima_are_those_that_the_search_for_the_optimum_knows():
     cell = SpringCell(family="plane", points=6, noise=0.1)
     problem = spring_problem(generator(cell, 0, 1), cell)
-    found = find_optimum(Springs(spring_moments(problem)))
+    found = find_optimum(Springs.of(problem))
 
     assert observed(problem).stable >= len(found.minima) >= 1
 
