@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shlex
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -20,7 +20,6 @@ from certreg.registration import (
     certified_count,
     certified_list,
     enumerated,
-    enumerated_springs,
     equilibrium_poses,
     scaled_equilibria,
 )
@@ -41,7 +40,7 @@ if TYPE_CHECKING:
 
     from certreg.io import Pair
     from certreg.problem import RegistrationProblem
-    from certreg.registration import Enumeration, SpringEnumeration
+    from certreg.registration import Enumeration, SpringEquilibria
 
 LIST_CODES = """
 \b
@@ -118,7 +117,7 @@ def _spring_equilibria(
     as_json: bool,
 ) -> int:
     """The same of general springs: 4 where the list is in doubt, or which of it is the best."""
-    enumeration = enumerated_springs(problem, method)
+    enumeration = enumerated(problem, method)
     if out is not None:
         _write_list(problem, enumeration, out)
     if poses is not None:
@@ -132,7 +131,9 @@ def _spring_equilibria(
     return DONE if enumeration.equilibria.unique else NOT_CERTIFIED
 
 
-def _write_list(problem: RegistrationProblem, enumeration: SpringEnumeration, out: Path) -> None:
+def _write_list(
+    problem: RegistrationProblem, enumeration: Enumeration[SpringEquilibria], out: Path
+) -> None:
     """A certificate that these are all, checked, or the reason for none."""
     certificate, place = certified_list(problem, enumeration.objective), printable(out)
     if certificate is None:
@@ -150,7 +151,7 @@ def _tell_certificate(subject: str, place: str) -> None:
     click.echo(f"note: certificate of the {subject}: {place} (certreg verify {typed})", err=True)
 
 
-def _write_poses(enumeration: Enumeration | SpringEnumeration, folder: Path) -> None:
+def _write_poses(enumeration: Enumeration[Any], folder: Path) -> None:
     """One file of four rows for each equilibrium, in the order of the list."""
     poses, place = equilibrium_poses(enumeration), printable(folder)
     if not poses:

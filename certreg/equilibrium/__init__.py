@@ -25,13 +25,11 @@ if TYPE_CHECKING:
     from certreg.equilibrium.critical_set import CriticalSet as CriticalSet
     from certreg.equilibrium.line_set import Finiteness as Finiteness
     from certreg.equilibrium.line_set import LineSet as LineSet
-    from certreg.equilibrium.methods import METHODS as METHODS
-    from certreg.equilibrium.methods import SPRING_METHODS as SPRING_METHODS
+    from certreg.equilibrium.methods import FINDERS as FINDERS
     from certreg.equilibrium.methods import Comparison as Comparison
     from certreg.equilibrium.methods import Method as Method
     from certreg.equilibrium.methods import Search as Search
     from certreg.equilibrium.methods import compare as compare
-    from certreg.equilibrium.methods import method_named as method_named
     from certreg.equilibrium.methods import search as search
     from certreg.equilibrium.paths import CriticalLines as CriticalLines
     from certreg.equilibrium.paths import PathsOutcome as PathsOutcome
@@ -85,13 +83,11 @@ __getattr__ = lazy_face(
             "LineSet",
         ),
         "methods": (
-            "METHODS",
-            "SPRING_METHODS",
+            "FINDERS",
             "Comparison",
             "Method",
             "Search",
             "compare",
-            "method_named",
             "search",
         ),
         "paths": (

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from certreg.objective.levelling import norm_fourth as norm_fourth
     from certreg.objective.neighbourhood import Neighbourhood as Neighbourhood
     from certreg.objective.objective import Objective as Objective
+    from certreg.objective.objective import objective_of as objective_of
     from certreg.objective.polynomials import PolynomialSystem as PolynomialSystem
     from certreg.objective.quartics import MONOMIALS as MONOMIALS
     from certreg.objective.quartics import PAIR_PLACE as PAIR_PLACE
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
     from certreg.objective.quartics import quartic_of_form as quartic_of_form
     from certreg.objective.scaling import Scaling as Scaling
     from certreg.objective.springs import Springs as Springs
+    from certreg.objective.structure import Structure as Structure
 
 __getattr__ = lazy_face(
     __name__,
@@ -43,7 +45,7 @@ __getattr__ = lazy_face(
             "norm_fourth",
         ),
         "neighbourhood": ("Neighbourhood",),
-        "objective": ("Objective",),
+        "objective": ("Objective", "objective_of"),
         "polynomials": ("PolynomialSystem",),
         "quartics": (
             "MONOMIALS",
@@ -53,5 +55,6 @@ __getattr__ = lazy_face(
         ),
         "scaling": ("Scaling",),
         "springs": ("Springs",),
+        "structure": ("Structure",),
     },
 )

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from itertools import product
 from operator import mul
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 from certreg._loading import cached_property
 from certreg.exact import (
@@ -36,6 +36,7 @@ from certreg.objective.classification import classify, with_pattern
 from certreg.objective.form import Form, Reduced, bordered
 from certreg.objective.polynomials import multiplier_system
 from certreg.objective.scaling import Scaling
+from certreg.objective.structure import Structure
 from certreg.problem import UPPER, exact_moments, trace
 from certreg.results import Brief
 
@@ -63,6 +64,7 @@ class Isotropic(Brief):
 
     moments: ExactMoments
     scaling: Scaling | None = None
+    structure: ClassVar[Structure] = Structure.LINEAR
 
     @classmethod
     def of(cls, problem: RegistrationProblem) -> Isotropic:

@@ -6,20 +6,22 @@ in r = (1, vec R).
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import product
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 import numpy as np
 
 from certreg._loading import cached_property
-from certreg.exact import nullspace, power_of_two, rational_root_above
+from certreg.exact import nearest_double, nullspace, power_of_two, rational_root_above
 from certreg.geometry import dot, homogeneous, quadratic_form, rotation_matrix, squared_norm
 from certreg.objective import quartics
 from certreg.objective.form import FULL, Form, Reduced, bordered
 from certreg.objective.polynomials import QUATERNION, PolynomialSystem, collected, exponents
-from certreg.problem import UPPER
+from certreg.objective.structure import Structure
+from certreg.problem import UPPER, spring_moments
 from certreg.results import Brief
 
 if TYPE_CHECKING:
@@ -28,7 +30,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.geometry import Matrix4, SquareMatrix, T, Vector3, Vector4
-    from certreg.problem import SpringMoments
+    from certreg.problem import RegistrationProblem, SpringMoments
 
 DIAGONAL = (0, 3, 5)  # among the six entries of a symmetric matrix
 FARTHEST = 8  # the largest |R - R'|^2 of two rotations, in the Frobenius norm
@@ -52,6 +54,13 @@ class Springs(Brief):
     """
 
     moments: SpringMoments
+    structure: ClassVar[Structure] = Structure.QUARTIC
+    scaling: ClassVar[None] = None  # no scale is free
+
+    @classmethod
+    def of(cls, problem: RegistrationProblem) -> Springs:
+        """The objective of a problem with springs."""
+        return cls(spring_moments(problem))
 
     @cached_property
     def joint_form(self) -> Form:
@@ -132,6 +141,19 @@ class Springs(Brief):
         norm = squared_norm(q)
         r = homogeneous(rotation_matrix(q), unit=norm)
         return self.reduced.best_translation(r, norm)
+
+    def best_scale(self, q: Sequence[int]) -> Fraction:
+        """1, as no scale is free."""
+        del q
+        return Fraction(1)
+
+    def rounded_translation(
+        self, q: Sequence[int], scale: Fraction | Literal[1] = 1
+    ) -> list[float]:
+        """The best translation, each entry rounded once; infinite where no double holds it."""
+        del scale
+        rounded = (nearest_double(entry) for entry in self.best_translation(q))
+        return [math.inf if entry is None else entry for entry in rounded]
 
     def image_slopes(self, point: Sequence[Fraction]) -> tuple[tuple[Fraction, ...], ...]:
         """M, 3x9, with R point + (best translation at R) = M vec R + const, R by columns.

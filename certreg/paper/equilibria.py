@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from certreg.dynamics import rigid_body
-from certreg.equilibrium import method_named, rotation_double, unit_double
+from certreg.equilibrium import FINDERS, rotation_double, unit_double
 from certreg.geometry import rotation_matrix
 from certreg.objective import Isotropic
 from certreg.paper.particles import Particles, at_rest
@@ -86,7 +86,7 @@ def equilibrium_run(problem: RegistrationProblem) -> EquilibriumRun:
     moving = rigid_body(moments, problem.damping, length_exponent=RAW_UNIT)
     particles = Particles.of(problem)
     objective = Isotropic(moments)
-    critical = method_named("groebner")(objective)
+    critical = FINDERS[objective.structure]["groebner"].method(objective)
     shape = objective.classified(critical.pattern)
     best = horn(moving.cross_covariance)
     poses = tuple(

@@ -45,6 +45,7 @@ if TYPE_CHECKING:
     from certreg.registration.enumeration import Enumeration as Enumeration
     from certreg.registration.enumeration import ListedEquilibria as ListedEquilibria
     from certreg.registration.enumeration import certified_count as certified_count
+    from certreg.registration.enumeration import certified_list as certified_list
     from certreg.registration.enumeration import enumerated as enumerated
     from certreg.registration.enumeration import equilibria as equilibria
     from certreg.registration.enumeration import equilibrium_poses as equilibrium_poses
@@ -119,12 +120,9 @@ if TYPE_CHECKING:
     from certreg.registration.slips import Slip as Slip
     from certreg.registration.slips import SlipCode as SlipCode
     from certreg.registration.spring_certification import certified_springs as certified_springs
-    from certreg.registration.spring_enumeration import (
+    from certreg.registration.spring_equilibria import (
         ListedSpringEquilibria as ListedSpringEquilibria,
     )
-    from certreg.registration.spring_enumeration import SpringEnumeration as SpringEnumeration
-    from certreg.registration.spring_enumeration import certified_list as certified_list
-    from certreg.registration.spring_enumeration import enumerated_springs as enumerated_springs
     from certreg.registration.spring_equilibria import SpringEquilibria as SpringEquilibria
     from certreg.registration.spring_equilibria import SpringEquilibrium as SpringEquilibrium
     from certreg.registration.spring_headlines import SPRING_HEADLINES as SPRING_HEADLINES
@@ -211,6 +209,7 @@ __getattr__ = lazy_face(
             "Enumeration",
             "ListedEquilibria",
             "certified_count",
+            "certified_list",
             "equilibria",
             "equilibrium_poses",
             "enumerated",
@@ -295,13 +294,8 @@ __getattr__ = lazy_face(
             "SlipCode",
         ),
         "spring_certification": ("certified_springs",),
-        "spring_enumeration": (
-            "ListedSpringEquilibria",
-            "SpringEnumeration",
-            "certified_list",
-            "enumerated_springs",
-        ),
         "spring_equilibria": (
+            "ListedSpringEquilibria",
             "SpringEquilibria",
             "SpringEquilibrium",
         ),

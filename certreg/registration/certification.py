@@ -25,13 +25,13 @@ from certreg.exact import (
     nearest_root,
 )
 from certreg.native import Integrator
-from certreg.objective import Isotropic
+from certreg.objective import Isotropic, objective_of
 from certreg.problem import RegistrationProblem, Verb, refusal, require_supported
 from certreg.registration.agreement import agreement, require_sound_trajectory
 from certreg.registration.optimum import exact_pose, optimal_pose
 from certreg.registration.parts import logged
 from certreg.registration.result import Registration, Solution
-from certreg.registration.simulation import final_state, objective_of, simulated_motion
+from certreg.registration.simulation import final_state, simulated_motion
 from certreg.registration.stating import require_problem
 from certreg.relaxation import relax
 from certreg.results import OUT_OF_RANGE, Absent, Limits

@@ -7,21 +7,20 @@ from fractions import Fraction
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from certreg import objective as objectives
-from certreg import problem as problems
 from certreg._loading import found_late
 from certreg.certificate import RotationState, check_own, produce, require_accepted
 from certreg.dynamics import Trajectory, simulate
 from certreg.exact import nearest_double, power_of_two
-from certreg.native import Integrator
-from certreg.objective import Isotropic
+from certreg.native import Integrator, Kind
 from certreg.problem import Verb, lift, require_supported
 from certreg.registration.agreement import require_sound_trajectory
 from certreg.results import OUT_OF_RANGE, Absent, Brief, Presented
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
     from certreg.dynamics import Basin, SimulationSettings
-    from certreg.objective import Springs
+    from certreg.objective import Isotropic, Springs
     from certreg.problem import RegistrationProblem
 
 
@@ -94,18 +93,11 @@ class SimulatedRegistration(Brief):
         return self.trajectory.energies
 
 
-KINDS = {  # by the name of the body
-    "RigidBody": lambda: ProblemTrajectory,
-    "SprungBody": found_late("certreg.registration.valley", "SimulatedSprings"),
-    "BreathingBody": found_late("certreg.registration.breathing", "SimulatedBreathing"),
+MOTIONS: Mapping[Kind, Callable[[], type[SimulatedMotion]]] = {  # by the kind of the body
+    Kind.RIGID: lambda: ProblemTrajectory,
+    Kind.SPRINGS: found_late("certreg.registration.valley", "SimulatedSprings"),
+    Kind.BREATHING: found_late("certreg.registration.breathing", "SimulatedBreathing"),
 }
-
-
-def objective_of(problem: RegistrationProblem) -> Isotropic | Springs:
-    """The energy of a problem as a function of the rotation."""
-    if problem.factors is None:
-        return Isotropic.of(problem)
-    return objectives.Springs(problems.spring_moments(problem))
 
 
 def simulated_motion(
@@ -128,7 +120,7 @@ def simulated_motion(
 
 
 def _of_its_kind(**fields: Any) -> SimulatedMotion:
-    return KINDS[type(fields["moving"]).__name__]()(**fields)
+    return MOTIONS[fields["moving"].KIND]()(**fields)
 
 
 def proved_end(run: ProblemTrajectory) -> SimulatedRegistration:

@@ -8,8 +8,6 @@ from dataclasses import replace
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from certreg import certificate as proofs  # what proposes and proves is loaded where it is called
 from certreg import relaxation
 from certreg.certificate import (
@@ -18,15 +16,13 @@ from certreg.certificate import (
     require_accepted,
     spring_pose_bounds,
 )
-from certreg.equilibrium import rotation_double, unit_double
-from certreg.errors import DegenerateProblemError, OutOfRangeError
+from certreg.errors import DegenerateProblemError
 from certreg.exact import nearest_double, nearest_root
-from certreg.geometry import Pose
 from certreg.objective import Springs
-from certreg.problem import spring_moments
 from certreg.registration.curvature import soft_axes
 from certreg.registration.freedom import Freedom
 from certreg.registration.loose_turns import axis_words
+from certreg.registration.optimum import pose_at
 from certreg.registration.parts import logged
 from certreg.registration.robustness import NONE_PROVED
 from certreg.registration.spring_result import (
@@ -39,6 +35,7 @@ from certreg.results import OUT_OF_RANGE, Absent, Limits
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from certreg.geometry import Pose
     from certreg.problem import RegistrationProblem
     from certreg.results import Verdict
 
@@ -84,7 +81,7 @@ def _solved(
     done: Callable[[str], None],
 ) -> SpringSolution:
     """Everything that is computed, nothing yet checked."""
-    objective = Springs(spring_moments(problem))
+    objective = Springs.of(problem)
     done("exact sums")
     found = relaxation.find_optimum(objective, solver)
     done("optimum")
@@ -95,7 +92,7 @@ def _solved(
         problem=problem,
         objective=objective,
         found=found,
-        pose=rounded_spring_pose(objective, quaternion),
+        pose=pose_at(objective, quaternion),
         quaternion=quaternion,
         certificate=certificate,
         absent={"certificate": NOT_CERTIFIED},
@@ -107,7 +104,7 @@ def spring_pose(problem: RegistrationProblem) -> Pose:
 
     Raises DegenerateProblemError where a shift or a turn is undetermined, or nearly so.
     """
-    objective = Springs(spring_moments(problem))
+    objective = Springs.of(problem)
     found = relaxation.find_optimum(objective)
     open_ = Freedom.of(objective).words() or weak_shift_words(weak_shifts(objective.joint_form))
     if not open_ and len(soft := soft_axes(objective, found.quaternion)):
@@ -116,24 +113,7 @@ def spring_pose(problem: RegistrationProblem) -> Pose:
     if open_:
         message = f"{open_}; certreg.certify says what is proved of it"
         raise DegenerateProblemError(message)
-    return rounded_spring_pose(objective, found.quaternion)
-
-
-def rounded_spring_pose(objective: Springs, q: tuple[int, int, int, int]) -> Pose:
-    """The pose with its best translation, every number rounded once."""
-    exact = objective.best_translation(q)
-    translation = [nearest_double(entry) for entry in exact]
-    if None in translation:
-        message = (
-            "the translation of the optimal pose exceeds the range of doubles: "
-            "change the unit of length of both clouds"
-        )
-        raise OutOfRangeError(message, value=exact)
-    return Pose(
-        rotation=rotation_double(q),
-        translation=np.array(translation),
-        quaternion_wxyz=unit_double(q),
-    )
+    return pose_at(objective, found.quaternion)
 
 
 def registration_of(

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from certreg.dynamics import simulate, spring_body
-from certreg.equilibrium import SPRING_METHODS, search
+from certreg.equilibrium import FINDERS, search
 from certreg.errors import DegenerateProblemError
 from certreg.registration.spring_equilibria import SpringEquilibria, spring_equilibria
 
@@ -29,7 +29,7 @@ RETURNED = math.radians(0.1)  # to it: ten times what a run that ends is off
 
 def listed_springs(problem: RegistrationProblem, objective: Springs) -> SpringEquilibria | None:
     """The equilibria by the first method; None where it decides nothing."""
-    first, *_ = SPRING_METHODS
+    first, *_ = FINDERS[objective.structure]
     found: Any = search(objective, first).critical
     critical: LineSet | None = found
     return None if critical is None else spring_equilibria(critical, objective, problem)

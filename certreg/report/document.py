@@ -153,7 +153,7 @@ def pose_document(registration: AnyRegistration) -> Document:
     )
 
 
-def equilibria_document(enumeration: Enumeration) -> Document:
+def equilibria_document(enumeration: Enumeration[EquilibriumSet]) -> Document:
     """An equilibrium set on its own; with the searches for it, if there were several."""
     return encoded({**_set(enumeration.equilibria), **methods.methods_fields(enumeration)})
 

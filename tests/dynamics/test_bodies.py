@@ -11,7 +11,7 @@ from certreg import RegistrationProblem
 from certreg.dynamics import SimulationSettings, Trajectory, simulate
 from certreg.errors import InvalidProblemError
 from certreg.native import Integrator
-from certreg.registration.simulation import objective_of
+from certreg.objective import objective_of
 from certreg.results import Absent
 
 RNG = np.random.default_rng(21)

@@ -46,8 +46,8 @@ WINGS = (
     "__main__",
 )
 FOLDERS_OF_DATA = {"data"}
-FINDERS = ("objective", "equilibrium", "relaxation")
-PROVERS = ("certificate", "verify")  # the only places that speak of proof
+FINDING = ("objective", "equilibrium", "relaxation")
+PROVING = ("certificate", "verify")  # the only places that speak of proof
 INNER_IMPORTS = 4  # within functions, each with its reason beside it
 
 
@@ -341,8 +341,8 @@ def test_a_section_of_the_checker_is_read_beside_the_common_part_alone():
 
 def test_finding_does_not_know_proving():
     for one in all_imports(sources()):
-        if wing(one.by + ".") in FINDERS:
-            assert wing(one.source + ".") not in PROVERS, str(one)
+        if wing(one.by + ".") in FINDING:
+            assert wing(one.source + ".") not in PROVING, str(one)
 
 
 @pytest.mark.slow

@@ -25,7 +25,7 @@ ANSWERS = ("problem/support.py", "verify.py")  # the table; and the checker, whi
 CLASSES = re.compile(
     r"(Problem|Registration|Body|Trajectory|Equilibria|Similarity)$|^(Isotropic|Springs)$"
 )
-ENUMERATIONS = {"Loss", "Scale"}
+ENUMERATIONS = {"Loss", "Scale", "Structure"}
 ATTRIBUTES = {"factors", "rotation_only", "scaled"}
 MOST = 230  # now; it only falls
 

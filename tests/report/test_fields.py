@@ -224,11 +224,11 @@ def test_what_is_not_proved_or_not_written_is_null_and_says_why(registration: Re
 
 
 @pytest.fixture(scope="module")
-def enumeration() -> Enumeration:
+def enumeration() -> Enumeration[Any]:
     return enumerated(PROBLEM, "all")
 
 
-def test_the_table_of_methods_has_every_cell_in_its_column(enumeration: Enumeration):
+def test_the_table_of_methods_has_every_cell_in_its_column(enumeration: Enumeration[Any]):
     headings, *rows = methods_table(enumeration).splitlines()
     decided = [one for one in enumeration.searches if one.critical is not None]
     order = [*decided, *(one for one in enumeration.searches if one.critical is None)]
@@ -249,7 +249,7 @@ def test_the_table_of_methods_has_every_cell_in_its_column(enumeration: Enumerat
         assert cells[5] == one.critical.guarantee.label + doubt
 
 
-def test_the_fields_of_methods_are_those_of_the_searches(enumeration: Enumeration):
+def test_the_fields_of_methods_are_those_of_the_searches(enumeration: Enumeration[Any]):
     fields, words = methods_fields(enumeration), methods_summary(enumeration)
     comparison = checked(enumeration.comparison)
     apart = replace(comparison, angle=math.pi / 180, energy=0.25)
@@ -274,7 +274,7 @@ def test_the_fields_of_methods_are_those_of_the_searches(enumeration: Enumeratio
             assert field["guarantee"] == one.critical.guarantee.label
 
 
-def test_what_a_method_leaves_in_doubt_is_said_beside_it(enumeration: Enumeration):
+def test_what_a_method_leaves_in_doubt_is_said_beside_it(enumeration: Enumeration[Any]):
     one = next(each for each in enumeration.searches if each.critical is not None)
     critical = replace(checked(one.critical), completeness=None, doubt="a path was lost")
     doubtful = replace(enumeration, searches=(replace(one, critical=critical),))
