@@ -27,8 +27,8 @@ from strategies import ZOO, random_rotation
 
 from certreg.errors import OutOfRangeError
 from certreg.problem.problem import RegistrationProblem
-from certreg.registration.any_certification import certify
 from certreg.registration.assessment import assess
+from certreg.registration.certification import certify
 from certreg.report import registration_summary
 from certreg.report.document import assessment_document, result_document
 from certreg.report.judged_pose import assessment_summary

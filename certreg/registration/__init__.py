@@ -11,7 +11,6 @@ if TYPE_CHECKING:
     from certreg.registration.ambiguity import NEARLY_AMBIGUOUS as NEARLY_AMBIGUOUS
     from certreg.registration.ambiguity import ambiguous_words as ambiguous_words
     from certreg.registration.ambiguity import narrow_words as narrow_words
-    from certreg.registration.any_certification import certify as certify
     from certreg.registration.any_registration import UNDECIDED as UNDECIDED
     from certreg.registration.any_registration import AnyRegistration as AnyRegistration
     from certreg.registration.any_registration import Method as Method
@@ -27,11 +26,7 @@ if TYPE_CHECKING:
     from certreg.registration.breathing import SimulatedBreathing as SimulatedBreathing
     from certreg.registration.breathing import scaled_equilibria as scaled_equilibria
     from certreg.registration.c_sources import write_sources as write_sources
-    from certreg.registration.certification import CROSS_CHECK as CROSS_CHECK
-    from certreg.registration.certification import NOT_ASKED as NOT_ASKED
-    from certreg.registration.certification import certified as certified
-    from certreg.registration.certification import optimally_damped as optimally_damped
-    from certreg.registration.certification import simulate as simulate
+    from certreg.registration.certification import certify as certify
     from certreg.registration.closed_form import horn as horn
     from certreg.registration.closed_form import register as register
     from certreg.registration.consensus import ConsensusRegistration as ConsensusRegistration
@@ -74,7 +69,6 @@ if TYPE_CHECKING:
     from certreg.registration.fit import FitRow as FitRow
     from certreg.registration.fit import fit_of as fit_of
     from certreg.registration.fit import silent_tests as silent_tests
-    from certreg.registration.fit_of_pairs import BY_NAME as BY_NAME
     from certreg.registration.freedom import Freedom as Freedom
     from certreg.registration.headlines import HARDLY_DETERMINED as HARDLY_DETERMINED
     from certreg.registration.headlines import HEADLINES as HEADLINES
@@ -91,6 +85,7 @@ if TYPE_CHECKING:
     from certreg.registration.kept_pairs import KeptPairs as KeptPairs
     from certreg.registration.kept_pairs import LabelsVerdict as LabelsVerdict
     from certreg.registration.kept_pairs import judged_labels as judged_labels
+    from certreg.registration.linear import CROSS_CHECK as CROSS_CHECK
     from certreg.registration.loose_turns import TooLarge as TooLarge
     from certreg.registration.loose_turns import axis_words as axis_words
     from certreg.registration.loose_turns import beyond_first_order as beyond_first_order
@@ -99,6 +94,8 @@ if TYPE_CHECKING:
     from certreg.registration.misfits import FitCode as FitCode
     from certreg.registration.misfits import FitWarning as FitWarning
     from certreg.registration.pair_angles import widest_angles as widest_angles
+    from certreg.registration.pipeline import NOT_ASKED as NOT_ASKED
+    from certreg.registration.pipeline import Asked as Asked
     from certreg.registration.result import Registration as Registration
     from certreg.registration.result import Solution as Solution
     from certreg.registration.robustness import ROBUSTNESS_ANGLE as ROBUSTNESS_ANGLE
@@ -116,10 +113,11 @@ if TYPE_CHECKING:
     from certreg.registration.simulation import ProblemTrajectory as ProblemTrajectory
     from certreg.registration.simulation import SimulatedMotion as SimulatedMotion
     from certreg.registration.simulation import SimulatedRegistration as SimulatedRegistration
+    from certreg.registration.simulation import optimally_damped as optimally_damped
     from certreg.registration.simulation import proved_end as proved_end
+    from certreg.registration.simulation import simulate as simulate
     from certreg.registration.slips import Slip as Slip
     from certreg.registration.slips import SlipCode as SlipCode
-    from certreg.registration.spring_certification import certified_springs as certified_springs
     from certreg.registration.spring_equilibria import (
         ListedSpringEquilibria as ListedSpringEquilibria,
     )
@@ -139,6 +137,8 @@ if TYPE_CHECKING:
     from certreg.registration.spring_result import SpringRegistration as SpringRegistration
     from certreg.registration.spring_result import SpringSolution as SpringSolution
     from certreg.registration.spring_rows import SpringAxes as SpringAxes
+    from certreg.registration.squares import BY_NAME as BY_NAME
+    from certreg.registration.squares import certified_squares as certified_squares
     from certreg.registration.truncated import TruncatedRegistration as TruncatedRegistration
     from certreg.registration.truncated import restated_truncated as restated_truncated
     from certreg.registration.truncated_labels import TruncatedLabels as TruncatedLabels
@@ -159,7 +159,6 @@ __getattr__ = lazy_face(
             "ambiguous_words",
             "narrow_words",
         ),
-        "any_certification": ("certify",),
         "any_registration": ("UNDECIDED", "AnyRegistration", "Method"),
         "assessed": ("Assessment",),
         "assessment": (
@@ -181,13 +180,7 @@ __getattr__ = lazy_face(
             "scaled_equilibria",
         ),
         "c_sources": ("write_sources",),
-        "certification": (
-            "CROSS_CHECK",
-            "NOT_ASKED",
-            "certified",
-            "optimally_damped",
-            "simulate",
-        ),
+        "certification": ("certify",),
         "closed_form": (
             "horn",
             "register",
@@ -247,7 +240,6 @@ __getattr__ = lazy_face(
             "fit_of",
             "silent_tests",
         ),
-        "fit_of_pairs": ("BY_NAME",),
         "freedom": ("Freedom",),
         "headlines": (
             "HARDLY_DETERMINED",
@@ -264,6 +256,7 @@ __getattr__ = lazy_face(
             "share_words",
         ),
         "kept_pairs": ("KeptPairs", "LabelsVerdict", "judged_labels"),
+        "linear": ("CROSS_CHECK",),
         "loose_turns": ("TooLarge", "axis_words", "beyond_first_order"),
         "many": ("certify_many",),
         "misfits": (
@@ -272,6 +265,7 @@ __getattr__ = lazy_face(
             "FitWarning",
         ),
         "pair_angles": ("widest_angles",),
+        "pipeline": ("NOT_ASKED", "Asked"),
         "result": (
             "Registration",
             "Solution",
@@ -287,13 +281,14 @@ __getattr__ = lazy_face(
             "ProblemTrajectory",
             "SimulatedMotion",
             "SimulatedRegistration",
+            "optimally_damped",
             "proved_end",
+            "simulate",
         ),
         "slips": (
             "Slip",
             "SlipCode",
         ),
-        "spring_certification": ("certified_springs",),
         "spring_equilibria": (
             "ListedSpringEquilibria",
             "SpringEquilibria",
@@ -316,6 +311,7 @@ __getattr__ = lazy_face(
             "SpringSolution",
         ),
         "spring_rows": ("SpringAxes",),
+        "squares": ("BY_NAME", "certified_squares"),
         "truncated": ("TruncatedRegistration", "restated_truncated"),
         "truncated_labels": ("TruncatedLabels", "judged_truncated_labels"),
         "valley": (

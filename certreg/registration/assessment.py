@@ -8,10 +8,10 @@ from certreg.errors import InvalidProblemError
 from certreg.exact import double_above, nearest_double, nearest_root
 from certreg.geometry import given_pose, why_no_rotation
 from certreg.problem import Loss, RegistrationProblem, bounded
-from certreg.registration.any_certification import certify
 from certreg.registration.any_registration import AnyRegistration
 from certreg.registration.assessed import Assessment
 from certreg.registration.assessment_words import headline_of_pose, note_on, words_of_pose
+from certreg.registration.certification import certify
 from certreg.registration.findings import (
     GOOD,
     AssessmentSettings,

@@ -7,7 +7,7 @@ from importlib.resources import as_file, files
 from typing import TYPE_CHECKING
 
 from certreg.io import read_problem
-from certreg.registration.any_certification import certify
+from certreg.registration.certification import certify
 from certreg.results import Optimality
 
 if TYPE_CHECKING:

@@ -17,7 +17,13 @@ from certreg.errors import InvalidProblemError
 from certreg.exact import at_least, at_most, double_above, double_below
 from certreg.geometry import Similarity
 from certreg.problem import Scale
-from certreg.registration.consensus import ConsensusRegistration, Ways, most_proved, restated
+from certreg.registration.consensus import (
+    ConsensusRegistration,
+    InlierProver,
+    Ways,
+    most_proved,
+    restated,
+)
 from certreg.relaxation import scaled_candidates
 
 if TYPE_CHECKING:
@@ -146,8 +152,10 @@ def restated_scaled_consensus(
 
 SCALED = Ways(
     motion="motion with a scale",
+    free_scale=True,
     search=_search,
     certificate=scaled_consensus_certificate,
     candidates=scaled_candidates,
     result=ScaledConsensusRegistration,
 )
+PROVER = InlierProver(SCALED)

@@ -39,9 +39,9 @@ from certreg.problem import MAX_DAMPING, MIN_DAMPING, Loss, RegistrationProblem,
 from certreg.registration import (
     CROSS_CHECK,
     SPRING_KINDS,
+    Asked,
     SpringRegistration,
-    certified,
-    certified_springs,
+    certified_squares,
     restated_consensus,
     restated_scaled_consensus,
     restated_truncated,
@@ -138,11 +138,13 @@ def report_of(
     motion = MotionOptions.of(loaded.about, stated)
     if noted is not None:
         noted(motion.words)
-    registration = certified(
+    registration = certified_squares(
         stated if motion.damping is None else stated.damped(motion.damping),
-        relaxation=isinstance(body, IsotropicBody) and body.multiplier is not None,
-        integrator=motion.integrator,
-        about=loaded.about,
+        Asked(
+            relaxation=isinstance(body, IsotropicBody) and body.multiplier is not None,
+            simulation=motion.integrator is not None and Integrator(motion.integrator),
+            about=loaded.about,
+        ),
     )
     given = _bounds(body, registration)
     return page_of(stated)(
@@ -255,7 +257,7 @@ def _spring_report(
     name: str,
 ) -> SpringReport:
     """The report of a certificate of general springs: its pose, and what it proves of that."""
-    registration = certified_springs(problem, about=certificate.about)
+    registration = certified_squares(problem, Asked(about=certificate.about))
     place = ExactPose.of_doubles(registration.pose.quaternion_wxyz, registration.pose.translation)
     solution = registration.solution
     given = spring_pose_bounds(solution.objective, certificate.body, place)

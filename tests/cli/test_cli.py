@@ -32,8 +32,8 @@ from certreg.cli import options as cloud_options
 from certreg.cli import registering
 from certreg.io.problems import read_problem
 from certreg.registration import agreement
-from certreg.registration import certification as pipeline
 from certreg.registration import examples as demo
+from certreg.registration import linear as pipeline
 from certreg.registration.headlines import CERTIFIED
 from certreg.results import Ruling, Verdict
 

@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 
 import certreg
 from certreg.dynamics import SimulationSettings
-from certreg.registration import ConsensusRegistration, TruncatedRegistration, certification
+from certreg.registration import ConsensusRegistration, TruncatedRegistration, linear
 from certreg.registration.row_names import RowNames
 from certreg.relaxation import relax
 
@@ -78,7 +78,7 @@ def solvers(monkeypatch) -> list[str]:
         asked.append(str(solver))
         return relax(objective)
 
-    monkeypatch.setattr(certification, "relax", relaxed)
+    monkeypatch.setattr(linear, "relax", relaxed)
     return asked
 
 

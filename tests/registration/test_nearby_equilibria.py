@@ -19,8 +19,8 @@ from springs_certified import moved_springs
 from certreg.geometry import GivenPose
 from certreg.problem import RegistrationProblem
 from certreg.registration import NOT_CERTIFIED, valley
-from certreg.registration.any_certification import certify
 from certreg.registration.assessment import assess
+from certreg.registration.certification import certify
 from certreg.registration.findings import AssessmentSettings
 from certreg.registration.nearby_equilibrium import TIE, NearbyEquilibrium
 from certreg.registration.spring_findings import spring_findings, spring_verdict_of

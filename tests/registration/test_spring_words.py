@@ -15,8 +15,8 @@ import pytest
 
 from certreg.problem import RegistrationProblem
 from certreg.registration import DONE, NOT_CERTIFIED, NOT_UNIQUE, code_of_registration
-from certreg.registration.any_certification import certify
 from certreg.registration.assessment import assess
+from certreg.registration.certification import certify
 from certreg.report.spring_overview import spring_overview
 from certreg.results import Limits, PoseVerdict
 

@@ -13,8 +13,8 @@ from springs_certified import moved_springs
 
 from certreg.objective import Form, Springs
 from certreg.problem import RegistrationProblem, spring_moments
-from certreg.registration.any_certification import certify
 from certreg.registration.assessment import assess
+from certreg.registration.certification import certify
 from certreg.registration.weak_shifts import HARDLY, weak_shift_words, weak_shifts
 from certreg.report import result_document
 

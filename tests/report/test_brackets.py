@@ -19,7 +19,7 @@ from benchmarks.rates import brackets
 from benchmarks.rates.brackets import BITS, FAMILIES, Oracle, bounds_of, made
 from certreg.certificate.bounds import ExactPose, PoseBounds, pose_bounds
 from certreg.exact.dyadic import Dyadic
-from certreg.registration.any_certification import certify
+from certreg.registration.certification import certify
 from certreg.report import registration_summary
 from certreg.report.document import result_document
 from certreg.report.page import Report

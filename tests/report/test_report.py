@@ -29,8 +29,9 @@ from strategies import ZOO, random_rotation
 
 from certreg.dynamics import Trajectory
 from certreg.geometry import quaternion_from_matrix, quaternions_from_matrices
+from certreg.native import Integrator
 from certreg.problem.problem import RegistrationProblem
-from certreg.registration import certified, certify
+from certreg.registration import Asked, certified_squares, certify
 from certreg.registration.examples import STORIES, stated, tell
 from certreg.report.any_report import EMBEDDED_BYTES
 from certreg.report.markup import asset, coded, environment_of, inert, inert_json
@@ -305,7 +306,8 @@ def test_the_report_again_is_the_same_and_says_how_the_motion_is_computed(
 
 @pytest.mark.slow
 def test_a_motion_by_another_integrator_is_shown_again(tmp_path: Path):
-    registration = certified(stated(STORIES[0]), relaxation=False, integrator="splitting")
+    asked = Asked(simulation=Integrator.SPLITTING)
+    registration = certified_squares(stated(STORIES[0]), asked)
     certificate = checked(registration.certificate)
     certificate.save(tmp_path / "certificate.json")
     again = report_of(tmp_path / "certificate.json")
