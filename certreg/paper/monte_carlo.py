@@ -34,7 +34,7 @@ from certreg.problem.random_instances import (
     PAPER_SIGMA,
     gaussian_instances,
 )
-from certreg.registration.any_certification import certify
+from certreg.registration.certification import certify
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Container, Iterator

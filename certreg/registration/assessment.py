@@ -11,10 +11,10 @@ from certreg.geometry.orthogonality import why_no_rotation
 from certreg.problem.bounds import bounded
 from certreg.problem.problem import RegistrationProblem
 from certreg.problem.support import Loss
-from certreg.registration.any_certification import certify
 from certreg.registration.any_registration import AnyRegistration
 from certreg.registration.assessed import Assessment
 from certreg.registration.assessment_words import headline_of_pose, note_on, words_of_pose
+from certreg.registration.certification import certify
 from certreg.registration.findings import (
     GOOD,
     AssessmentSettings,

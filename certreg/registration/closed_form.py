@@ -38,9 +38,9 @@ if TYPE_CHECKING:
 
     from certreg.problem.moments import Moments
     from certreg.problem.posing import FloatingPose
-    from certreg.registration import spring_certification
+    from certreg.registration import quartic
 else:
-    spring_certification = late("certreg.registration.spring_certification")
+    quartic = late("certreg.registration.quartic")
 
 
 class SpringArguments(TypedDict, total=False):
@@ -124,7 +124,7 @@ def register(
         problem = RegistrationProblem(
             source, target, weights=weights, rotation_only=about_origin, **springs
         )
-        return spring_certification.spring_pose(problem)
+        return quartic.spring_pose(problem)
     x = _readable(cloud_array(source, "source"), "source")
     y = _readable(cloud_array(target, "target"), "target")
     if len(x) != len(y):

@@ -18,7 +18,13 @@ from certreg.exact.decimals import at_least, at_most
 from certreg.exact.dyadic import double_above, double_below
 from certreg.geometry.similarity import Similarity
 from certreg.problem.motion import Scale
-from certreg.registration.consensus import ConsensusRegistration, Ways, most_proved, restated
+from certreg.registration.consensus import (
+    ConsensusRegistration,
+    InlierProver,
+    Ways,
+    most_proved,
+    restated,
+)
 from certreg.relaxation.consensus_search import scaled_candidates
 
 if TYPE_CHECKING:
@@ -149,8 +155,10 @@ def restated_scaled_consensus(
 
 SCALED = Ways(
     motion="motion with a scale",
+    free_scale=True,
     search=_search,
     certificate=consensus_certificate,
     candidates=scaled_candidates,
     result=ScaledConsensusRegistration,
 )
+PROVER = InlierProver(SCALED)

@@ -32,11 +32,12 @@ from certreg.problem.bounds import bounded
 from certreg.problem.motion import MAX_DAMPING, MIN_DAMPING, Scale
 from certreg.problem.problem import RegistrationProblem
 from certreg.problem.support import Loss
-from certreg.registration.certification import CROSS_CHECK, certified
 from certreg.registration.consensus import restated_consensus
+from certreg.registration.linear import CROSS_CHECK
+from certreg.registration.pipeline import Asked
 from certreg.registration.scaled_consensus import restated_scaled_consensus
-from certreg.registration.spring_certification import certified_springs
 from certreg.registration.spring_result import SPRING_KINDS, SpringRegistration
+from certreg.registration.squares import certified_squares
 from certreg.registration.truncated import restated_truncated
 from certreg.report.consensus_page import ConsensusReport
 from certreg.report.pages import page_of
@@ -131,11 +132,13 @@ def report_of(
     motion = MotionOptions.of(loaded.about, stated)
     if noted is not None:
         noted(motion.words)
-    registration = certified(
+    registration = certified_squares(
         stated if motion.damping is None else stated.damped(motion.damping),
-        relaxation=isinstance(body, IsotropicBody) and body.multiplier is not None,
-        integrator=motion.integrator,
-        about=loaded.about,
+        Asked(
+            relaxation=isinstance(body, IsotropicBody) and body.multiplier is not None,
+            simulation=motion.integrator is not None and Integrator(motion.integrator),
+            about=loaded.about,
+        ),
     )
     given = _bounds(body, registration)
     return page_of(stated)(
@@ -248,7 +251,7 @@ def _spring_report(
     name: str,
 ) -> SpringReport:
     """The report of a certificate of general springs: its pose, and what it proves of that."""
-    registration = certified_springs(problem, about=certificate.about)
+    registration = certified_squares(problem, Asked(about=certificate.about))
     place = ExactPose.of_doubles(registration.pose.quaternion_wxyz, registration.pose.translation)
     solution = registration.solution
     given = spring_pose_bounds(solution.objective, certificate.body, place)

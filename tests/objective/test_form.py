@@ -19,7 +19,7 @@ from certreg.objective.springs import Springs
 from certreg.problem.moments_of_springs import spring_moments_of
 from certreg.problem.motion import Motion
 from certreg.problem.problem import RegistrationProblem
-from certreg.problem.spring_sums import spring_sums
+from certreg.problem.spring_sums import SPRUNG
 
 if TYPE_CHECKING:
     from certreg.objective.form import Form
@@ -180,7 +180,7 @@ def test_without_a_translation_the_form_is_the_energy_of_the_motion_alone(motion
 def test_springs_without_a_translation_are_about_the_origin():
     still = Motion(rotation_only=True)
     given = RegistrationProblem(SOURCE, TARGET, factors=FACTORS)
-    about = spring_moments_of(spring_sums(given), given.n, about_origin=True)
+    about = spring_moments_of(SPRUNG.of(given), given.n, about_origin=True)
     whole, objective = Springs.of(given), Springs(about, still)
 
     assert objective.centre == (0, 0, 0)

@@ -29,8 +29,8 @@ from certreg.problem.moments import exact_moments
 from certreg.problem.problem import RegistrationProblem
 from certreg.registration import headlines as listed
 from certreg.registration import spring_headlines as of_general
-from certreg.registration.any_certification import certify
 from certreg.registration.assessment import assess
+from certreg.registration.certification import certify
 from certreg.registration.exit_codes import code_of_registration
 from certreg.registration.headlines import HEADLINES, headline_of, headline_words
 from certreg.registration.spring_headlines import SPRING_HEADLINES

@@ -16,11 +16,11 @@ from certreg.equilibrium.paths import critical_lines
 from certreg.equilibrium.presentation import unit_double
 from certreg.errors import InvalidProblemError
 from certreg.problem.problem import RegistrationProblem
-from certreg.registration.any_certification import certify
 from certreg.registration.assessment import assess
-from certreg.registration.certification import optimally_damped
+from certreg.registration.certification import certify
 from certreg.registration.curvature import slope_and_curvature
 from certreg.registration.exit_codes import code_of_registration
+from certreg.registration.simulation import optimally_damped
 from certreg.registration.spring_rows import SpringAxes, lower_triangles
 from certreg.relaxation.refining import refined
 from certreg.results import PoseVerdict

@@ -13,8 +13,8 @@ from springs_certified import moved_springs
 
 from certreg.objective.springs import Springs
 from certreg.problem.problem import RegistrationProblem
-from certreg.registration.any_certification import certify
 from certreg.registration.assessment import assess
+from certreg.registration.certification import certify
 from certreg.registration.weak_shifts import HARDLY, weak_shift_words, weak_shifts
 from certreg.report.document import result_document
 
