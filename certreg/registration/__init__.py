@@ -127,12 +127,6 @@ if TYPE_CHECKING:
     from certreg.registration.spring_enumeration import enumerated_springs as enumerated_springs
     from certreg.registration.spring_equilibria import SpringEquilibria as SpringEquilibria
     from certreg.registration.spring_equilibria import SpringEquilibrium as SpringEquilibrium
-    from certreg.registration.spring_headlines import SPRING_HEADLINES as SPRING_HEADLINES
-    from certreg.registration.spring_headlines import free_words as free_words
-    from certreg.registration.spring_headlines import is_green_spring as is_green_spring
-    from certreg.registration.spring_headlines import spring_degrees as spring_degrees
-    from certreg.registration.spring_headlines import spring_headline_of as spring_headline_of
-    from certreg.registration.spring_headlines import spring_headline_words as spring_headline_words
     from certreg.registration.spring_release import listed_springs as listed_springs
     from certreg.registration.spring_release import returns as returns
     from certreg.registration.spring_result import NOT_LISTED as NOT_LISTED
@@ -306,14 +300,6 @@ __getattr__ = lazy_face(
             "SpringEquilibrium",
         ),
         "spring_release": ("listed_springs", "returns"),
-        "spring_headlines": (
-            "SPRING_HEADLINES",
-            "free_words",
-            "is_green_spring",
-            "spring_degrees",
-            "spring_headline_of",
-            "spring_headline_words",
-        ),
         "spring_result": (
             "NOT_LISTED",
             "NOT_SIMULATED",

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from certreg.registration import is_green, is_green_spring
+from certreg.registration import is_green
 from certreg.report.lines import (
     KINDS,
     OF_SPREAD,
@@ -114,7 +114,7 @@ def spring_card(registration: SpringRegistration) -> str:
             *(f"Warning: {words}" for words in spring_warnings(registration, first)),
             *(f"{ADVICE}{words}" for words in spring_remedies(registration)),
         ],
-        good=is_green_spring(registration),
+        good=is_green(registration),
         facts=[
             ("correspondences", f"{registration.problem.n:,}"),
             ("springs", springs_words(registration)),

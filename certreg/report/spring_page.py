@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from certreg.registration import WEAK, SpringRegistration, is_green_spring
+from certreg.registration import WEAK, SpringRegistration, is_green
 from certreg.report.any_report import AnyReport, head_of, worst_rows
 from certreg.report.picture import ON_PAGE, shown_words, springs_picture
 from certreg.report.spring_listed import listed
@@ -79,6 +79,6 @@ def _head(report: SpringReport) -> dict[str, Any]:
         further, headline = [headline, *further, WEAK_WORDS], WEAK.said()
     todo, warned = spring_remedies(registration), spring_warnings(registration, headline)
     return {
-        "good": not weak and is_green_spring(registration),
+        "good": not weak and is_green(registration),
         **head_of(headline, further=further, todo=todo, warnings=warned),
     }

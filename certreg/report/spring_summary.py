@@ -9,10 +9,10 @@ from certreg.exact import as_given, at_most, nearest_or_zero
 from certreg.registration import (
     Method,
     axis_words,
+    headline_words,
     is_loose,
+    proved_degrees,
     share_words,
-    spring_degrees,
-    spring_headline_words,
     weak_shift_words,
 )
 from certreg.report.lines import MEANS, UNMET, number
@@ -68,7 +68,7 @@ def spring_summary(registration: SpringRegistration) -> str:
 
 def spring_verdict_words(registration: SpringRegistration) -> list[str]:
     """What is proved of the pose: a headline, then what else must be said before any number."""
-    lines = [spring_headline_words(registration)]
+    lines = [headline_words(registration)]
     if registration.status is Optimality.NOT_CERTIFIED:
         return lines
     free = registration.solution.freedom
@@ -149,7 +149,7 @@ def _proved_lines(registration: SpringRegistration) -> list[str]:
         return []
     gap = f"{at_most(bounds.greatest_gap)}, {share_words(bounds)}"
     lines = [f"  proved gap        objective - minimum <= {gap}, at the pose below"]
-    degrees = spring_degrees(registration)
+    degrees = proved_degrees(registration)
     if degrees is not None:
         which = "the optimum" if registration.solution.unique_rotation else "every optimum"
         lines.append(f"  proved angle      rotation (wxyz) within {degrees} degrees of {which}")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from certreg.exact import at_least, at_most
-from certreg.registration import Method, spring_degrees
+from certreg.registration import Method, proved_degrees
 from certreg.report.spring_summary import few_words, how_words, relaxation_words, soft_words
 from certreg.report.words import NOT_CLAIMED, Sentence, robustness_sentences, sentence
 from certreg.results import Guarantee
@@ -76,7 +76,7 @@ def _optimality(registration: SpringRegistration) -> Iterator[Sentence]:
 
 
 def _uniqueness(registration: SpringRegistration) -> Iterator[Sentence]:
-    solution, degrees = registration.solution, spring_degrees(registration)
+    solution, degrees = registration.solution, proved_degrees(registration)
     exact, free = Guarantee.EXACT, solution.freedom
     if words := free.turn_words():
         yield Sentence(words=sentence(words), guarantee=exact)
