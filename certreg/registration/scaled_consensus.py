@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from certreg.certificate import (
@@ -18,7 +19,7 @@ from certreg.exact import at_least, at_most, double_above, double_below
 from certreg.geometry import Similarity
 from certreg.problem import Scale
 from certreg.registration.consensus import ConsensusRegistration, Ways, most_proved, restated
-from certreg.relaxation import scaled_candidates
+from certreg.relaxation import candidates
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -112,7 +113,7 @@ def _search(problem: RegistrationProblem, effort: float) -> ProvedConsensus | No
     x, y = block.source, block.target
     best = most_proved(
         prover.prove(one.rotation, one.translation, one.scale, whole=False)
-        for one in scaled_candidates(x, y, problem.bounds, effort=effort)
+        for one in candidates(x, y, problem.bounds, free_scale=True, effort=effort)
     )
     if best is not None:
         _require_spread(problem, best)
@@ -148,6 +149,6 @@ SCALED = Ways(
     motion="motion with a scale",
     search=_search,
     certificate=consensus_certificate,
-    candidates=scaled_candidates,
+    candidates=partial(candidates, free_scale=True),
     result=ScaledConsensusRegistration,
 )

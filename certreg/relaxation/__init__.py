@@ -13,7 +13,6 @@ from certreg._loading import lazy_face
 if TYPE_CHECKING:
     from certreg.relaxation.conic import RelaxationStatus as RelaxationStatus
     from certreg.relaxation.consensus_search import candidates as candidates
-    from certreg.relaxation.consensus_search import scaled_candidates as scaled_candidates
     from certreg.relaxation.optimum import Found as Found
     from certreg.relaxation.optimum import find_optimum as find_optimum
     from certreg.relaxation.optimum import optimum_of as optimum_of
@@ -24,6 +23,8 @@ if TYPE_CHECKING:
     from certreg.relaxation.rotation_boxes import search_boxes as search_boxes
     from certreg.relaxation.shor import Relaxation as Relaxation
     from certreg.relaxation.shor import relax as relax
+    from certreg.relaxation.similarity_fit import lengths_between as lengths_between
+    from certreg.relaxation.similarity_fit import scale_ranges as scale_ranges
     from certreg.relaxation.truncated_squares import Candidate as Candidate
     from certreg.relaxation.truncated_squares import (
         graduated_nonconvexity as graduated_nonconvexity,
@@ -33,7 +34,7 @@ __getattr__ = lazy_face(
     __name__,
     {
         "conic": ("RelaxationStatus",),
-        "consensus_search": ("candidates", "scaled_candidates"),
+        "consensus_search": ("candidates",),
         "optimum": (
             "Found",
             "find_optimum",
@@ -52,6 +53,7 @@ __getattr__ = lazy_face(
             "Relaxation",
             "relax",
         ),
+        "similarity_fit": ("lengths_between", "scale_ranges"),
         "truncated_squares": (
             "Candidate",
             "graduated_nonconvexity",
