@@ -20,6 +20,7 @@ from certreg.exact.dyadic import power_of_two
 from certreg.geometry.so3 import rotation_matrix, squared_norm
 from certreg.native.bit_rows import BitRows, agreeing
 from certreg.problem.lifting import lift
+from certreg.relaxation.similarity_fit import lengths_between, scale_ranges
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
 
     from certreg.certificate.consensus import ScaleRange, Witness
     from certreg.problem.problem import RegistrationProblem
+
 
 Reals = NDArray[np.float64]
 
@@ -137,10 +139,9 @@ class ConsistentPairs:
     @cached_property
     def scales(self) -> ScaleBounds:
         """Of any two pairs."""
-        a, b = _lengths(self.source), _lengths(self.target)
+        a, b = lengths_between(self.source), lengths_between(self.target)
         room = np.add.outer(self.bounds, self.bounds)
-        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-            least, most = np.maximum(b - room, 0.0) / a, (b + room) / a
+        least, most = scale_ranges(a, b, room)
         return ScaleBounds(least, most, LENGTH_ERROR * most, ~(np.minimum(a, b + room) > TINY))
 
     def near(self, scales: ScaleRange = RIGID) -> BitRows:
@@ -180,16 +181,6 @@ class ConsistentPairs:
         sure = np.abs(room) > error
         doubtful = set(self.exact.met_by(witness, np.flatnonzero(~sure).tolist()))
         return [i for i in range(len(room)) if (room[i] > 0.0 if sure[i] else i in doubtful)]
-
-
-def _lengths(points: Reals) -> Reals:
-    """(N, N): distances of each point from each other."""
-    square = np.zeros((len(points), len(points)))
-    for axis in points.T:
-        difference = np.subtract.outer(axis, axis)
-        difference *= difference
-        square += difference
-    return np.sqrt(square, out=square)
 
 
 def _at_most(A: Fraction | int, B: Fraction | int, d: int) -> bool:

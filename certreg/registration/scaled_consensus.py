@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from certreg.certificate.producing_consensus import (
@@ -25,7 +26,7 @@ from certreg.registration.consensus import (
     most_proved,
     restated,
 )
-from certreg.relaxation.consensus_search import scaled_candidates
+from certreg.relaxation.consensus_search import candidates
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -121,7 +122,7 @@ def _search(problem: RegistrationProblem, effort: float) -> ProvedConsensus | No
     x, y = block.source, block.target
     best = most_proved(
         prover.prove(one.rotation, one.translation, one.scale, whole=False)
-        for one in scaled_candidates(x, y, problem.bounds, effort=effort)
+        for one in candidates(x, y, problem.bounds, free_scale=True, effort=effort)
     )
     if best is not None:
         _require_spread(problem, best)
@@ -158,7 +159,7 @@ SCALED = Ways(
     free_scale=True,
     search=_search,
     certificate=consensus_certificate,
-    candidates=scaled_candidates,
+    candidates=partial(candidates, free_scale=True),
     result=ScaledConsensusRegistration,
 )
 PROVER = InlierProver(SCALED)

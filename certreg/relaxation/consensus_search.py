@@ -41,6 +41,7 @@ if TYPE_CHECKING:
 
     from certreg.relaxation.paired_rows import PairedRows, Reals, Rows
 
+
 Graph = NDArray[np.bool_]
 
 CLIQUES = 32  # that are tried at effort 1: a hundred wrong ones of a thousand rows take a second
@@ -68,23 +69,23 @@ def candidates(
     target: NDArray[np.float64],
     bounds: NDArray[np.float64],
     *,
-    seed: int = 0,
+    free_scale: bool = False,
     effort: float = 1.0,
     consistent: BitRows | None = None,
 ) -> Iterator[Candidate]:
-    """Poses of strictly growing numbers of inliers, each computed when it is asked for.
+    """Motions of strictly growing numbers of inliers, each computed when it is asked for.
 
-    source, target: (N, 3). bounds: (N,), positive. seed: of what is drawn; the same one gives the
-    same poses. effort: in proportion to the work after which the search ends. consistent: which two
-    rows a pose may have within their bounds both; None: told by their lengths.
+    source, target: (N, 3). bounds: (N,), positive, in the unit of the target. free_scale: whether
+    motions have a scale other than 1. effort: in proportion to the work after which the search
+    ends. consistent: which two rows a rigid motion may have within their bounds both; None: told by
+    their lengths.
     """
+    rng = np.random.default_rng(0)  # the same problem has the same motions
+    if free_scale:
+        rows = SimilarRows.of(source, target, bounds)
+        return _ScaledSearch(rows, effort, rng).candidates()
     pairs = paired_rows(source, target, bounds)
-    search = _Search(pairs, effort, np.random.default_rng(seed))
-    count = -1
-    for found in search.proposals(consistent):
-        if found.count > count:
-            count = found.count
-            yield candidate_of(pairs, found.pose, squared_ratios(pairs, found.pose))
+    return _Search(pairs, effort, rng).candidates(consistent)
 
 
 @dataclass(slots=True, eq=False)
@@ -96,6 +97,14 @@ class _Search:
     rng: np.random.Generator
     best: int = -1
     tried: set[bytes] = field(default_factory=set[bytes])
+
+    def candidates(self, consistent: BitRows | None) -> Iterator[Candidate]:
+        """Those with more rows than the one before."""
+        count = -1
+        for found in self.proposals(consistent):
+            if found.count > count:
+                count = found.count
+                yield candidate_of(self.pairs, found.pose, squared_ratios(self.pairs, found.pose))
 
     def proposals(self, consistent: BitRows | None) -> Iterator[Held]:
         """Sets of rows, not yet sifted: those of each source of poses in turn."""
@@ -188,30 +197,6 @@ def drawn_triples(graph: Graph, count: int, rng: np.random.Generator) -> Rows:
     return np.stack([i, j, np.where(common, lots, -1.0).argmax(axis=1)], axis=1)
 
 
-def scaled_candidates(
-    source: NDArray[np.float64],
-    target: NDArray[np.float64],
-    bounds: NDArray[np.float64],
-    *,
-    seed: int = 0,
-    effort: float = 1.0,
-) -> Iterator[Candidate]:
-    """Motions of strictly growing numbers of inliers, each computed when it is asked for.
-
-    source, target: (N, 3). bounds: (N,), positive, in the unit of the target. seed: of what is
-    drawn. effort: in proportion to the work after which the search ends.
-    """
-    rows = SimilarRows.of(source, target, bounds)
-    search = _ScaledSearch(rows, effort, np.random.default_rng(seed))
-    count = -1
-    for found in search.proposals():
-        within = rows.within(found)
-        if within.sum() > count and found.scale > 0.0:
-            count = int(within.sum())
-            scale, translation = rows.outside(found)
-            yield Candidate(found.rotation, translation, np.flatnonzero(within), scale)
-
-
 @dataclass(slots=True, eq=False)
 class _ScaledSearch:
     """What is sought, and how many rows the best motion has."""
@@ -221,6 +206,16 @@ class _ScaledSearch:
     rng: np.random.Generator
     best: int = -1
     tried: set[bytes] = field(default_factory=set[bytes])
+
+    def candidates(self) -> Iterator[Candidate]:
+        """Those with more rows than the one before."""
+        count = -1
+        for found in self.proposals():
+            within = self.rows.within(found)
+            if within.sum() > count and found.scale > 0.0:
+                count = int(within.sum())
+                scale, translation = self.rows.outside(found)
+                yield Candidate(found.rotation, translation, np.flatnonzero(within), scale)
 
     def proposals(self) -> Iterator[Similar]:
         """Motions, not yet sifted."""

@@ -232,8 +232,7 @@ def test_the_range_of_a_monomial_is_as_wide_as_said_or_little_less():
         assert said**2 == square * (Fraction(4, 3) if 3 in powers else 1)
 
 
-@pytest.mark.parametrize("moves_all", [cones._moves_all, squares._moves_all])
-def test_a_turn_moves_every_rotation_where_no_quaternion_stands_still(moves_all: Any):
+def test_a_turn_moves_every_rotation_where_no_quaternion_stands_still():
     """Where q -> a q + q b has a determinant other than 0; of a alone, of b alone, of both."""
     for turns in product((-1, 0, 2), repeat=6):
         a, b = (0, *turns[:3]), (0, *turns[3:])
@@ -242,7 +241,7 @@ def test_a_turn_moves_every_rotation_where_no_quaternion_stands_still(moves_all:
             for e in np.eye(4, dtype=int).tolist()
         ]
 
-        assert moves_all(turns) == (rank(columns) == 4)
+        assert squares._moves_all(turns) == (rank(columns) == 4)
 
 
 def test_a_curvature_is_proved_a_little_below_the_least_eigenvalue():
