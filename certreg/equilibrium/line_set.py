@@ -129,6 +129,21 @@ def line_set(  # noqa: PLR0913 - what is known of the lines, by name
     )
 
 
+def critical_of(
+    objective: Springs, vector: Sequence[int], index: int | None, guarantee: Guarantee
+) -> Critical:
+    """The component at a unit quaternion in fixed point, its first entry above 0."""
+    sign = next(1 if entry > 0 else -1 for entry in vector if entry)
+    w, x, y, z = (sign * entry for entry in vector)
+    return Critical(
+        quaternion=(w, x, y, z),
+        span=((w, x, y, z),),
+        value=objective.energy((w, x, y, z)),
+        index=index,
+        guarantee=guarantee,
+    )
+
+
 def constant_set(method: str, objective: Springs) -> LineSet:
     """Every rotation."""
     identity = (1, 0, 0, 0)

@@ -54,7 +54,6 @@ if TYPE_CHECKING:
     from certreg.native.layout import Records as Records
     from certreg.native.layout import RecordType as RecordType
     from certreg.native.layout import named as named
-    from certreg.native.layout import parts_of as parts_of
     from certreg.native.layout import plain as plain
     from certreg.native.layout import record_of as record_of
     from certreg.native.layout import symmetric as symmetric
@@ -153,7 +152,6 @@ __getattr__ = lazy_face(
             "SPRING_SAMPLE",
             "SUMS",
             "named",
-            "parts_of",
             "plain",
             "record_of",
             "symmetric",
