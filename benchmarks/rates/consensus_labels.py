@@ -23,10 +23,12 @@ from typing import Any
 
 import numpy as np
 
-from certreg.certificate import ConsensusProver
-from certreg.problem import OutlierInstance, RegistrationProblem, bounded, outlier_instance
+from certreg.certificate.producing_consensus import ConsensusProver
+from certreg.problem.bounds import bounded
+from certreg.problem.problem import RegistrationProblem
+from certreg.problem.random_instances import OutlierInstance, outlier_instance
 from certreg.registration.consensus import RIGID, certified_consensus, proved_consensus
-from certreg.relaxation import graduated_nonconvexity
+from certreg.relaxation.truncated_squares import graduated_nonconvexity
 
 checker = import_module("certreg.verify")
 ROOT = Path(__file__).resolve().parents[2]

@@ -15,10 +15,11 @@ from typing import TYPE_CHECKING
 
 from spring_families import LISTED, instance, statement
 
-from certreg.certificate import springs_list_certificate
-from certreg.equilibrium import critical_lines
-from certreg.objective import Springs
-from certreg.problem import RegistrationProblem, spring_moments
+from certreg.certificate.producing_springs import springs_list_certificate
+from certreg.equilibrium.paths import critical_lines
+from certreg.objective.springs import Springs
+from certreg.problem.moments_of_springs import spring_moments
+from certreg.problem.problem import RegistrationProblem
 
 if TYPE_CHECKING:
     from spring_families import Cell

@@ -20,10 +20,10 @@ import numpy as np
 import spring_families as families
 
 from certreg import RegistrationProblem, certify, register
-from certreg.certificate import springs_certificate
-from certreg.objective import Springs
-from certreg.problem import spring_moments
-from certreg.relaxation import find_optimum
+from certreg.certificate.producing_springs import springs_certificate
+from certreg.objective.springs import Springs
+from certreg.problem.moments_of_springs import spring_moments
+from certreg.relaxation.optimum import find_optimum
 from certreg.verify import check
 
 if TYPE_CHECKING:

@@ -18,7 +18,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from certreg.errors import InvalidFileError
-from certreg.io import Place, parse_rows, reading
+from certreg.io.streams import Place, reading
+from certreg.io.text import parse_rows
 from certreg.verify import shown
 
 if TYPE_CHECKING:

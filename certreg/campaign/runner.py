@@ -27,7 +27,7 @@ from certreg.errors import (
     InvalidFileError,
     RefusedCertificateError,
 )
-from certreg.io import write_atomically
+from certreg.io.atomic import write_atomically
 from certreg.verify import shown
 
 if TYPE_CHECKING:

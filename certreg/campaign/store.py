@@ -28,7 +28,8 @@ from certreg import __version__
 from certreg._loading import library
 from certreg.campaign.arithmetic import arithmetic
 from certreg.errors import CampaignError, InvalidFileError
-from certreg.io import TEMPORARY, require_ending, write_atomically
+from certreg.io.atomic import TEMPORARY, write_atomically
+from certreg.io.streams import require_ending
 from certreg.verify import shown
 
 if TYPE_CHECKING:

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from certreg._loading import library
-from certreg.io import csv_field, write_atomically, written_atomically
+from certreg.io.atomic import write_atomically, written_atomically
+from certreg.io.labels import csv_field
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Generator, Iterable, Sequence

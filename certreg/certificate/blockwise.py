@@ -10,15 +10,9 @@ from __future__ import annotations
 from itertools import combinations_with_replacement
 from typing import TYPE_CHECKING
 
-from certreg.problem import (
-    FACTORS,
-    UPPER,
-    row_blocks,
-    second_method,
-    second_spring_method,
-    spring_sums_by,
-    sums_by,
-)
+from certreg.problem.arrays import row_blocks
+from certreg.problem.exact_sums import FACTORS, UPPER, second_method, sums_by
+from certreg.problem.spring_sums import second_spring_method, spring_sums_by
 from certreg.verify import (
     Outcome,
     RefusalError,
@@ -33,7 +27,7 @@ from certreg.verify import (
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from certreg.problem import RegistrationProblem
+    from certreg.problem.problem import RegistrationProblem
     from certreg.verify import Limits
 
 Table = list[list[int]]

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from certreg.certificate.file_parts import REST, FilePart, FileRow
-from certreg.exact import Dyadic
+from certreg.exact.dyadic import Dyadic
 
 INLIER, OUTLIER, UNDECIDED = "i", "o", "?"  # labels of a file, a letter a pair
 

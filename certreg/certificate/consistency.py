@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.geometry import rotation_matrix, squared_norm
-from certreg.native import BitRows, agreeing
-from certreg.problem import lift
+from certreg.geometry.so3 import rotation_matrix, squared_norm
+from certreg.native.bit_rows import BitRows, agreeing
+from certreg.problem.lifting import lift
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.certificate.consensus import Witness
-    from certreg.problem import RegistrationProblem
+    from certreg.problem.problem import RegistrationProblem
 
 # Relative errors: a difference of doubles 2^-53, a squared length of three terms four times that,
 # its root three times, and the last sums one more: eight times 2^-53 of all would do.

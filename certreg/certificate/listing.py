@@ -32,10 +32,11 @@ from certreg.certificate.springs_list import (
     quaternion_product,
     with_positive_first,
 )
-from certreg.equilibrium import FloatingQuartic, PathsOutcome
-from certreg.exact import Dyadic, dyadic_above, dyadic_below
-from certreg.geometry import body_frame, dot, squared_norm
-from certreg.objective import levelled_exactly
+from certreg.equilibrium.paths import PathsOutcome
+from certreg.equilibrium.quartics import FloatingQuartic
+from certreg.exact.dyadic import Dyadic, dyadic_above, dyadic_below
+from certreg.geometry.so3 import body_frame, dot, squared_norm
+from certreg.objective.levelling import levelled_exactly
 from certreg.results import Brief
 
 if TYPE_CHECKING:
@@ -43,9 +44,10 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from certreg.equilibrium import CriticalLines
-    from certreg.exact import IntegerQuaternion
-    from certreg.objective import LevelledExactly, Springs
+    from certreg.equilibrium.paths import CriticalLines
+    from certreg.exact.spaces import IntegerQuaternion
+    from certreg.objective.levelling import LevelledExactly
+    from certreg.objective.springs import Springs
 
     Complexes = NDArray[np.complex128]
 

@@ -33,9 +33,10 @@ from certreg.certificate.reach import ANGLE_BITS, turn_about
 from certreg.certificate.refuting import PointRows
 from certreg.certificate.staging import Part, Stager, settled
 from certreg.certificate.thinning import Graph
-from certreg.exact import dyadic_above
-from certreg.geometry import Pose, davenport_matrix, quaternion_from_matrix, rotation_matrix
-from certreg.problem import LEAST_PAIRS
+from certreg.exact.dyadic import dyadic_above
+from certreg.geometry.pose import Pose
+from certreg.geometry.so3 import davenport_matrix, quaternion_from_matrix, rotation_matrix
+from certreg.problem.bounds import LEAST_PAIRS
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -44,8 +45,8 @@ if TYPE_CHECKING:
     from certreg.certificate.similarity import SimilarityBody
     from certreg.certificate.springs_cones import SpringsConesBody
     from certreg.certificate.springs_sos import SpringsSosBody
-    from certreg.native import BitRows
-    from certreg.problem import RegistrationProblem
+    from certreg.native.bit_rows import BitRows
+    from certreg.problem.problem import RegistrationProblem
 
     FitBody = IsotropicBody | SpringsSosBody | SpringsConesBody
 

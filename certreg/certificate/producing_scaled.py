@@ -38,18 +38,18 @@ from certreg.certificate.scaled_pairs import ScaledPairs
 from certreg.certificate.staging import MOST, Part, Stager, length_of, settled
 from certreg.certificate.thinning import Graph
 from certreg.errors import UndecidedError
-from certreg.exact import Dyadic, dyadic_above, dyadic_below
-from certreg.geometry import davenport_matrix
-from certreg.native import mask_of, rows_of
-from certreg.problem import LEAST_PAIRS
+from certreg.exact.dyadic import Dyadic, dyadic_above, dyadic_below
+from certreg.geometry.so3 import davenport_matrix
+from certreg.native.bit_rows import mask_of, rows_of
+from certreg.problem.bounds import LEAST_PAIRS
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.certificate.consensus import Reach
     from certreg.certificate.similarity import SimilarityBody
-    from certreg.native import Neighbours
-    from certreg.problem import RegistrationProblem
+    from certreg.native.bit_rows import Neighbours
+    from certreg.problem.problem import RegistrationProblem
 
 LOG = logging.getLogger(__name__)
 OPEN_TOLD = "ranges of scales left open are looked at one by one ..."

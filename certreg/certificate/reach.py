@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from certreg.certificate.consensus import Reach
-from certreg.exact import dyadic_above
+from certreg.exact.dyadic import dyadic_above
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

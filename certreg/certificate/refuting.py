@@ -15,15 +15,15 @@ import numpy as np
 
 from certreg._loading import cached_property
 from certreg.certificate.consensus import Group
-from certreg.geometry import davenport_matrices, rotation_matrices
-from certreg.native import LawsonColumns, lawson_columns
+from certreg.geometry.so3 import davenport_matrices, rotation_matrices
+from certreg.native.lawson import LawsonColumns, lawson_columns
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from numpy.typing import NDArray
 
-    from certreg.problem import RegistrationProblem
+    from certreg.problem.problem import RegistrationProblem
 
     Reals = NDArray[np.float64]
 

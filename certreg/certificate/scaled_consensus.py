@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 from certreg.certificate.consensus import LabelledBody, Stage, Witness
 from certreg.certificate.file_parts import FileRow
-from certreg.exact import Dyadic
+from certreg.exact.dyadic import Dyadic
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

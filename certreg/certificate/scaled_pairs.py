@@ -14,10 +14,10 @@ import numpy as np
 
 from certreg.certificate.consistency import LENGTH_ERROR, lengths
 from certreg.certificate.scaled_refuting import ScaledRows
-from certreg.exact import power_of_two
-from certreg.geometry import rotation_matrix, squared_norm
-from certreg.native import BitRows
-from certreg.problem import lift
+from certreg.exact.dyadic import power_of_two
+from certreg.geometry.so3 import rotation_matrix, squared_norm
+from certreg.native.bit_rows import BitRows
+from certreg.problem.lifting import lift
 
 if TYPE_CHECKING:
     from fractions import Fraction
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.certificate.scaled_consensus import ScaledWitness, ScaleRange
-    from certreg.problem import RegistrationProblem
+    from certreg.problem.problem import RegistrationProblem
 
 TINY = 1e-100  # lengths, in the unit of their cloud, whose squares may lose digits
 

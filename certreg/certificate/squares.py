@@ -19,16 +19,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from certreg.certificate.springs_sos import SpringsClaims, SpringsSosBody
-from certreg.exact import dyadic_above, is_positive_definite, power_of_two
-from certreg.geometry import dot, squared_norm
+from certreg.exact.dyadic import dyadic_above, power_of_two
+from certreg.exact.elimination import is_positive_definite
+from certreg.geometry.so3 import dot, squared_norm
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from numpy.typing import NDArray
 
-    from certreg.objective import Springs
-    from certreg.relaxation import Found
+    from certreg.objective.springs import Springs
+    from certreg.relaxation.optimum import Found
 
     Array = NDArray[np.float64]
 

@@ -14,7 +14,7 @@ from certreg.certificate.consensus import INLIER, OUTLIER, UNDECIDED, Stage
 from certreg.certificate.parting import Parting
 from certreg.certificate.scaled_consensus import NONE, OPEN, SAME
 from certreg.certificate.thinning import GraphThinning
-from certreg.native import mask_of
+from certreg.native.bit_rows import mask_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

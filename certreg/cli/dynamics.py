@@ -11,37 +11,26 @@ from certreg.cli.as_json import json_option
 from certreg.cli.numbers import NUMBER
 from certreg.cli.options import CLOUD, EXIT_CODES, FOLDER, cloud_options
 from certreg.cli.writing import WritingCommand
-from certreg.dynamics import Record
-from certreg.io import require_vacant, write_atomically, write_together
-from certreg.registration import (
-    DONE,
-    NOT_CERTIFIED,
-    NOT_UNIQUE,
-    certified_count,
-    certified_list,
-    enumerated,
-    enumerated_springs,
-    equilibrium_poses,
-    scaled_equilibria,
-)
-from certreg.registration import simulate as run
-from certreg.report import (
-    dumps,
-    enumeration_summary,
-    equilibria_document,
-    printable,
-    scaled_document,
-    scaled_enumeration_summary,
-    spring_enumeration_summary,
-    spring_equilibria_document,
-)
+from certreg.dynamics.trajectories import Record
+from certreg.io.atomic import require_vacant, write_atomically, write_together
+from certreg.registration.breathing import scaled_equilibria
+from certreg.registration.certification import simulate as run
+from certreg.registration.enumeration import certified_count, enumerated, equilibrium_poses
+from certreg.registration.exit_codes import DONE, NOT_CERTIFIED, NOT_UNIQUE
+from certreg.registration.spring_enumeration import certified_list, enumerated_springs
+from certreg.report.breathing import scaled_enumeration_summary
+from certreg.report.document import dumps, equilibria_document, scaled_document
+from certreg.report.markup import printable
+from certreg.report.methods import enumeration_summary
+from certreg.report.spring_equilibria import spring_enumeration_summary, spring_equilibria_document
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from certreg.io import Pair
-    from certreg.problem import RegistrationProblem
-    from certreg.registration import Enumeration, SpringEnumeration
+    from certreg.io.pairing import Pair
+    from certreg.problem.problem import RegistrationProblem
+    from certreg.registration.enumeration import Enumeration
+    from certreg.registration.spring_enumeration import SpringEnumeration
 
 LIST_CODES = """
 \b

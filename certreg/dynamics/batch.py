@@ -34,11 +34,14 @@ from certreg.dynamics.body import SMALLEST_INERTIA, steps_of
 from certreg.dynamics.integrators import SimulationSettings, integrate, step_parameters
 from certreg.dynamics.springs import body_on_springs
 from certreg.dynamics.states import with_matrices
-from certreg.equilibrium import clouds, many_springs, stationary_poses
+from certreg.equilibrium.batch import clouds, stationary_poses
+from certreg.equilibrium.spring_batch import many_springs
 from certreg.errors import DegenerateProblemError
-from certreg.native import BASIN, BODY, QUATERNION_STATE, Batch, Ending, Integrator, symmetric
-from certreg.objective import Springs
-from certreg.problem import DEFAULT_DAMPING, checked_damping, spring_moments
+from certreg.native.layout import BASIN, BODY, QUATERNION_STATE, symmetric
+from certreg.native.loops import Batch, Ending, Integrator
+from certreg.objective.springs import Springs
+from certreg.problem.moments_of_springs import spring_moments
+from certreg.problem.motion import DEFAULT_DAMPING, checked_damping
 from certreg.results import Brief
 
 if TYPE_CHECKING:
@@ -47,7 +50,9 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from certreg.dynamics.springs import SprungBody
-    from certreg.native import Records, StationaryPoses
+    from certreg.native.layout import Records
+    from certreg.native.stationary import StationaryPoses
+
 
 DIAGONAL = [0, 3, 5]  # of an upper triangle
 PORTION, SPRUNG_PORTION = 8192, 1024  # bodies after which progress is told: full lanes

@@ -33,16 +33,10 @@ import numpy as np
 
 from certreg.dynamics.integrators import own_steps
 from certreg.errors import DegenerateProblemError
-from certreg.native import (
-    BASIN,
-    Integrator,
-    Kind,
-    compiled_engine,
-    current_engine,
-    named,
-    symmetric,
-)
-from certreg.problem import Cell, Verb, require_supported
+from certreg.native.engine import compiled_engine, current_engine
+from certreg.native.layout import BASIN, named, symmetric
+from certreg.native.loops import Integrator, Kind
+from certreg.problem.support import Cell, Verb, require_supported
 from certreg.results import Absent, Brief
 
 if TYPE_CHECKING:
@@ -54,7 +48,9 @@ if TYPE_CHECKING:
     from certreg.dynamics.basin import Basin
     from certreg.dynamics.integrators import SimulationSettings
     from certreg.dynamics.status import Status
-    from certreg.native import Engine, Records, RecordType
+    from certreg.native.layout import Records, RecordType
+    from certreg.native.loops import Engine
+
 
 SMALLEST_INERTIA = 1e-14  # of the clouds' spread: below, rounding is larger than J itself
 CLEARLY_THICK = 1e-10  # far above that and all rounding

@@ -24,15 +24,17 @@ from certreg.dynamics.rigid import core_of, require_dynamics
 from certreg.dynamics.simulation import simulate
 from certreg.dynamics.states import state_at_rest
 from certreg.errors import DegenerateProblemError
-from certreg.native import MATRIX_STATE, Integrator, named
-from certreg.objective import Isotropic
+from certreg.native.layout import MATRIX_STATE, named
+from certreg.objective.isotropic import Isotropic
 from certreg.results import Brief
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.dynamics.integrators import SimulationSettings
-    from certreg.problem import RegistrationProblem
+    from certreg.native.loops import Integrator
+    from certreg.problem.problem import RegistrationProblem
+
 
 SHRINKING = 1.4  # of the bounds at a time, as [Yang2020GNC] has it
 LEAST_BOUND = 1e-100  # of the clouds' size: far below what doubles tell of a residual

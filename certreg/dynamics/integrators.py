@@ -15,27 +15,23 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.equilibrium import TRANSLATION_STIFFNESS
+from certreg.equilibrium.stability import TRANSLATION_STIFFNESS
 from certreg.errors import DegenerateProblemError
-from certreg.geometry import rotation_matrices
-from certreg.native import (
-    Ending,
-    Integrator,
-    Rules,
-    current_engine,
-    library_if_any,
-    plain,
-    record_of,
-    symmetric,
-)
-from certreg.problem import DEFAULT_DAMPING
+from certreg.geometry.so3 import rotation_matrices
+from certreg.native.engine import current_engine
+from certreg.native.layout import plain, record_of, symmetric
+from certreg.native.library import library_if_any
+from certreg.native.loops import Ending, Integrator, Rules
+from certreg.problem.motion import DEFAULT_DAMPING
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from numpy.typing import NDArray
 
-    from certreg.native import Batch, Log, Records
+    from certreg.native.layout import Records
+    from certreg.native.loops import Batch, Log
+
 
 EULER_STEP = 0.01  # [Yang2020]
 STABILITY_SHARE = 0.25  # of the largest stable step of explicit Euler

@@ -13,7 +13,8 @@ from certreg.results import Guarantee
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from certreg.objective import Springs
+    from certreg.objective.springs import Springs
+
 
 LINES = 40
 REAL_LINES = 4  # of one weight per pair

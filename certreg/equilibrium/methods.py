@@ -20,13 +20,15 @@ from typing import TYPE_CHECKING, Any
 from certreg._loading import library
 from certreg.equilibrium.critical_set import CriticalSet
 from certreg.errors import ContradictionError, UndecidedError
-from certreg.exact import at_most
-from certreg.geometry import dot
-from certreg.objective import Isotropic, Springs
+from certreg.exact.decimals import at_most
+from certreg.geometry.so3 import dot
+from certreg.objective.springs import Springs
 from certreg.results import Brief
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+
+    from certreg.objective.isotropic import Isotropic
 
 Method = Callable[[Any], CriticalSet]  # of the objective that it is for
 

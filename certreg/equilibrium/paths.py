@@ -31,8 +31,9 @@ from certreg.equilibrium.tracking import (
     statuses_of,
     track,
 )
-from certreg.native import REACHED, PathEnds, PathRules, many_quartic_paths, quartic_paths
-from certreg.objective import MONOMIALS, levelled
+from certreg.native.paths import REACHED, PathEnds, PathRules, many_quartic_paths, quartic_paths
+from certreg.objective.levelling import levelled
+from certreg.objective.quartics import MONOMIALS
 from certreg.results import Brief
 
 if TYPE_CHECKING:
@@ -41,6 +42,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.equilibrium.tracking import Complexes, Indices, Reals
+
 
 LINES = 40
 # One start is enough for 995 of 1000 random quartics; paths that come near each other need short

@@ -47,15 +47,17 @@ from certreg.equilibrium.line_set import (
     line_set,
 )
 from certreg.errors import UndecidedError
-from certreg.exact import fixed_point, negative_eigenvalues, orthonormal, radius_bits
-from certreg.objective import levelled_exactly
+from certreg.exact.balls import fixed_point, negative_eigenvalues, orthonormal, radius_bits
+from certreg.objective.levelling import levelled_exactly
 from certreg.results import Guarantee
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from certreg.equilibrium.critical_set import Critical
-    from certreg.objective import LevelledExactly, Springs
+    from certreg.objective.levelling import LevelledExactly
+    from certreg.objective.springs import Springs
+
 
 START_BITS = 256  # a third of it is lost
 MOST_BITS = 512  # where balls still overlap, lines meet or nearly so

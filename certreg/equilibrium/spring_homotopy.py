@@ -27,8 +27,8 @@ from certreg.equilibrium.line_set import (
 )
 from certreg.equilibrium.paths import REAL, critical_lines
 from certreg.equilibrium.tracking import REGULAR
-from certreg.exact import fixed_point, orthonormal
-from certreg.objective import levelled_exactly
+from certreg.exact.balls import fixed_point, orthonormal
+from certreg.objective.levelling import levelled_exactly
 from certreg.results import Guarantee
 
 if TYPE_CHECKING:
@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     from certreg.equilibrium.critical_set import Critical
     from certreg.equilibrium.paths import CriticalLines
     from certreg.equilibrium.tracking import Complexes
-    from certreg.objective import Springs
+    from certreg.objective.springs import Springs
 
     Numbers = NDArray[np.float64] | NDArray[np.complex128]
 

@@ -9,7 +9,7 @@ import numpy as np
 from certreg.errors import InvalidFileError
 from certreg.io.npy import read_array
 from certreg.io.text import read_numbers
-from certreg.problem import first_row
+from certreg.problem.blocks import first_row
 from certreg.verify import shown
 
 if TYPE_CHECKING:

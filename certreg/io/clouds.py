@@ -14,7 +14,8 @@ from certreg.io.optional import unknown_format
 from certreg.io.standard_input import is_standard_input, standard_input
 from certreg.io.streams import reading
 from certreg.io.text import TEXT_FORMATS, parse_points
-from certreg.problem import first_row, remedy_of_shape
+from certreg.problem.arrays import remedy_of_shape
+from certreg.problem.blocks import first_row
 from certreg.results import Brief
 from certreg.verify import shown
 

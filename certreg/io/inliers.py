@@ -8,7 +8,7 @@ from certreg.errors import InvalidFileError
 from certreg.io.labels import text_of_field
 from certreg.io.streams import count
 from certreg.io.text import read_rows
-from certreg.problem import INLIER_WORDS
+from certreg.problem.inliers import INLIER_WORDS
 from certreg.verify import shown
 
 if TYPE_CHECKING:

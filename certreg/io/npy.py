@@ -14,7 +14,7 @@ import numpy as np
 from certreg.errors import InvalidFileError
 from certreg.io.atomic import write_atomically
 from certreg.io.streams import held_bytes, large_file, reading
-from certreg.problem import as_doubles, mapped_file, row_blocks
+from certreg.problem.arrays import as_doubles, mapped_file, row_blocks
 from certreg.verify import shown
 
 if TYPE_CHECKING:

@@ -21,7 +21,8 @@ from certreg.io.pcd import parse_pcd
 from certreg.io.ply import parse_ply
 from certreg.io.streams import number, reading
 from certreg.io.text import titled_rows
-from certreg.problem import SPRING_COLUMNS, as_doubles
+from certreg.problem.arrays import as_doubles
+from certreg.problem.spring_rows import SPRING_COLUMNS
 from certreg.results import Brief
 from certreg.verify import shown
 

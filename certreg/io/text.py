@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING
 
 from certreg._loading import late
 from certreg.errors import InvalidFileError, InvalidProblemError
-from certreg.exact import weight_of_sigma
+from certreg.exact.dyadic import weight_of_sigma
 from certreg.io.columns import Columns, axes_of, columns_in_order, named_columns
 from certreg.io.labels import (
     require_same_order,

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from certreg.errors import InvalidFileError
-from certreg.exact import as_given, at_most
+from certreg.exact.decimals import as_given, at_most
 from certreg.io.parsed import Parsed
 from certreg.io.streams import number
 from certreg.io.text import parse_rows

@@ -14,7 +14,8 @@ from certreg.io.atomic import write_atomically
 from certreg.io.labels import csv_field
 from certreg.io.npy import write_array
 from certreg.io.ply import write_ply
-from certreg.problem import contiguous, row_blocks
+from certreg.problem.arrays import row_blocks
+from certreg.problem.blocks import contiguous
 from certreg.verify import shown
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.geometry import quaternion_from_matrix, rotation_matrix
+from certreg.geometry.so3 import quaternion_from_matrix, rotation_matrix
 from certreg.native.layout import (
     BREATHING_STATE,
     ENERGIES,
@@ -37,6 +37,7 @@ from certreg.native.loops import (
 if TYPE_CHECKING:
     from certreg.native.layout import RecordType
     from certreg.native.loops import Batch, Engine, Log, Rules
+
 
 Array = Any  # NDArray[np.float64]
 NO_TORQUE = 1e-12  # of the curvature: less is rounding, and must not choose a side

@@ -20,7 +20,8 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
     from fractions import Fraction
 
-    from certreg.geometry import Matrix4, SquareMatrix, T, Vector3, Vector4
+    from certreg.geometry.constraints import SquareMatrix
+    from certreg.geometry.so3 import Matrix4, T, Vector3, Vector4
     from certreg.objective.form import Form, Reduced
     from certreg.objective.polynomials import PolynomialSystem
 

@@ -14,12 +14,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from certreg._loading import cached_property
-from certreg.exact import nullspace, power_of_two, rational_root_above
-from certreg.geometry import dot, homogeneous, quadratic_form, rotation_matrix, squared_norm
+from certreg.exact.dyadic import power_of_two, rational_root_above
+from certreg.exact.elimination import nullspace
+from certreg.geometry.constraints import homogeneous
+from certreg.geometry.so3 import dot, quadratic_form, rotation_matrix, squared_norm
 from certreg.objective import quartics
 from certreg.objective.form import FULL, Form, Reduced, bordered
 from certreg.objective.polynomials import QUATERNION, PolynomialSystem, collected, exponents
-from certreg.problem import UPPER
+from certreg.problem.exact_sums import UPPER
 from certreg.results import Brief
 
 if TYPE_CHECKING:
@@ -27,8 +29,9 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from certreg.geometry import Matrix4, SquareMatrix, T, Vector3, Vector4
-    from certreg.problem import SpringMoments
+    from certreg.geometry.constraints import SquareMatrix
+    from certreg.geometry.so3 import Matrix4, T, Vector3, Vector4
+    from certreg.problem.moments_of_springs import SpringMoments
 
 DIAGONAL = (0, 3, 5)  # among the six entries of a symmetric matrix
 FARTHEST = 8  # the largest |R - R'|^2 of two rotations, in the Frobenius norm

@@ -18,30 +18,22 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from certreg import __version__
-from certreg.campaign import (
-    CERTIFICATES,
-    Block,
-    Column,
-    Manifest,
-    Task,
-    TaskResult,
-    contents,
-    csv_bytes,
-    current_versions,
-    write_table,
-)
-from certreg.equilibrium import solve_many
+from certreg.campaign.runner import contents
+from certreg.campaign.store import CERTIFICATES, Manifest, current_versions
+from certreg.campaign.table import Block, Column, csv_bytes, write_table
+from certreg.campaign.task import Task, TaskResult
+from certreg.equilibrium.batch import solve_many
 from certreg.errors import InvalidProblemError
-from certreg.geometry import rotation_matrix
-from certreg.io import write_atomically
-from certreg.problem import (
+from certreg.geometry.so3 import rotation_matrix
+from certreg.io.atomic import write_atomically
+from certreg.problem.problem import RegistrationProblem
+from certreg.problem.random_instances import (
     PAPER_DAMPING,
     PAPER_POINTS,
     PAPER_SIGMA,
-    RegistrationProblem,
     gaussian_instances,
 )
-from certreg.registration import certify
+from certreg.registration.any_certification import certify
 
 if TYPE_CHECKING:
     from collections.abc import Container, Iterator
@@ -49,9 +41,9 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from certreg.equilibrium import Solutions
-    from certreg.problem import Instances
-    from certreg.registration import Registration
+    from certreg.equilibrium.batch import Solutions
+    from certreg.problem.random_instances import Instances
+    from certreg.registration.result import Registration
 
 Arrays = dict[str, "NDArray[Any]"]
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from certreg.errors import InvalidFileError
-from certreg.io import remedy_of, write_atomically
+from certreg.io.atomic import remedy_of, write_atomically
 from certreg.paper.documents import (
     CERTIFICATES,
     CERTIFICATES_EXPLAINED,
@@ -25,7 +25,8 @@ from certreg.paper.parameter_sweeps import SWEEPS_FILE, sweep_table
 from certreg.paper.spring_maps import SPRINGS_FILE, spring_table
 from certreg.paper.style import written
 from certreg.paper.terminal import plain
-from certreg.report import dumps, rendered
+from certreg.report.document import dumps
+from certreg.report.markup import rendered
 
 if TYPE_CHECKING:
     import os

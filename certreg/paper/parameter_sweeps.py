@@ -14,10 +14,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.dynamics import Bodies, SimulationSettings, bodies_of, simulate_many
-from certreg.equilibrium import exactly, solve_many
-from certreg.geometry import rotation_matrix
-from certreg.native import BASIN_SHARE, QUATERNION_STATE, Integrator
+from certreg.dynamics.batch import Bodies, bodies_of, simulate_many
+from certreg.dynamics.integrators import SimulationSettings
+from certreg.equilibrium.batch import exactly, solve_many
+from certreg.geometry.so3 import rotation_matrix
+from certreg.native.layout import QUATERNION_STATE
+from certreg.native.loops import BASIN_SHARE, Integrator
 from certreg.paper.parameter_families import FAMILIES
 from certreg.paper.scheme import NO_BASIN
 
@@ -26,8 +28,8 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from certreg.equilibrium import Solutions
-    from certreg.native import Records
+    from certreg.equilibrium.batch import Solutions
+    from certreg.native.layout import Records
     from certreg.paper.observations import StageProgress
     from certreg.paper.parameter_families import Family, Sample
 

@@ -12,16 +12,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.campaign import (
-    Block,
-    Column,
-    Manifest,
-    Task,
-    TaskResult,
-    contents,
-    current_versions,
-    write_table,
-)
+from certreg.campaign.runner import contents
+from certreg.campaign.store import Manifest, current_versions
+from certreg.campaign.table import Block, Column, write_table
+from certreg.campaign.task import Task, TaskResult
 from certreg.errors import InvalidProblemError
 from certreg.paper.monte_carlo import packed, unpacked
 from certreg.paper.spring_maps import (

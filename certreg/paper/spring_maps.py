@@ -22,10 +22,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.dynamics import simulate
-from certreg.equilibrium import FloatingQuartic, PathsOutcome, critical_lines
-from certreg.objective import Springs
-from certreg.problem import RegistrationProblem, gaussian_instances, spring_moments
+from certreg.dynamics.simulation import simulate
+from certreg.equilibrium.paths import PathsOutcome, critical_lines
+from certreg.equilibrium.quartics import FloatingQuartic
+from certreg.objective.springs import Springs
+from certreg.problem.moments_of_springs import spring_moments
+from certreg.problem.problem import RegistrationProblem
+from certreg.problem.random_instances import gaussian_instances
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from certreg.errors import InvalidProblemError
-from certreg.exact import as_given, at_least, at_most
+from certreg.exact.decimals import as_given, at_least, at_most
 from certreg.problem.arrays import finite_doubles, real_numbers
 from certreg.problem.blocks import first_row
 from certreg.problem.losses import Breaking, Consensus, Truncated

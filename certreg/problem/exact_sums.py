@@ -23,13 +23,9 @@ from typing import TYPE_CHECKING, ClassVar, Self, TypeVar
 
 import numpy as np
 
-from certreg.native import (
-    MissingLibraryError,
-    fixed_point_fits,
-    loaded_library,
-    sums_by_exponent,
-    sums_in_fixed_point,
-)
+from certreg.native.kernels import MissingLibraryError
+from certreg.native.library import loaded_library
+from certreg.native.sums import fixed_point_fits, sums_by_exponent, sums_in_fixed_point
 from certreg.problem.arrays import row_blocks
 from certreg.problem.lifting import lift
 
@@ -38,9 +34,11 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from certreg.native import IntegerSums, Library
+    from certreg.native.library import Library
+    from certreg.native.sums import IntegerSums
     from certreg.problem.blocks import Block
     from certreg.problem.problem import RegistrationProblem
+
 
 FIXED_POINTS = 512  # from here on fixed point: below, its own set-up takes longer
 FEW_POINTS = 16  # below, Python's own integers take no longer than a call of compiled code

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from certreg._loading import cached_property
-from certreg.native import library_if_any
+from certreg.native.library import library_if_any
 from certreg.problem.arrays import row_blocks
 from certreg.problem.blocks import SpringBlock
 from certreg.problem.exact_sums import UPPER

@@ -19,8 +19,8 @@ import numpy as np
 
 from certreg._loading import cached_property
 from certreg.errors import InvalidProblemError
-from certreg.exact import power_of_two
-from certreg.native import MEANS, named
+from certreg.exact.dyadic import power_of_two
+from certreg.native.layout import MEANS, named
 from certreg.problem.exact_sums import sums as exact_sums
 from certreg.problem.floating_sums import CloudPair, chunks, floating_sums
 from certreg.results import Brief
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from certreg.geometry import Matrix3, Vector3
+    from certreg.geometry.so3 import Matrix3, Vector3
     from certreg.problem.exact_sums import Sums
     from certreg.problem.floating_sums import FloatingSums
     from certreg.problem.problem import RegistrationProblem

@@ -16,7 +16,7 @@ from certreg.results import Brief
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from certreg.geometry import Matrix3, Vector3
+    from certreg.geometry.so3 import Matrix3, Vector3
     from certreg.problem.problem import RegistrationProblem
     from certreg.problem.spring_sums import SpringSums
 

@@ -13,7 +13,8 @@ from itertools import product
 from operator import mul
 from typing import TYPE_CHECKING, ClassVar
 
-from certreg.native import library_if_any, loaded_library, springs_by_exponent, springs_by_limbs
+from certreg.native.library import library_if_any, loaded_library
+from certreg.native.sums import springs_by_exponent, springs_by_limbs
 from certreg.problem.blocks import SpringBlock
 from certreg.problem.exact_sums import THREADS, UPPER, SumMethod, Sums, over_blocks
 from certreg.problem.lifting import lift
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from certreg.problem.problem import RegistrationProblem
+
 
 LIMB_POINTS = 1024  # from here on limbs: below, they take longer than exponents
 PIECE = 256  # points of one attempt where the numbers of a block are of too many sizes for limbs

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Literal, TypedDict, cast
 
-from certreg import problem as problems  # of whose names most calls need none
 from certreg._loading import late
-from certreg.dynamics import SimulationSettings
-from certreg.native import Integrator
+from certreg.dynamics.integrators import SimulationSettings
+from certreg.native.loops import Integrator
+from certreg.problem import support
+from certreg.problem.bounds import bounded
 from certreg.registration.certification import CROSS_CHECK, PARTS, certified
 from certreg.registration.parts import counted
 from certreg.registration.robustness import ROBUSTNESS_ANGLE, checked_angle
@@ -17,7 +18,8 @@ from certreg.results import MAX_ANGLE, MAX_GAP, Limits
 if TYPE_CHECKING:
     from typing import Unpack
 
-    from certreg.problem import Loss, RegistrationProblem
+    from certreg.problem.problem import RegistrationProblem
+    from certreg.problem.support import Loss
     from certreg.registration import (
         consensus,
         fit_of_pairs,
@@ -113,7 +115,7 @@ def certify(  # noqa: PLR0913 - each is one question, and has its usual answer
     OutOfRangeError
         Where no double can hold the pose.
     """
-    loss = problems.Loss.of(objective, max_residual)
+    loss = support.Loss.of(objective, max_residual)
     stated, named = stated_problem_of(problem, target, statement, loss)
     limits = Limits(max_gap=max_gap, max_angle=max_angle)
     if max_residual is not None:
@@ -165,8 +167,8 @@ def _with_wrong_pairs(
     asked: _Asked,
     progress: Progress | None,
 ) -> ConsensusRegistration | TruncatedRegistration:
-    problem = problems.bounded(stated, max_residual, loss)
-    if loss is problems.Loss.TRUNCATED:
+    problem = bounded(stated, max_residual, loss)
+    if loss is support.Loss.TRUNCATED:
         done = counted(progress, truncated.TRUNCATED_PARTS)
         return truncated.certified_truncated(problem, done=done, **asked)
     ways = scaled_consensus.SCALED if problem.scaled else consensus.RIGID

@@ -19,10 +19,12 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from certreg.certificate import Certificate, PoseBounds
-    from certreg.dynamics import Trajectory
-    from certreg.geometry import Pose, Similarity
-    from certreg.problem import RegistrationProblem
+    from certreg.certificate.bounds import PoseBounds
+    from certreg.certificate.envelope import Certificate
+    from certreg.dynamics.trajectory import Trajectory
+    from certreg.geometry.pose import Pose
+    from certreg.geometry.similarity import Similarity
+    from certreg.problem.problem import RegistrationProblem
     from certreg.registration.covariance import PoseCovariance, Residual
     from certreg.registration.fit import Fit
     from certreg.results import Limits, Verdict

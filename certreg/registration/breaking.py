@@ -8,20 +8,26 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.equilibrium import LEAST_SPRINGS, Labels, label_sets
+from certreg.equilibrium.breaking import Labels
+from certreg.equilibrium.spring_sets import LEAST_SPRINGS, label_sets
 from certreg.errors import DegenerateProblemError, InvalidProblemError
-from certreg.exact import nearest_double, power_of_two
-from certreg.problem import Loss, RegistrationProblem, bounded, exact_springs
+from certreg.exact.dyadic import nearest_double, power_of_two
+from certreg.problem.bounds import bounded
+from certreg.problem.breaking import exact_springs
+from certreg.problem.problem import RegistrationProblem
+from certreg.problem.support import Loss
 from certreg.registration.closed_form import register
 from certreg.registration.optimum import pose_at
-from certreg.relaxation import candidates
+from certreg.relaxation.consensus_search import candidates
 from certreg.results import OUT_OF_RANGE, Brief, ComponentKind, Explained
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
-    from certreg.equilibrium import RestPose, SpringSet
-    from certreg.geometry import Pose, Similarity
+    from certreg.equilibrium.breaking import RestPose, SpringSet
+    from certreg.geometry.pose import Pose
+    from certreg.geometry.similarity import Similarity
+
 
 FEW = 12  # springs, of which all sets are looked at: at most 4,000, ten seconds
 MOST_MOVES = 50  # of the body until no spring breaks or mends: three are usual

@@ -5,18 +5,26 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from certreg.dynamics import SHRINKING, BreakingRun, BreakingStatus, run_breaking
-from certreg.equilibrium import Labels, SpringSet
+from certreg.dynamics.breaking import (
+    SHRINKING,
+    BreakingRun,
+    BreakingStatus,
+    run_breaking,
+)
+from certreg.equilibrium.breaking import Labels, SpringSet
 from certreg.errors import InvalidProblemError
-from certreg.native import Integrator
-from certreg.problem import Loss, RegistrationProblem, bounded
+from certreg.native.loops import Integrator
+from certreg.problem.bounds import bounded
+from certreg.problem.problem import RegistrationProblem
+from certreg.problem.support import Loss
 from certreg.registration.breaking import equilibrium_of
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
-    from certreg.dynamics import SimulationSettings
+    from certreg.dynamics.integrators import SimulationSettings
     from certreg.registration.breaking import BreakingEquilibrium
+
 
 LARGEST_SHRINKING = 1e6  # more breaks almost all springs at once
 

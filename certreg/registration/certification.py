@@ -7,42 +7,37 @@ import time
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Literal
 
-from certreg.certificate import (
-    check_own,
-    pose_bounds,
-    pose_energy,
-    produce,
-    produce_similarity,
-    require_accepted,
-)
-from certreg.dynamics import DEFAULT_SETTINGS, SimulationSettings, optimal_damping
-from certreg.errors import (
-    DegenerateProblemError,
-    InvalidProblemError,
-)
-from certreg.exact import (
-    nearest_double,
-    nearest_root,
-)
-from certreg.native import Integrator, MissingLibraryError
-from certreg.objective import Isotropic
-from certreg.problem import RegistrationProblem, Verb, refusal, require_supported
+from certreg.certificate.bounds import pose_bounds, pose_energy
+from certreg.certificate.checking import check_own, require_accepted
+from certreg.certificate.producing import produce, produce_similarity
+from certreg.dynamics.integrators import DEFAULT_SETTINGS, SimulationSettings
+from certreg.dynamics.simulation import optimal_damping
+from certreg.errors import DegenerateProblemError, InvalidProblemError
+from certreg.exact.dyadic import nearest_double, nearest_root
+from certreg.native.kernels import MissingLibraryError
+from certreg.native.loops import Integrator
+from certreg.objective.isotropic import Isotropic
+from certreg.problem.support import Verb, refusal, require_supported
 from certreg.registration.agreement import agreement, require_sound_trajectory
 from certreg.registration.optimum import exact_pose, optimal_pose
 from certreg.registration.parts import logged
 from certreg.registration.result import Registration, Solution
 from certreg.registration.simulation import final_state, objective_of, simulated_motion
 from certreg.registration.stating import require_problem
-from certreg.relaxation import relax
+from certreg.relaxation.shor import relax
 from certreg.results import OUT_OF_RANGE, Absent, Limits
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from certreg.certificate import Certificate, IsotropicBody, SimilarityBody
+    from certreg.certificate.envelope import Certificate
+    from certreg.certificate.isotropic import IsotropicBody
+    from certreg.certificate.similarity import SimilarityBody
+    from certreg.problem.problem import RegistrationProblem
     from certreg.registration.simulation import SimulatedMotion
-    from certreg.relaxation import Relaxation
+    from certreg.relaxation.shor import Relaxation
     from certreg.results import Verdict
+
 
 LOG = logging.getLogger(__name__)
 PARTS = 3  # of certify, besides relaxation and simulation: sums, certificate, checker

@@ -13,17 +13,18 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
-from certreg.certificate import (
+from certreg.certificate.checking import check_own_consensus, require_accepted
+from certreg.certificate.producing_consensus import (
     ConsensusProver,
     ProvedConsensus,
-    check_own_consensus,
     consensus_certificate,
     consensus_of,
     pose_of,
-    require_accepted,
 )
 from certreg.errors import InvalidProblemError, UndecidedError
-from certreg.problem import LEAST_PAIRS, apart, checked_effort
+from certreg.problem.bounds import LEAST_PAIRS
+from certreg.problem.effort import checked_effort
+from certreg.problem.row_lengths import apart
 from certreg.registration.consensus_words import (
     PairLabels,
     headline,
@@ -46,7 +47,7 @@ from certreg.registration.pair_warnings import (
     wide_warning,
 )
 from certreg.registration.row_names import RowNames
-from certreg.relaxation import candidates
+from certreg.relaxation.consensus_search import candidates
 from certreg.results import Saved
 
 if TYPE_CHECKING:
@@ -54,13 +55,17 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from certreg.certificate import Certificate, ConsensusBody, ConsensusSimilarityBody
-    from certreg.geometry import Pose, Similarity
-    from certreg.problem import RegistrationProblem
+    from certreg.certificate.consensus import ConsensusBody
+    from certreg.certificate.envelope import Certificate
+    from certreg.certificate.scaled_consensus import ConsensusSimilarityBody
+    from certreg.geometry.pose import Pose
+    from certreg.geometry.similarity import Similarity
+    from certreg.problem.problem import RegistrationProblem
     from certreg.registration.misfits import FitWarning
     from certreg.registration.result import Registration
     from certreg.registration.spring_result import SpringRegistration
-    from certreg.relaxation import Candidate, ScaledCandidate
+    from certreg.relaxation.scaled_search import ScaledCandidate
+    from certreg.relaxation.truncated_squares import Candidate
     from certreg.results import Verdict
 
 LOG = logging.getLogger(__name__)

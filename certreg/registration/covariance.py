@@ -28,16 +28,18 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from certreg._loading import cached_property
-from certreg.equilibrium import rotation_double
-from certreg.exact import (
+from certreg.equilibrium.presentation import rotation_double
+from certreg.exact.dyadic import (
     dyadic_below,
     nearest_double,
     nearest_or_zero,
     power_of_two,
     root_of_quotient,
 )
-from certreg.objective import Neighbourhood
-from certreg.problem import Scale, contiguous, row_blocks
+from certreg.objective.neighbourhood import Neighbourhood
+from certreg.problem.arrays import row_blocks
+from certreg.problem.blocks import contiguous
+from certreg.problem.motion import Scale
 from certreg.results import OUT_OF_RANGE, Absent, Explained, present
 
 if TYPE_CHECKING:
@@ -45,9 +47,11 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from certreg.geometry import Pose, Similarity
-    from certreg.objective import Isotropic
-    from certreg.problem import Block, RegistrationProblem
+    from certreg.geometry.pose import Pose
+    from certreg.geometry.similarity import Similarity
+    from certreg.objective.isotropic import Isotropic
+    from certreg.problem.blocks import Block
+    from certreg.problem.problem import RegistrationProblem
 
 PARAMETERS = 6  # of a pose in a matrix: a translation that is given has rows of 0 there
 TURN = 3  # where its rotation begins

@@ -6,10 +6,12 @@ from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any, cast
 
 from certreg._loading import late
-from certreg.certificate import check_own, count_certificate, require_accepted
-from certreg.equilibrium import METHODS, EquilibriumSet, compare, search
+from certreg.certificate.checking import check_own, require_accepted
+from certreg.certificate.producing import count_certificate
+from certreg.equilibrium.methods import METHODS, compare, search
+from certreg.equilibrium.presentation import EquilibriumSet
 from certreg.errors import UndecidedError
-from certreg.objective import Isotropic
+from certreg.objective.isotropic import Isotropic
 from certreg.registration.ambiguity import equilibria_at
 from certreg.registration.covariance import pose_covariance
 from certreg.registration.fit import fit_of
@@ -21,10 +23,12 @@ from certreg.results import Brief
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from certreg.certificate import Certificate, CountBody
-    from certreg.equilibrium import Comparison, Search
-    from certreg.geometry import Pose, Similarity
-    from certreg.problem import RegistrationProblem
+    from certreg.certificate.count import CountBody
+    from certreg.certificate.envelope import Certificate
+    from certreg.equilibrium.methods import Comparison, Search
+    from certreg.geometry.pose import Pose
+    from certreg.geometry.similarity import Similarity
+    from certreg.problem.problem import RegistrationProblem
     from certreg.registration import breathing, spring_enumeration
     from certreg.registration.fit import Fit
     from certreg.registration.parts import Progress

@@ -12,8 +12,8 @@ from certreg.results import Absent, Limits
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from certreg.dynamics import SimulationSettings
-    from certreg.problem import RegistrationProblem
+    from certreg.dynamics.integrators import SimulationSettings
+    from certreg.problem.problem import RegistrationProblem
     from certreg.registration import spring_certification
     from certreg.registration.result import Registration
     from certreg.registration.row_names import RowNames

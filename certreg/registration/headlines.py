@@ -10,13 +10,14 @@ import math
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from certreg.exact import at_least, at_most, degrees_above
+from certreg.exact.decimals import at_least, at_most
+from certreg.exact.dyadic import degrees_above
 from certreg.registration.loose_turns import LOOSE_SIGMA, axis_words
 from certreg.registration.misfits import FitCode
 from certreg.results import Limits, Optimality
 
 if TYPE_CHECKING:
-    from certreg.certificate import PoseBounds
+    from certreg.certificate.bounds import PoseBounds
     from certreg.registration.any_registration import AnyRegistration
     from certreg.registration.fit import Fit
     from certreg.registration.result import Registration

@@ -8,15 +8,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.certificate import ExactPose
-from certreg.equilibrium import rotation_double, unit_double
+from certreg.certificate.bounds import ExactPose
+from certreg.equilibrium.presentation import rotation_double, unit_double
 from certreg.errors import OutOfRangeError
-from certreg.exact import nearest_double
-from certreg.geometry import Pose, Similarity
+from certreg.exact.dyadic import nearest_double
+from certreg.geometry.pose import Pose
+from certreg.geometry.similarity import Similarity
 
 if TYPE_CHECKING:
-    from certreg.exact import IntegerQuaternion
-    from certreg.objective import Isotropic
+    from certreg.exact.spaces import IntegerQuaternion
+    from certreg.objective.isotropic import Isotropic
 
 
 def optimal_pose(objective: Isotropic) -> Pose | Similarity:

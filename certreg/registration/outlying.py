@@ -12,9 +12,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.equilibrium import rotation_double
-from certreg.exact import nearest_or_zero, power_of_two
-from certreg.problem import Block, row_blocks
+from certreg.equilibrium.presentation import rotation_double
+from certreg.exact.dyadic import nearest_or_zero, power_of_two
+from certreg.problem.arrays import row_blocks
+from certreg.problem.blocks import Block
 from certreg.registration.covariance import (
     Residual,
     effective_rows,
@@ -28,9 +29,10 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from certreg.geometry import Pose, Similarity
-    from certreg.objective import Isotropic
-    from certreg.problem import RegistrationProblem
+    from certreg.geometry.pose import Pose
+    from certreg.geometry.similarity import Similarity
+    from certreg.objective.isotropic import Isotropic
+    from certreg.problem.problem import RegistrationProblem
 
 SAMPLE_ROWS = 4096  # medians to two per cent; all rows where there are no more
 LISTED = 10  # rows named one by one

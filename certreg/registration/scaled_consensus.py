@@ -6,25 +6,27 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from certreg.certificate import (
+from certreg.certificate.producing_consensus import pose_of
+from certreg.certificate.producing_scaled import (
     ScaledConsensus,
     ScaledProver,
-    pose_of,
     scaled_consensus_certificate,
     scaled_consensus_of,
 )
 from certreg.errors import InvalidProblemError
-from certreg.exact import at_least, at_most, double_above, double_below
-from certreg.geometry import Similarity
-from certreg.problem import Scale
+from certreg.exact.decimals import at_least, at_most
+from certreg.exact.dyadic import double_above, double_below
+from certreg.geometry.similarity import Similarity
+from certreg.problem.motion import Scale
 from certreg.registration.consensus import ConsensusRegistration, Ways, most_proved, restated
-from certreg.relaxation import scaled_candidates
+from certreg.relaxation.scaled_search import scaled_candidates
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from certreg.certificate import Certificate, ConsensusSimilarityBody
-    from certreg.problem import RegistrationProblem
+    from certreg.certificate.envelope import Certificate
+    from certreg.certificate.scaled_consensus import ConsensusSimilarityBody
+    from certreg.problem.problem import RegistrationProblem
     from certreg.results import Verdict
 
 DIGITS = 7  # of a scale, in words

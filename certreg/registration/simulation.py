@@ -7,22 +7,30 @@ from fractions import Fraction
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from certreg import objective as objectives
-from certreg import problem as problems
-from certreg._loading import found_late
-from certreg.certificate import RotationState, check_own, produce, require_accepted
-from certreg.dynamics import Trajectory, simulate
-from certreg.exact import nearest_double, power_of_two
-from certreg.native import Integrator
-from certreg.objective import Isotropic
-from certreg.problem import Verb, lift, require_supported
+from certreg._loading import found_late, late
+from certreg.certificate.checking import check_own, require_accepted
+from certreg.certificate.isotropic import RotationState
+from certreg.certificate.producing import produce
+from certreg.dynamics.simulation import simulate
+from certreg.dynamics.trajectory import Trajectory
+from certreg.exact.dyadic import nearest_double, power_of_two
+from certreg.native.loops import Integrator
+from certreg.objective.isotropic import Isotropic
+from certreg.problem.lifting import lift
+from certreg.problem.support import Verb, require_supported
 from certreg.registration.agreement import require_sound_trajectory
 from certreg.results import OUT_OF_RANGE, Absent, Brief, Presented
 
 if TYPE_CHECKING:
-    from certreg.dynamics import Basin, SimulationSettings
-    from certreg.objective import Springs
-    from certreg.problem import RegistrationProblem
+    from certreg.dynamics.basin import Basin
+    from certreg.dynamics.integrators import SimulationSettings
+    from certreg.objective import springs
+    from certreg.objective.springs import Springs
+    from certreg.problem import moments_of_springs
+    from certreg.problem.problem import RegistrationProblem
+else:
+    springs = late("certreg.objective.springs")
+    moments_of_springs = late("certreg.problem.moments_of_springs")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -105,7 +113,7 @@ def objective_of(problem: RegistrationProblem) -> Isotropic | Springs:
     """The energy of a problem as a function of the rotation."""
     if problem.factors is None:
         return Isotropic.of(problem)
-    return objectives.Springs(problems.spring_moments(problem))
+    return springs.Springs(moments_of_springs.spring_moments(problem))
 
 
 def simulated_motion(

@@ -6,8 +6,9 @@ import math
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
-from certreg.exact import at_most, double_above, nearest_double, nearest_root
-from certreg.geometry import why_no_rotation
+from certreg.exact.decimals import at_most
+from certreg.exact.dyadic import double_above, nearest_double, nearest_root
+from certreg.geometry.orthogonality import why_no_rotation
 from certreg.registration.assessed import Assessment
 from certreg.registration.assessment_words import note_on
 from certreg.registration.findings import GOOD, rules_out
@@ -41,7 +42,7 @@ from certreg.registration.weak_shifts import weak_shift_words
 from certreg.results import OUT_OF_RANGE, Absent, PoseVerdict, present
 
 if TYPE_CHECKING:
-    from certreg.geometry import GivenPose
+    from certreg.geometry.given import GivenPose
     from certreg.registration.findings import AssessmentSettings, SigmaDistance
     from certreg.registration.headlines import Headline
     from certreg.registration.spring_findings import SpringFindings

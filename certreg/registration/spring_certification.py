@@ -10,20 +10,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg import certificate as proofs  # what proposes and proves is loaded where it is called
-from certreg import relaxation
-from certreg.certificate import (
-    ExactPose,
-    check_own,
-    require_accepted,
-    spring_pose_bounds,
-)
-from certreg.equilibrium import rotation_double, unit_double
+from certreg._loading import late
+from certreg.certificate.bounds import ExactPose
+from certreg.certificate.checking import check_own, require_accepted
+from certreg.certificate.spring_bounds import spring_pose_bounds
+from certreg.equilibrium.presentation import rotation_double, unit_double
 from certreg.errors import DegenerateProblemError, OutOfRangeError
-from certreg.exact import nearest_double, nearest_root
-from certreg.geometry import Pose
-from certreg.objective import Springs
-from certreg.problem import spring_moments
+from certreg.exact.dyadic import nearest_double, nearest_root
+from certreg.geometry.pose import Pose
+from certreg.objective.springs import Springs
+from certreg.problem.moments_of_springs import spring_moments
 from certreg.registration.curvature import soft_axes
 from certreg.registration.freedom import Freedom
 from certreg.registration.loose_turns import axis_words
@@ -39,8 +35,14 @@ from certreg.results import OUT_OF_RANGE, Absent, Limits
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from certreg.problem import RegistrationProblem
+    from certreg.certificate import producing_springs
+    from certreg.problem.problem import RegistrationProblem
+    from certreg.relaxation import optimum
     from certreg.results import Verdict
+else:
+    # what proves is loaded where it is called
+    producing_springs = late("certreg.certificate.producing_springs")
+    optimum = late("certreg.relaxation.optimum")
 
 NOT_CERTIFIED = Absent("not certified")
 SPRING_PARTS = 4  # of certify: sums, optimum, certificate, checker
@@ -86,9 +88,9 @@ def _solved(
     """Everything that is computed, nothing yet checked."""
     objective = Springs(spring_moments(problem))
     done("exact sums")
-    found = relaxation.find_optimum(objective, solver)
+    found = optimum.find_optimum(objective, solver)
     done("optimum")
-    certificate = proofs.springs_certificate(problem, objective, found, **asked)
+    certificate = producing_springs.springs_certificate(problem, objective, found, **asked)
     done("certificate")
     quaternion = found.quaternion if certificate is None else certificate.body.quaternion
     return SpringSolution(
@@ -108,7 +110,7 @@ def spring_pose(problem: RegistrationProblem) -> Pose:
     Raises DegenerateProblemError where a shift or a turn is undetermined, or nearly so.
     """
     objective = Springs(spring_moments(problem))
-    found = relaxation.find_optimum(objective)
+    found = optimum.find_optimum(objective)
     open_ = Freedom.of(objective).words() or weak_shift_words(weak_shifts(objective.joint_form))
     if not open_ and len(soft := soft_axes(objective, found.quaternion)):
         about = " and ".join(axis_words(axis) for axis in soft)

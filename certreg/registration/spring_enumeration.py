@@ -5,11 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any, cast
 
-from certreg.certificate import check_own, require_accepted, springs_list_certificate
-from certreg.equilibrium import SPRING_METHODS, compare, critical_lines, search
+from certreg.certificate.checking import check_own, require_accepted
+from certreg.certificate.producing_springs import springs_list_certificate
+from certreg.equilibrium.methods import SPRING_METHODS, compare, search
+from certreg.equilibrium.paths import critical_lines
 from certreg.errors import UndecidedError
-from certreg.objective import Springs
-from certreg.problem import spring_moments
+from certreg.objective.springs import Springs
+from certreg.problem.moments_of_springs import spring_moments
 from certreg.registration.parts import counted
 from certreg.registration.spring_equilibria import SpringEquilibria, spring_equilibria
 from certreg.registration.stating import require_method
@@ -18,9 +20,11 @@ from certreg.results import Brief
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from certreg.certificate import Certificate, SpringsListBody
-    from certreg.equilibrium import Comparison, LineSet, Search
-    from certreg.problem import RegistrationProblem
+    from certreg.certificate.envelope import Certificate
+    from certreg.certificate.springs_list import SpringsListBody
+    from certreg.equilibrium.line_set import LineSet
+    from certreg.equilibrium.methods import Comparison, Search
+    from certreg.problem.problem import RegistrationProblem
     from certreg.registration.parts import Progress
 
 ALL = "all"  # methods

@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.equilibrium import Finiteness, unit_double
-from certreg.exact import nearest_double, nearest_root
-from certreg.geometry import canonical, dot, squared_norm
+from certreg.equilibrium.line_set import Finiteness
+from certreg.equilibrium.presentation import unit_double
+from certreg.exact.dyadic import nearest_double, nearest_root
+from certreg.geometry.so3 import canonical, dot, squared_norm
 from certreg.registration.curvature import slope_and_curvature
 from certreg.registration.freedom import Freedom
 from certreg.registration.outlying import LISTED
@@ -23,10 +24,10 @@ from certreg.results import OUT_OF_RANGE, Absent, ComponentKind, Explained, Guar
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from certreg.equilibrium import LineSet
-    from certreg.geometry import Pose
-    from certreg.objective import Springs
-    from certreg.problem import RegistrationProblem
+    from certreg.equilibrium.line_set import LineSet
+    from certreg.geometry.pose import Pose
+    from certreg.objective.springs import Springs
+    from certreg.problem.problem import RegistrationProblem
 
 LINES = 40
 SAME_ENERGY = Fraction(1, 1 << 90)  # of the oscillation

@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.certificate import ExactPose, sin2_half_angle_between, spring_pose_bounds
+from certreg.certificate.bounds import ExactPose, sin2_half_angle_between
+from certreg.certificate.spring_bounds import spring_pose_bounds
 from certreg.errors import UndecidedError
-from certreg.exact import (
+from certreg.exact.dyadic import (
     half_angle_bound,
     nearest_double,
     nearest_or_zero,
@@ -41,8 +42,8 @@ from certreg.registration.tails import log_chi2_above
 from certreg.results import OUT_OF_RANGE, Absent, Limits, PoseVerdict
 
 if TYPE_CHECKING:
-    from certreg.certificate import PoseBounds
-    from certreg.geometry import GivenPose
+    from certreg.certificate.bounds import PoseBounds
+    from certreg.geometry.given import GivenPose
     from certreg.registration.findings import AssessmentSettings
     from certreg.registration.nearby_equilibrium import NearbyEquilibrium
     from certreg.registration.spring_result import SpringRegistration

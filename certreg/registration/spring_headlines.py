@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from certreg.exact import at_most
+from certreg.exact.decimals import at_most
 from certreg.registration.headlines import (
     BOUNDED,
     BOUNDED_WITHOUT_ANGLE,

@@ -10,19 +10,21 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.dynamics import simulate, spring_body
-from certreg.equilibrium import SPRING_METHODS, search
+from certreg.dynamics.simulation import simulate
+from certreg.dynamics.springs import spring_body
+from certreg.equilibrium.methods import SPRING_METHODS, search
 from certreg.errors import DegenerateProblemError
-from certreg.native import MissingLibraryError
+from certreg.native.kernels import MissingLibraryError
 from certreg.registration.spring_equilibria import SpringEquilibria, spring_equilibria
 
 if TYPE_CHECKING:
     from typing import Any
 
-    from certreg.equilibrium import LineSet
-    from certreg.objective import Springs
-    from certreg.problem import RegistrationProblem
+    from certreg.equilibrium.line_set import LineSet
+    from certreg.objective.springs import Springs
+    from certreg.problem.problem import RegistrationProblem
     from certreg.registration.spring_equilibria import SpringEquilibrium
+
 
 RELEASED = math.radians(1.0)  # from the equilibrium: far above what runs end within
 RETURNED = math.radians(0.1)  # to it: ten times what a run that ends is off

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.problem import row_blocks
+from certreg.problem.arrays import row_blocks
 from certreg.registration.covariance import Residual
 from certreg.results import Brief
 
@@ -25,8 +25,9 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from certreg.geometry import Pose
-    from certreg.problem import RegistrationProblem, SpringBlock
+    from certreg.geometry.pose import Pose
+    from certreg.problem.blocks import SpringBlock
+    from certreg.problem.problem import RegistrationProblem
 
 SAMPLED = 4096  # rows of which the median is taken, where there are more
 LEFT = np.array([[0, 0, 0], [1, 2, 0], [3, 4, 5]])  # where an entry of L stands among the six

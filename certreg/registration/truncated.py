@@ -12,11 +12,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.certificate import truncated_certificate
+from certreg.certificate.producing_truncated import truncated_certificate
 from certreg.errors import UndecidedError
-from certreg.exact import at_least, at_most, double_above
-from certreg.geometry import Pose, rotation_matrix
-from certreg.problem import RegistrationProblem, apart, checked_effort
+from certreg.exact.decimals import at_least, at_most
+from certreg.exact.dyadic import double_above
+from certreg.geometry.pose import Pose
+from certreg.geometry.so3 import rotation_matrix
+from certreg.problem.effort import checked_effort
+from certreg.problem.problem import RegistrationProblem
+from certreg.problem.row_lengths import apart
 from certreg.registration.consensus_words import others_words, repeated_rows, repeated_words
 from certreg.registration.exit_codes import DONE, NOT_CERTIFIED, NOT_UNIQUE
 from certreg.registration.fit_of_pairs import USUAL, FitSettings, fitted
@@ -25,7 +29,7 @@ from certreg.registration.pair_angles import angles_between
 from certreg.registration.pair_warnings import poor_warning, reason_against, wide_warning
 from certreg.registration.result import Registration
 from certreg.registration.row_names import RowNames
-from certreg.relaxation import search_boxes
+from certreg.relaxation.rotation_boxes import search_boxes
 from certreg.results import Saved
 
 if TYPE_CHECKING:
@@ -33,7 +37,9 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from certreg.certificate import Certificate, CertificateVerdict, TruncatedRotationBody
+    from certreg.certificate.checking import CertificateVerdict
+    from certreg.certificate.envelope import Certificate
+    from certreg.certificate.truncated import TruncatedRotationBody
     from certreg.registration.misfits import FitWarning
 
 TRUNCATED_PARTS = 3  # of certify: search, certificate and checker, fit

@@ -9,8 +9,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from certreg.certificate import disproves_labels
-from certreg.problem import LEAST_DIRECTIONS, checked_inliers
+from certreg.certificate.label_sets import disproves_labels
+from certreg.problem.inliers import LEAST_DIRECTIONS, checked_inliers
 from certreg.registration.consensus_words import within_words
 from certreg.registration.exit_codes import DONE, NOT_CERTIFIED, REFUSED
 from certreg.registration.kept_pairs import NAMED_ROWS, LabelsVerdict
@@ -19,7 +19,7 @@ from certreg.registration.truncated import certified_truncated
 from certreg.results import Presented
 
 if TYPE_CHECKING:
-    from certreg.problem import RegistrationProblem
+    from certreg.problem.problem import RegistrationProblem
     from certreg.registration.truncated import TruncatedRegistration
 
 BITS = 60  # of the entries of a quaternion

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.native import rows_of
+from certreg.native.bit_rows import rows_of
 from certreg.relaxation.cliques import CliqueSearch, consistency, core, greedy_cliques
 from certreg.relaxation.edge_rows import best_that_fits, exchanged, grown, held, widened
 from certreg.relaxation.paired_rows import fitted, paired_rows, poses_of_triples, squared_ratios
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from certreg.native import BitRows
+    from certreg.native.bit_rows import BitRows
     from certreg.relaxation.edge_rows import Held
     from certreg.relaxation.paired_rows import PairedRows, Reals, Rows
 

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from certreg.errors import MissingToolError
-from certreg.objective import MONOMIALS, PAIRS
+from certreg.objective.quartics import MONOMIALS, PAIRS
 from certreg.relaxation.cones import cones_of
 from certreg.relaxation.conic import RelaxationStatus, called, matrix_of, status_of
 

@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.geometry import canonical
-from certreg.objective import PAIR_PLACE, levelled
+from certreg.geometry.so3 import canonical
+from certreg.objective.levelling import levelled
+from certreg.objective.quartics import PAIR_PLACE
 from certreg.relaxation.conic import RelaxationStatus, solver_name
 from certreg.relaxation.moments import solve_moments
 from certreg.relaxation.stated import stated_name

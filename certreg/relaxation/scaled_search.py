@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.native import BitRows
+from certreg.native.bit_rows import BitRows
 from certreg.relaxation.cliques import core, greedy_cliques
 from certreg.relaxation.consensus_search import candidates
 from certreg.relaxation.edge_rows import Held, widened

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from certreg._loading import library
-from certreg.objective import MONOMIALS, norm_fourth
+from certreg.objective.levelling import norm_fourth
+from certreg.objective.quartics import MONOMIALS
 from certreg.relaxation.conic import RelaxationStatus
 from certreg.relaxation.moments import PLACES, SIZE, MomentSolution
 from certreg.relaxation.stated import WHO, outcome

@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from certreg.exact import at_most, nearest_double
+from certreg.exact.decimals import at_most
+from certreg.exact.dyadic import nearest_double
 from certreg.report.encoding import Document, Noted
 from certreg.report.lines import equilibria_words
 from certreg.results import OUT_OF_RANGE, Absent, ComponentKind
@@ -13,8 +14,9 @@ from certreg.results import OUT_OF_RANGE, Absent, ComponentKind
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from certreg.equilibrium import Comparison, CriticalSet, Search
-    from certreg.registration import Enumeration
+    from certreg.equilibrium.critical_set import CriticalSet
+    from certreg.equilibrium.methods import Comparison, Search
+    from certreg.registration.enumeration import Enumeration
 
 PLURALS = {
     ComponentKind.POINT: ("point", "points"),

@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from certreg.geometry import Similarity
+from certreg.geometry.similarity import Similarity
 from certreg.results import Optimality
 
 if TYPE_CHECKING:
-    from certreg.geometry import Pose
-    from certreg.registration import AnyRegistration
+    from certreg.geometry.pose import Pose
+    from certreg.registration.any_registration import AnyRegistration
 
 
 def motion_words(registration: AnyRegistration) -> str:

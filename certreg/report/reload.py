@@ -14,38 +14,31 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.certificate import (
-    Certificate,
-    CertificateVerdict,
-    ConsensusBody,
-    ConsensusSimilarityBody,
-    CountBody,
-    ExactPose,
-    IsotropicBody,
-    PoseBounds,
-    SimilarityBody,
-    SpringsListBody,
-    TruncatedRotationBody,
-    body_of,
-    pose_bounds,
-    spring_pose_bounds,
-    verify,
-)
+from certreg.certificate.bounds import ExactPose, PoseBounds, pose_bounds
+from certreg.certificate.checking import CertificateVerdict, verify
+from certreg.certificate.consensus import ConsensusBody
+from certreg.certificate.count import CountBody
+from certreg.certificate.envelope import Certificate, body_of
+from certreg.certificate.isotropic import IsotropicBody
+from certreg.certificate.scaled_consensus import ConsensusSimilarityBody
+from certreg.certificate.similarity import SimilarityBody
+from certreg.certificate.spring_bounds import spring_pose_bounds
+from certreg.certificate.springs_list import SpringsListBody
+from certreg.certificate.truncated import TruncatedRotationBody
 from certreg.errors import InvalidFileError, RefusedCertificateError
-from certreg.geometry import Similarity
-from certreg.io import reading
-from certreg.native import Integrator
-from certreg.problem import MAX_DAMPING, MIN_DAMPING, Loss, RegistrationProblem, Scale, bounded
-from certreg.registration import (
-    CROSS_CHECK,
-    SPRING_KINDS,
-    SpringRegistration,
-    certified,
-    certified_springs,
-    restated_consensus,
-    restated_scaled_consensus,
-    restated_truncated,
-)
+from certreg.geometry.similarity import Similarity
+from certreg.io.streams import reading
+from certreg.native.loops import Integrator
+from certreg.problem.bounds import bounded
+from certreg.problem.motion import MAX_DAMPING, MIN_DAMPING, Scale
+from certreg.problem.problem import RegistrationProblem
+from certreg.problem.support import Loss
+from certreg.registration.certification import CROSS_CHECK, certified
+from certreg.registration.consensus import restated_consensus
+from certreg.registration.scaled_consensus import restated_scaled_consensus
+from certreg.registration.spring_certification import certified_springs
+from certreg.registration.spring_result import SPRING_KINDS, SpringRegistration
+from certreg.registration.truncated import restated_truncated
 from certreg.report.consensus_page import ConsensusReport
 from certreg.report.pages import page_of
 from certreg.report.spring_page import SpringReport
@@ -56,8 +49,8 @@ if TYPE_CHECKING:
     import os
     from collections.abc import Callable
 
-    from certreg.geometry import Pose
-    from certreg.registration import Registration, Solution
+    from certreg.geometry.pose import Pose
+    from certreg.registration.result import Registration, Solution
     from certreg.report.any_report import AnyReport
     from certreg.results import Verdict
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from certreg.equilibrium import Finiteness
-from certreg.exact import nearest_double
+from certreg.equilibrium.line_set import Finiteness
+from certreg.exact.dyadic import nearest_double
 from certreg.report.cards import Card
 from certreg.report.encoding import Document, Noted, encoded
 from certreg.report.fields import degrees
@@ -15,8 +15,10 @@ from certreg.report.methods import agreement_words
 from certreg.results import OUT_OF_RANGE, Absent, ComponentKind, Guarantee
 
 if TYPE_CHECKING:
-    from certreg.equilibrium import LineSet, Search
-    from certreg.registration import SpringEnumeration, SpringEquilibria, SpringEquilibrium
+    from certreg.equilibrium.line_set import LineSet
+    from certreg.equilibrium.methods import Search
+    from certreg.registration.spring_enumeration import SpringEnumeration
+    from certreg.registration.spring_equilibria import SpringEquilibria, SpringEquilibrium
 
 SCHEMA = "certreg-equilibria/1"
 HEADINGS = ("index", "stable", "RMSE", "energy")

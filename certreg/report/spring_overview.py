@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from certreg.registration import (
+from certreg.registration.spring_headlines import (
     spring_degrees,
     spring_headline_of,
     spring_headline_words,
@@ -43,7 +43,7 @@ from certreg.report.uncertainty import (
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from certreg.registration import SpringRegistration
+    from certreg.registration.spring_result import SpringRegistration
 
 WHOSE = "Rotation: about the source's axes. Centre: the source's mean, along its least sure axis."
 TESTED = "The test of the noise that was given raises no warning."

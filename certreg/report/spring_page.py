@@ -5,7 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from certreg.registration import WEAK, SpringRegistration, is_green_spring
+from certreg.registration.headlines import WEAK
+from certreg.registration.spring_headlines import is_green_spring
+from certreg.registration.spring_result import SpringRegistration
 from certreg.report.any_report import AnyReport, head_of, worst_rows
 from certreg.report.picture import ON_PAGE, shown_words, springs_picture
 from certreg.report.spring_listed import listed

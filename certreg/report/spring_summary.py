@@ -5,16 +5,13 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from certreg.exact import as_given, at_most, nearest_or_zero
-from certreg.registration import (
-    Method,
-    axis_words,
-    is_loose,
-    share_words,
-    spring_degrees,
-    spring_headline_words,
-    weak_shift_words,
-)
+from certreg.exact.decimals import as_given, at_most
+from certreg.exact.dyadic import nearest_or_zero
+from certreg.registration.any_registration import Method
+from certreg.registration.headlines import is_loose, share_words
+from certreg.registration.loose_turns import axis_words
+from certreg.registration.spring_headlines import spring_degrees, spring_headline_words
+from certreg.registration.weak_shifts import weak_shift_words
 from certreg.report.lines import MEANS, UNMET, number
 from certreg.report.remedies import ADVICE, FIX_TURN
 from certreg.report.robustness import robustness_words
@@ -22,7 +19,7 @@ from certreg.report.uncertainty import uncertainty_rows
 from certreg.results import Absent, Limits, Optimality
 
 if TYPE_CHECKING:
-    from certreg.registration import SpringRegistration
+    from certreg.registration.spring_result import SpringRegistration
 
 NAMES = {
     "plane": "planes",

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from certreg.exact import at_least, at_most
-from certreg.registration import Method, spring_degrees
+from certreg.exact.decimals import at_least, at_most
+from certreg.registration.any_registration import Method
+from certreg.registration.spring_headlines import spring_degrees
 from certreg.report.spring_summary import few_words, how_words, relaxation_words, soft_words
 from certreg.report.words import NOT_CLAIMED, Sentence, robustness_sentences, sentence
 from certreg.results import Guarantee
@@ -13,7 +14,7 @@ from certreg.results import Guarantee
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from certreg.registration import SpringRegistration
+    from certreg.registration.spring_result import SpringRegistration
     from certreg.report.spring_listed import Listed
 
 RESTS_ON = {

@@ -12,15 +12,17 @@ import numpy as np
 import pytest
 
 from benchmarks.rates.consensus_labels import Cell
-from certreg.certificate import ConsensusProver, assuming, consensus_certificate, parting, staging
+from certreg.certificate import assuming, parting, staging
 from certreg.certificate.assuming import Assuming, CliqueAvoiding
 from certreg.certificate.consensus import Group, Strike
 from certreg.certificate.parting import Parting
+from certreg.certificate.producing_consensus import ConsensusProver, consensus_certificate
 from certreg.certificate.refuting import PointRows
 from certreg.certificate.thinning import GraphThinning
 from certreg.certificate.turning import sets_of, turned
-from certreg.native import mask_of, rows_of
-from certreg.problem import RegistrationProblem, bounded
+from certreg.native.bit_rows import mask_of, rows_of
+from certreg.problem.bounds import bounded
+from certreg.problem.problem import RegistrationProblem
 from certreg.registration.consensus import proved_consensus
 
 checker = import_module("certreg.verify")

@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 
 from certreg.certificate import producing_scaled as made
-from certreg.certificate import scaled_consensus_certificate
+from certreg.certificate.producing_scaled import scaled_consensus_certificate
 from certreg.certificate.staging import length_of
 from certreg.errors import UndecidedError
-from certreg.problem import RegistrationProblem, bounded
+from certreg.problem.bounds import bounded
+from certreg.problem.problem import RegistrationProblem
 from certreg.registration.scaled_consensus import SCALED
 from certreg.verify import check
 

@@ -11,14 +11,16 @@ import jsonschema
 import numpy as np
 import pytest
 
-from certreg.certificate import Certificate, ScaledProver, verify
-from certreg.certificate.producing_scaled import scaled_consensus_certificate
+from certreg.certificate.checking import verify
+from certreg.certificate.envelope import Certificate
+from certreg.certificate.producing_scaled import ScaledProver, scaled_consensus_certificate
 from certreg.certificate.scaled_consensus import ScaleRange
 from certreg.certificate.scaled_pairs import ScaledPairs
 from certreg.certificate.staging import Stager
 from certreg.certificate.thinning import Graph
-from certreg.geometry import rotation_matrix
-from certreg.problem import Consensus, RegistrationProblem
+from certreg.geometry.so3 import rotation_matrix
+from certreg.problem.losses import Consensus
+from certreg.problem.problem import RegistrationProblem
 
 checker = import_module("certreg.verify")
 ROOT = Path(__file__).parents[2]

@@ -10,13 +10,14 @@ import numpy as np
 import pytest
 
 from benchmarks.rates.consensus_labels import Cell
-from certreg.certificate import ConsensusProver, consensus_certificate, staging
+from certreg.certificate import staging
 from certreg.certificate.consistency import ExactRows, consistent_pairs
+from certreg.certificate.producing_consensus import ConsensusProver, consensus_certificate
 from certreg.certificate.staging import Stager
 from certreg.certificate.thinning import transversal
-from certreg.native import mask_of, rows_of
-from certreg.native.bit_rows import colours, linked
-from certreg.problem import RegistrationProblem, bounded
+from certreg.native.bit_rows import colours, linked, mask_of, rows_of
+from certreg.problem.bounds import bounded
+from certreg.problem.problem import RegistrationProblem
 from certreg.registration.consensus import proved_consensus
 
 checker = import_module("certreg.verify")

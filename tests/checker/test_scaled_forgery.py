@@ -21,9 +21,9 @@ import numpy as np
 import pytest
 from consensus_forgeries import met_by, rotation, staged, stepped
 
-from certreg.certificate import ScaledProver
-from certreg.certificate.producing_scaled import scaled_consensus_certificate
-from certreg.problem import RegistrationProblem, bounded
+from certreg.certificate.producing_scaled import ScaledProver, scaled_consensus_certificate
+from certreg.problem.bounds import bounded
+from certreg.problem.problem import RegistrationProblem
 
 checker = import_module("certreg.verify")
 Document = dict[str, Any]

@@ -18,7 +18,7 @@ from certreg.dynamics.status import SimulationStatus
 from certreg.errors import InvalidProblemError
 from certreg.io.problems import read_problem
 from certreg.registration import certification as pipeline
-from certreg.registration import optimally_damped
+from certreg.registration.certification import optimally_damped
 from certreg.results import Absent
 
 if TYPE_CHECKING:

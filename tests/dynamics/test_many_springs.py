@@ -9,11 +9,12 @@ import pytest
 import spring_families
 
 from certreg import RegistrationProblem, bodies_on_springs, simulate_many, solve_many_springs
-from certreg.dynamics import SimulationSettings, simulate
+from certreg.dynamics.integrators import SimulationSettings
+from certreg.dynamics.simulation import simulate
 from certreg.errors import DegenerateProblemError, InvalidProblemError
-from certreg.native import Integrator
-from certreg.objective import Springs
-from certreg.problem import spring_moments
+from certreg.native.loops import Integrator
+from certreg.objective.springs import Springs
+from certreg.problem.moments_of_springs import spring_moments
 
 COUNT = 3
 CELL = spring_families.Cell("plane", 20, 0.05)

@@ -28,19 +28,21 @@ from certreg.equilibrium.spectral import by_eigenspaces
 from certreg.errors import ContradictionError, DegenerateProblemError, InvalidProblemError
 from certreg.exact.dyadic import dyadic_below
 from certreg.geometry.so3 import rotation_matrix
-from certreg.native import Integrator
 from certreg.native.engine import current_engine
 from certreg.native.evaluator import evaluator
+from certreg.native.loops import Integrator
 from certreg.objective.isotropic import Isotropic
 from certreg.problem.lifting import lift
 from certreg.problem.moments import exact_moments
 from certreg.problem.problem import RegistrationProblem
-from certreg.registration import certified, certify
 from certreg.registration.agreement import require_sound_trajectory
+from certreg.registration.any_certification import certify
+from certreg.registration.certification import certified
 from certreg.registration.examples import STORIES, tell
 from certreg.registration.exit_codes import DONE, code_of_registration
 from certreg.registration.simulation import final_state
-from certreg.report import registration_summary, result_document
+from certreg.report.document import result_document
+from certreg.report.summary import registration_summary
 from certreg.results import Optimality
 
 STORY_NAMES = [story.name for story in STORIES]

@@ -10,7 +10,7 @@ import subprocess
 import sys
 import warnings
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
@@ -19,12 +19,13 @@ from rotations import saddle_start
 from scipy.spatial.transform import Rotation
 from strategies import ZOO, random_problem
 
-from certreg.dynamics import SimulationStatus, Trajectory, simulation
 from certreg.dynamics import body as dynamics
 from certreg.dynamics import integrators as integration
+from certreg.dynamics import simulation
 from certreg.dynamics.basin import certified_basin
 from certreg.dynamics.integrators import SimulationSettings
 from certreg.dynamics.rigid import rigid_body
+from certreg.dynamics.status import SimulationStatus
 from certreg.errors import DegenerateProblemError
 from certreg.native import engine as engines
 from certreg.native import loops
@@ -36,6 +37,10 @@ from certreg.native.runs import least_curvature
 from certreg.objective.isotropic import Isotropic
 from certreg.problem.moments import exact_moments
 from certreg.problem.problem import RegistrationProblem
+
+if TYPE_CHECKING:
+    from certreg.dynamics.trajectory import Trajectory
+
 
 ROOT = Path(__file__).parents[2]
 DATA = ROOT / "certreg" / "data"

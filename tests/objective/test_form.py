@@ -3,17 +3,24 @@
 from __future__ import annotations
 
 from fractions import Fraction
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
 from strategies import ZOO, Specimen
 
-from certreg.exact import power_of_two
-from certreg.geometry import homogeneous, rotation_matrix, squared_norm
-from certreg.objective import Form, Isotropic, Springs, quartic_of_form
+from certreg.exact.dyadic import power_of_two
+from certreg.geometry.constraints import homogeneous
+from certreg.geometry.so3 import rotation_matrix, squared_norm
 from certreg.objective import quartics as forms
-from certreg.problem import RegistrationProblem, spring_moments
+from certreg.objective.isotropic import Isotropic
+from certreg.objective.quartics import quartic_of_form
+from certreg.objective.springs import Springs
+from certreg.problem.moments_of_springs import spring_moments
+from certreg.problem.problem import RegistrationProblem
+
+if TYPE_CHECKING:
+    from certreg.objective.form import Form
 
 QUATERNIONS = ((1, 0, 0, 0), (2, -1, 3, 5), (0, 1, 1, 0), (-7, 3, 0, 11))
 LOWER = ((0, 0), (1, 0), (1, 1), (2, 0), (2, 1), (2, 2))

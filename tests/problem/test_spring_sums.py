@@ -8,12 +8,8 @@ from engines import libraries_of_all_variants
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from certreg.native import (
-    library_if_any,
-    loaded_library,
-    springs_by_exponent,
-    springs_by_limbs,
-)
+from certreg.native.library import library_if_any, loaded_library
+from certreg.native.sums import springs_by_exponent, springs_by_limbs
 from certreg.problem.arrays import row_blocks
 from certreg.problem.exact_sums import SumMethod
 from certreg.problem.moments_of_springs import spring_moments

@@ -14,7 +14,7 @@ from spring_families import Cell, instance, statement
 
 import certreg
 from certreg.errors import InvalidProblemError
-from certreg.problem import exact_moments, floating_moments
+from certreg.problem.moments import exact_moments, floating_moments
 
 PLANES = statement(instance(Cell("plane", 7, 0.1), 1))
 

@@ -11,10 +11,13 @@ import pytest
 from wrong_pairs import wrong_pairs
 
 import certreg
-from certreg.dynamics import BreakingStatus, SimulationSettings
-from certreg.equilibrium import Labels, SpringSet
+from certreg.dynamics.breaking import BreakingStatus
+from certreg.dynamics.integrators import SimulationSettings
+from certreg.equilibrium.breaking import Labels, SpringSet
 from certreg.errors import InvalidProblemError, UndecidedError
-from certreg.problem import Loss, RegistrationProblem, bounded
+from certreg.problem.bounds import bounded
+from certreg.problem.problem import RegistrationProblem
+from certreg.problem.support import Loss
 from certreg.registration import breaking
 from certreg.registration.breaking import _fewest, _optimum_listed
 from certreg.registration.breaking_simulation import _end
@@ -22,7 +25,7 @@ from certreg.registration.examples import TWIN_MOTIONS as TWINS
 from certreg.results import OUT_OF_RANGE, ComponentKind
 
 if TYPE_CHECKING:
-    from certreg.registration import BreakingEquilibria
+    from certreg.registration.breaking import BreakingEquilibria
 
 
 def clouds(seed: int, n: int, wrong: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -14,11 +14,15 @@ import pytest
 from strategies import AXES, BENT, random_problem
 
 import certreg
-from certreg.dynamics import SimulationSettings, Trajectory, optimal_damping
+from certreg.dynamics.integrators import SimulationSettings
+from certreg.dynamics.simulation import optimal_damping
+from certreg.dynamics.trajectory import Trajectory
 from certreg.errors import ContradictionError, InvalidFileError, InvalidProblemError
-from certreg.objective import Isotropic
-from certreg.problem import RegistrationProblem, exact_moments
-from certreg.registration import certify
+from certreg.objective.isotropic import Isotropic
+from certreg.problem.moments import exact_moments
+from certreg.problem.problem import RegistrationProblem
+from certreg.registration.any_certification import certify
+from certreg.registration.assessment import assess
 from certreg.registration.simulation import ProblemTrajectory, final_state, proved_end
 from certreg.relaxation.conic import ConicSolution, RelaxationStatus
 from certreg.results import Absent, Limits, Optimality, Ruling, Verdict
@@ -26,7 +30,7 @@ from certreg.results import Absent, Limits, Optimality, Ruling, Verdict
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from certreg.registration import Registration
+    from certreg.registration.result import Registration
 
 CERTIFICATION = import_module("certreg.registration.certification")
 TURN = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
@@ -60,7 +64,7 @@ def test_what_is_not_asked_for_is_not_computed(bare: Registration, monkeypatch: 
 
     monkeypatch.setattr(CERTIFICATION, "relax", computed)
     monkeypatch.setattr(CERTIFICATION, "simulated_motion", computed)
-    import_module("certreg.registration").assess(PROBLEM, np.eye(3), np.zeros(3))
+    assess(PROBLEM, np.eye(3), np.zeros(3))
 
 
 def simulated(problem: RegistrationProblem, settings: SimulationSettings | None = None) -> Any:

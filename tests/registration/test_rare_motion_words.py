@@ -17,7 +17,7 @@ from certreg import RegistrationProblem
 from certreg.errors import InvalidFileError, InvalidProblemError, OutOfRangeError
 from certreg.registration.enumeration import enumerated, equilibrium_poses
 from certreg.registration.spring_enumeration import enumerated_springs
-from certreg.report import report_of
+from certreg.report.reload import report_of
 from certreg.report.spring_equilibria import (
     spring_enumeration_summary,
     spring_equilibria_document,

@@ -11,15 +11,17 @@ from commands import checked
 from spring_families import lidar, line, mixed, plane, statement
 
 import certreg
-from certreg.equilibrium import critical_lines, unit_double
+from certreg.equilibrium.paths import critical_lines
+from certreg.equilibrium.presentation import unit_double
 from certreg.errors import InvalidProblemError
-from certreg.problem import RegistrationProblem
-from certreg.registration import certify, optimally_damped
+from certreg.problem.problem import RegistrationProblem
+from certreg.registration.any_certification import certify
 from certreg.registration.assessment import assess
+from certreg.registration.certification import optimally_damped
 from certreg.registration.curvature import slope_and_curvature
 from certreg.registration.exit_codes import code_of_registration
 from certreg.registration.spring_rows import SpringAxes, lower_triangles
-from certreg.relaxation import refined
+from certreg.relaxation.refining import refined
 from certreg.results import PoseVerdict
 
 if TYPE_CHECKING:

@@ -13,10 +13,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 
-from certreg.problem import RegistrationProblem
-from certreg.registration import DONE, NOT_CERTIFIED, NOT_UNIQUE, code_of_registration
+from certreg.problem.problem import RegistrationProblem
 from certreg.registration.any_certification import certify
 from certreg.registration.assessment import assess
+from certreg.registration.exit_codes import DONE, NOT_CERTIFIED, NOT_UNIQUE, code_of_registration
 from certreg.report.spring_overview import spring_overview
 from certreg.results import Limits, PoseVerdict
 

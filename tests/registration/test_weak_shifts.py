@@ -5,18 +5,22 @@ from __future__ import annotations
 import math
 from fractions import Fraction
 from functools import cache
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
 from springs_certified import moved_springs
 
-from certreg.objective import Form, Springs
-from certreg.problem import RegistrationProblem, spring_moments
+from certreg.objective.springs import Springs
+from certreg.problem.moments_of_springs import spring_moments
+from certreg.problem.problem import RegistrationProblem
 from certreg.registration.any_certification import certify
 from certreg.registration.assessment import assess
 from certreg.registration.weak_shifts import HARDLY, weak_shift_words, weak_shifts
-from certreg.report import result_document
+from certreg.report.document import result_document
+
+if TYPE_CHECKING:
+    from certreg.objective.form import Form
 
 STAMP = "CERTIFIED, BUT A SHIFT IS HARDLY RESISTED: "
 AXIS = np.array([2.0, -1.0, 2.0]) / 3

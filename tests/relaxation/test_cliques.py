@@ -8,8 +8,10 @@ import numpy as np
 import pytest
 from wrong_pairs import wrong_pairs
 
-from certreg.native import BitRows, greedy_clique, library_if_any, mask_of, rows_of, triangles
 from certreg.native import cliques as native_cliques
+from certreg.native.bit_rows import BitRows, mask_of, rows_of
+from certreg.native.cliques import greedy_clique, triangles
+from certreg.native.library import library_if_any
 from certreg.relaxation import cliques
 from certreg.relaxation.cliques import CliqueSearch, consistency, core
 from certreg.relaxation.paired_rows import paired_rows

@@ -20,10 +20,10 @@ from benchmarks.rates.brackets import BITS, FAMILIES, Oracle, bounds_of, made
 from certreg.certificate.bounds import ExactPose, PoseBounds, pose_bounds
 from certreg.exact.dyadic import Dyadic
 from certreg.registration.any_certification import certify
-from certreg.report import registration_summary
 from certreg.report.document import result_document
 from certreg.report.page import Report
 from certreg.report.pages import html_page
+from certreg.report.summary import registration_summary
 from certreg.verify import Worth, parse
 
 if TYPE_CHECKING:

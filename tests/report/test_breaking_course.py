@@ -6,16 +6,19 @@ import math
 import re
 import xml.etree.ElementTree as ET
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
 from wrong_pairs import wrong_pairs
 
 import certreg
-from certreg.registration import TWIN_MOTIONS as TWINS
-from certreg.registration import SimulatedBreaking
+from certreg.registration.examples import TWIN_MOTIONS as TWINS
 from certreg.report import breaking
 from certreg.report.breaking import CoursePicture, breaking_course, breaking_fragment
+
+if TYPE_CHECKING:
+    from certreg.registration.breaking_simulation import SimulatedBreaking
 
 
 @pytest.fixture(scope="module")

@@ -14,21 +14,25 @@ import pytest
 from commands import checked
 from strategies import random_problem
 
-from certreg.exact import double_below
-from certreg.registration import SimulatedRegistration, certify, enumerated, headline_of, is_green
+from certreg.exact.dyadic import double_below
 from certreg.registration import headlines as listed
+from certreg.registration.any_certification import certify
 from certreg.registration.covariance import worst_residuals
-from certreg.report import registration_summary, result_document
+from certreg.registration.enumeration import enumerated
+from certreg.registration.headlines import headline_of, is_green
+from certreg.registration.simulation import SimulatedRegistration
 from certreg.report.any_report import EMBEDDED_BYTES
-from certreg.report.document import dumps, simulation_document
+from certreg.report.document import dumps, result_document, simulation_document
 from certreg.report.methods import methods_fields, methods_summary, methods_table
 from certreg.report.overview import split
 from certreg.report.page import Report
 from certreg.report.pages import html_page
+from certreg.report.summary import registration_summary
 from certreg.results import OUT_OF_RANGE, Absent, Limits, Optimality
 
 if TYPE_CHECKING:
-    from certreg.registration import Enumeration, Registration
+    from certreg.registration.enumeration import Enumeration
+    from certreg.registration.result import Registration
 
 PROBLEM = random_problem(np.random.default_rng(9), n=12, noise=0.2, decades=1.0)
 

@@ -25,7 +25,7 @@ from certreg.report.viewer import told_rmse
 from certreg.results import Limits, Optimality
 
 if TYPE_CHECKING:
-    from certreg.registration import Registration
+    from certreg.registration.result import Registration
 
 NUMBER = r"[-\d.e+]+"
 QUIET = (

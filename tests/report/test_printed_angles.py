@@ -12,8 +12,9 @@ import numpy as np
 import pytest
 from flint import arb, ctx
 
-from certreg.geometry import Pose
-from certreg.registration import Method, Robustness
+from certreg.geometry.pose import Pose
+from certreg.registration.any_registration import Method
+from certreg.registration.robustness import Robustness
 from certreg.report import similarity_words, spring_document, spring_summary, spring_words
 from certreg.report import words as page_words
 from certreg.report.consensus_reach import degrees_from

@@ -27,10 +27,11 @@ from jinja2 import UndefinedError
 from markupsafe import Markup
 from strategies import ZOO, random_rotation
 
-from certreg.dynamics import Trajectory
-from certreg.geometry import quaternion_from_matrix, quaternions_from_matrices
+from certreg.dynamics.trajectory import Trajectory
+from certreg.geometry.so3 import quaternion_from_matrix, quaternions_from_matrices
 from certreg.problem.problem import RegistrationProblem
-from certreg.registration import certified, certify
+from certreg.registration.any_certification import certify
+from certreg.registration.certification import certified
 from certreg.registration.examples import STORIES, stated, tell
 from certreg.report.any_report import EMBEDDED_BYTES
 from certreg.report.markup import asset, coded, environment_of, inert, inert_json

@@ -28,7 +28,7 @@ from certreg.results import Absent, Guarantee
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from certreg.equilibrium import LineSet
+    from certreg.equilibrium.line_set import LineSet
     from certreg.registration.spring_enumeration import SpringEnumeration
     from certreg.registration.spring_equilibria import SpringEquilibria
 

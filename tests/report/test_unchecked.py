@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from commands import certreg
 
-from certreg.dynamics import SimulationSettings
+from certreg.dynamics.integrators import SimulationSettings
 from certreg.report import reload
 
 if TYPE_CHECKING:
