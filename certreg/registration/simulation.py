@@ -7,7 +7,7 @@ from fractions import Fraction
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from certreg._loading import found_late, late
+from certreg._loading import found_late
 from certreg.certificate.checking import check_own, require_accepted
 from certreg.certificate.isotropic import RotationState
 from certreg.certificate.producing import produce
@@ -30,13 +30,8 @@ if TYPE_CHECKING:
 
     from certreg.dynamics.basin import Basin
     from certreg.dynamics.integrators import SimulationSettings
-    from certreg.objective import springs
     from certreg.objective.springs import Springs
-    from certreg.problem import moments_of_springs
     from certreg.problem.problem import RegistrationProblem
-else:
-    moments_of_springs = late("certreg.problem.moments_of_springs")
-    springs = late("certreg.objective.springs")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
