@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from certreg.io.pairing import Pairing
     from certreg.io.springs import SpringSource
     from certreg.problem import motion, support
-    from certreg.registration import simulation, exit_codes
+    from certreg.registration import exit_codes, simulation
 else:
     # These load NumPy, and are loaded where they are needed: `certreg verify` does without.
     labels = late("certreg.io.labels")
