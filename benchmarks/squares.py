@@ -16,13 +16,14 @@ from benchmarks.measuring import Figure, Quantity, fastest
 from certreg.certificate.producing_springs import springs_certificate
 from certreg.objective.springs import Springs
 from certreg.problem.problem import RegistrationProblem
+from certreg.relaxation.cvxpy_models import quartic_statement, solve_stated
 from certreg.relaxation.optimum import find_optimum
-from certreg.relaxation.stated_quartic import solve_stated_quartic
 from certreg.verify import check
 from tests.spring_families import Cell, instance, statement
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+
 
 CELLS = [Cell(name, 20, 0.1) for name in ("plane", "line", "aniso", "gicp", "mixed", "wall")]
 SEEDS, ROUNDS = range(3), 4
@@ -36,7 +37,7 @@ def measure() -> Iterator[Figure]:
         content = _produced(problem)
         found = find_optimum(Springs.of(problem))
         rest = found.levelled.rest
-        again = partial(solve_stated_quartic, rest, "CLARABEL")
+        again = partial(solve_stated, quartic_statement(), rest, "CLARABEL")
         works = partial(_produced, problem), partial(check, content), again
         times = fastest(*works, rounds=ROUNDS, clock=time.process_time)
         for row, seconds in zip((made, checked, solved), times, strict=True):

@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
     from types import CodeType
 
+
 FILE = Path(__file__).resolve().parent.parent / "certreg" / "verify.py"
 
 

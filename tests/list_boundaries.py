@@ -21,13 +21,15 @@ from checker_boundaries import Case, outcome_of, value_of
 from spring_families import Cell, instance, statement
 from springs_boundaries import pair
 
-from certreg.certificate import springs_list_certificate
-from certreg.equilibrium import critical_lines
-from certreg.objective import MONOMIALS, Springs
-from certreg.problem import RegistrationProblem
+from certreg.certificate.producing_springs import springs_list_certificate
+from certreg.equilibrium.paths import critical_lines
+from certreg.objective.quartics import MONOMIALS
+from certreg.objective.springs import Springs
+from certreg.problem.problem import RegistrationProblem
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
+
 
 Document = dict[str, Any]
 Quaternion = tuple[int, ...]

@@ -23,11 +23,12 @@ import numpy as np
 from checker_boundaries import Case, outcome_of, value_of
 from springs_certified import certificate_of, certified
 
-from certreg.exact import is_positive_definite
-from certreg.problem import RegistrationProblem
+from certreg.exact.elimination import is_positive_definite
+from certreg.problem.problem import RegistrationProblem
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
+
 
 Document = dict[str, Any]
 PREFIX = b"certreg-springs/1\0"
@@ -284,10 +285,10 @@ def direct_questions() -> Iterator[tuple[str, Callable[[Any], object], str]]:
         gap=Fraction(9),
         sin2_half_angle=None,
         unique=True,
+        rotation_only=None,
         symmetry=None,
         n=1,
         digest="",
-        rotation_only=None,
         steady_by_growth=lambda *_: (),
     )
 

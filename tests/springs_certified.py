@@ -9,11 +9,11 @@ from typing import Any
 from spring_families import Cell, instance, statement
 
 from certreg import simulate
-from certreg.certificate import springs_certificate
-from certreg.objective import Springs
-from certreg.problem import RegistrationProblem
+from certreg.certificate.producing_springs import springs_certificate
+from certreg.objective.springs import Springs
+from certreg.problem.problem import RegistrationProblem
 from certreg.registration.valley import SimulatedSprings
-from certreg.relaxation import find_optimum
+from certreg.relaxation.optimum import find_optimum
 
 
 @dataclass(frozen=True, eq=False)

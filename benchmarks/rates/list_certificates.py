@@ -15,13 +15,14 @@ from typing import TYPE_CHECKING
 
 from spring_families import LISTED, instance, statement
 
-from certreg.certificate import springs_list_certificate
-from certreg.equilibrium import critical_lines
-from certreg.objective import Springs
-from certreg.problem import RegistrationProblem
+from certreg.certificate.producing_springs import springs_list_certificate
+from certreg.equilibrium.paths import critical_lines
+from certreg.objective.springs import Springs
+from certreg.problem.problem import RegistrationProblem
 
 if TYPE_CHECKING:
     from spring_families import Cell
+
 
 checker = import_module("certreg.verify")
 INSTANCES = 25

@@ -20,9 +20,9 @@ import numpy as np
 import spring_families as families
 
 from certreg import RegistrationProblem, certify, register
-from certreg.certificate import springs_certificate
-from certreg.objective import Springs
-from certreg.relaxation import find_optimum
+from certreg.certificate.producing_springs import springs_certificate
+from certreg.objective.springs import Springs
+from certreg.relaxation.optimum import find_optimum
 from certreg.verify import check
 
 if TYPE_CHECKING:
@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 
     from numpy.random import Generator
     from numpy.typing import NDArray
+
 
 COUNT = 10_000
 DEGREES = 5.0

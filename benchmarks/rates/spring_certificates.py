@@ -18,10 +18,10 @@ from dataclasses import dataclass
 
 import spring_families as families
 
-from certreg.certificate import springs_certificate
-from certreg.objective import Springs
-from certreg.problem import RegistrationProblem
-from certreg.relaxation import find_optimum
+from certreg.certificate.producing_springs import springs_certificate
+from certreg.objective.springs import Springs
+from certreg.problem.problem import RegistrationProblem
+from certreg.relaxation.optimum import find_optimum
 from certreg.verify import check
 
 COUNT = 500  # of each cell

@@ -23,9 +23,11 @@ import spring_families as families
 from scipy.spatial.transform import Rotation
 
 from certreg import solve_many_springs
-from certreg.equilibrium import LineSet, critical_lines, search
-from certreg.objective import Springs
-from certreg.problem import RegistrationProblem
+from certreg.equilibrium.line_set import LineSet
+from certreg.equilibrium.methods import search
+from certreg.equilibrium.paths import critical_lines
+from certreg.objective.springs import Springs
+from certreg.problem.problem import RegistrationProblem
 
 COUNT = 100  # of each cell
 LEAST_SHARE = 0.99  # proved complete

@@ -11,7 +11,7 @@ import sys
 from array import array
 from typing import TYPE_CHECKING
 
-from certreg.exact import sigma_of_weight
+from certreg.exact.dyadic import sigma_of_weight
 from certreg.verify import CONSENSUS, SPRUNG, TRUNCATED, ConsensusSimilarityStatement, parse
 
 if TYPE_CHECKING:

@@ -17,7 +17,7 @@ from certreg.verify import (
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from certreg.problem import RegistrationProblem
+    from certreg.problem.problem import RegistrationProblem
 
 
 def disproves_labels(

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from certreg.certificate.consensus import Strike
 from certreg.certificate.turning import sets_of, turned
-from certreg.native import rows_of
+from certreg.native.bit_rows import rows_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator

@@ -16,15 +16,15 @@ import numpy as np
 from certreg.certificate.checking import as_verdict
 from certreg.certificate.envelope import Certificate
 from certreg.certificate.truncated import TruncatedClaims, TruncatedRotationBody
-from certreg.exact import Dyadic, dyadic_above, dyadic_below
-from certreg.geometry import davenport_matrix
+from certreg.exact.dyadic import Dyadic, dyadic_above, dyadic_below
+from certreg.geometry.so3 import davenport_matrix
 from certreg.verify import check
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.certificate.checking import CertificateVerdict
-    from certreg.problem import RegistrationProblem
+    from certreg.problem.problem import RegistrationProblem
 
 BOUND_BITS = 32  # mantissas of what is claimed: short numbers
 POSE_BITS = 60  # of the entries of the quaternion

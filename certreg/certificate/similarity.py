@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from certreg.certificate.isotropic import RotationBody, RotationClaims
-from certreg.exact import Dyadic
+from certreg.exact.dyadic import Dyadic
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -10,12 +10,12 @@ from fractions import Fraction
 from typing import TYPE_CHECKING, Annotated, ClassVar
 
 from certreg.certificate.file_parts import FilePart
-from certreg.exact import Dyadic
+from certreg.exact.dyadic import Dyadic
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from certreg.exact import IntegerQuaternion
+    from certreg.exact.spaces import IntegerQuaternion
 
 
 def quaternion_product(a: Sequence[int], p: Sequence[int]) -> IntegerQuaternion:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, ClassVar
 
 from certreg.certificate.file_parts import FilePart
 from certreg.certificate.radius import Radius
-from certreg.exact import Dyadic
+from certreg.exact.dyadic import Dyadic
 
 if TYPE_CHECKING:
     from fractions import Fraction

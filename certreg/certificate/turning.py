@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.native import mask_of
+from certreg.native.bit_rows import mask_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -14,16 +14,19 @@ from math import gcd
 from typing import TYPE_CHECKING
 
 from certreg._loading import cached_property
-from certreg.exact import definite_inverse, nullspace, power_of_two
-from certreg.geometry import dot, quadratic_form
-from certreg.problem import UPPER
+from certreg.exact.dyadic import power_of_two
+from certreg.exact.elimination import definite_inverse, nullspace
+from certreg.geometry.so3 import dot, quadratic_form
+from certreg.problem.exact_sums import UPPER
 from certreg.results import Brief
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from certreg.geometry import SquareMatrix, Vector3
-    from certreg.problem import Motion
+    from certreg.geometry.constraints import SquareMatrix
+    from certreg.geometry.so3 import Vector3
+    from certreg.problem.motion import Motion
+
 
 SIZE = 13
 TRANSLATION = range(10, 13)  # where t stands in z: as a fourth column of M

@@ -10,15 +10,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from certreg.problem.spring_sums import spring_sums
+from certreg.problem.spring_sums import SPRUNG
 from certreg.results import Brief
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from certreg.geometry import Matrix3, Vector3
+    from certreg.geometry.so3 import Matrix3, Vector3
+    from certreg.problem.exact_sums import Sums
     from certreg.problem.problem import RegistrationProblem
-    from certreg.problem.spring_sums import SpringSums
+
 
 Six = tuple[int, int, int, int, int, int]
 FIRST_OF_SOURCE, FIRST_OF_TARGET = slice(6, 24), slice(60, 63)  # sums of first order, of 73
@@ -55,10 +56,10 @@ class SpringMoments(Brief):
 def spring_moments(problem: RegistrationProblem) -> SpringMoments:
     """The moments of a problem of general springs, in integers: no rounding anywhere."""
     still = not problem.motion.translations
-    return spring_moments_of(spring_sums(problem), problem.n, about_origin=still)
+    return spring_moments_of(SPRUNG.of(problem), problem.n, about_origin=still)
 
 
-def spring_moments_of(sums: SpringSums, n: int, *, about_origin: bool = False) -> SpringMoments:
+def spring_moments_of(sums: Sums, n: int, *, about_origin: bool = False) -> SpringMoments:
     """The moments that exact sums over n points make.
 
     about_origin: with the sums of first order taken for 0, as where there is no translation.

@@ -6,8 +6,9 @@ import math
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from certreg.exact import at_most, nearest_root
-from certreg.geometry import UNNOTED_DEFECT, rotation_defect
+from certreg.exact.decimals import at_most
+from certreg.exact.dyadic import nearest_root
+from certreg.geometry.orthogonality import UNNOTED_DEFECT, rotation_defect
 from certreg.registration.ambiguity import DISTINGUISHABLE, ambiguous_words, narrow_words
 from certreg.registration.findings import GOOD, rules_out
 from certreg.registration.headlines import (
@@ -27,10 +28,11 @@ from certreg.registration.rounding import rounding_remedy
 from certreg.results import Absent, ComponentKind, Limits, PoseVerdict
 
 if TYPE_CHECKING:
-    from certreg.geometry import GivenPose
-    from certreg.problem import RegistrationProblem
+    from certreg.geometry.given import GivenPose
+    from certreg.problem.problem import RegistrationProblem
     from certreg.registration.findings import Findings, SigmaDistance
     from certreg.registration.headlines import Headline
+
 
 UNNOTED_SHIFT = Fraction(1, 10**9)  # of the clouds' size
 ROTATION_ALONE = " Only a rotation was given: it was judged with the best translation for it."

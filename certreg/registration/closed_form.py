@@ -13,41 +13,34 @@ import numpy as np
 
 from certreg._loading import late
 from certreg.errors import DegenerateProblemError, InvalidProblemError, OutOfRangeError
-from certreg.exact import at_most
-from certreg.geometry import (
-    Pose,
-    Similarity,
+from certreg.exact.decimals import at_most
+from certreg.geometry.pose import Pose
+from certreg.geometry.similarity import Similarity
+from certreg.geometry.so3 import (
     canonical,
     davenport_matrix,
     is_reflection,
     quaternion_of_rotation,
     rotation_matrix,
 )
-from certreg.problem import (
-    Cell,
-    RegistrationProblem,
-    Scale,
-    checked_rotation_only,
-    checked_scale,
-    checked_threads,
-    cloud_array,
-    davenport_error,
-    finite_doubles,
-    floating_pose,
-    moments_of_clouds,
-    real_numbers,
-    require_same_labels,
-    require_supported,
-    warn_of_unused,
-)
+from certreg.problem.arrays import cloud_array, finite_doubles, real_numbers
+from certreg.problem.effort import checked_threads
+from certreg.problem.moments import davenport_error, moments_of_clouds
+from certreg.problem.motion import Scale, checked_rotation_only, checked_scale
+from certreg.problem.posing import floating_pose
+from certreg.problem.problem import RegistrationProblem
+from certreg.problem.row_labels import require_same_labels
+from certreg.problem.spring_rows import warn_of_unused
+from certreg.problem.support import Cell, require_supported
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    from certreg.problem import FloatingPose, Moments
-    from certreg.registration import spring_certification
-else:  # not of one weight per pair
-    spring_certification = late("certreg.registration.spring_certification")
+    from certreg.problem.moments import Moments
+    from certreg.problem.posing import FloatingPose
+    from certreg.registration import quartic
+else:
+    quartic = late("certreg.registration.quartic")
 
 
 class SpringArguments(TypedDict, total=False):
@@ -131,7 +124,7 @@ def register(
         problem = RegistrationProblem(
             source, target, weights=weights, rotation_only=about_origin, **springs
         )
-        return spring_certification.spring_pose(problem)
+        return quartic.spring_pose(problem)
     x = _readable(cloud_array(source, "source"), "source")
     y = _readable(cloud_array(target, "target"), "target")
     if len(x) != len(y):

@@ -6,15 +6,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.exact import quotient_or_zero
-from certreg.objective import Neighbourhood
+from certreg.exact.dyadic import quotient_or_zero
+from certreg.objective.neighbourhood import Neighbourhood
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from numpy.typing import NDArray
 
-    from certreg.objective import Springs
+    from certreg.objective.springs import Springs
+
 
 SOFT = 1e-6  # of the oscillation: a curvature that is told from zero is larger
 

@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.certificate import ExactPose, sin2_half_angle_between, spring_pose_bounds
+from certreg.certificate.bounds import ExactPose, sin2_half_angle_between
+from certreg.certificate.spring_bounds import spring_pose_bounds
 from certreg.errors import UndecidedError
-from certreg.exact import (
+from certreg.exact.dyadic import (
     half_angle_bound,
     nearest_double,
     nearest_or_zero,
@@ -29,9 +30,7 @@ from certreg.registration.findings import (
     rules_out,
     turned,
 )
-from certreg.registration.findings import (
-    UNDECIDED as UNPROVED,
-)
+from certreg.registration.findings import UNDECIDED as UNPROVED
 from certreg.registration.loose_turns import LOOSE_SIGMA, TURNED_FAR, beyond_first_order
 from certreg.registration.nearby_equilibrium import equilibrium_near
 from certreg.registration.rounding import rounding_errors
@@ -39,11 +38,12 @@ from certreg.registration.tails import log_chi2_above
 from certreg.results import OUT_OF_RANGE, Absent, Limits, PoseVerdict
 
 if TYPE_CHECKING:
-    from certreg.certificate import PoseBounds
-    from certreg.geometry import GivenPose
+    from certreg.certificate.bounds import PoseBounds
+    from certreg.geometry.given import GivenPose
     from certreg.registration.findings import AssessmentSettings
     from certreg.registration.nearby_equilibrium import NearbyEquilibrium
     from certreg.registration.spring_result import SpringRegistration
+
 
 SLACK = 1.01  # of a rounding cost: its parts are computed in doubles
 FINE_PROOF = 1e-24  # of the range of energies: what a turn by 1e-12 radians costs at most

@@ -19,8 +19,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.exact import at_most, integer_eigenbasis, root_above
-from certreg.geometry import quadratic_form, squared_norm
+from certreg.exact.decimals import at_most
+from certreg.exact.dyadic import root_above
+from certreg.exact.eigenbasis import integer_eigenbasis
+from certreg.geometry.so3 import quadratic_form, squared_norm
 from certreg.registration.loose_turns import axes_words
 from certreg.results import Brief
 
@@ -29,7 +31,8 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from certreg.objective import Springs
+    from certreg.objective.springs import Springs
+
 
 # A share of the springs. Normals in six printed digits or in single precision are off by 1e-6 and
 # 6e-8, those of measured surfaces by more; and 1e-6, squared, is what `LEAST_CURVATURE` calls

@@ -6,16 +6,11 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from certreg.exact import as_given, at_least, at_most
-from certreg.geometry import Similarity
-from certreg.registration import (
-    FitCode,
-    headline_of,
-    headline_words,
-    proved_degrees,
-    share_words,
-    silent_tests,
-)
+from certreg.exact.decimals import as_given, at_least, at_most
+from certreg.geometry.similarity import Similarity
+from certreg.registration.fit import silent_tests
+from certreg.registration.headlines import headline_of, headline_words, proved_degrees, share_words
+from certreg.registration.misfits import FitCode
 from certreg.report.lines import (
     explained_words,
     margin_words,
@@ -44,8 +39,12 @@ from certreg.results import Absent, Optimality
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-    from certreg.geometry import Pose
-    from certreg.registration import AnyRegistration, Fit, PoseCovariance, Registration
+    from certreg.geometry.pose import Pose
+    from certreg.registration.any_registration import AnyRegistration
+    from certreg.registration.covariance import PoseCovariance
+    from certreg.registration.fit import Fit
+    from certreg.registration.result import Registration
+
 
 WIDE = 1e9  # larger translations are written with an exponent
 BASIS = "± is"  # the row that says where the deviations come from

@@ -5,16 +5,16 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from certreg.exact import at_most
-from certreg.geometry import Similarity
+from certreg.exact.decimals import at_most
+from certreg.geometry.similarity import Similarity
 from certreg.results import Optimality
 
 if TYPE_CHECKING:
     from fractions import Fraction
 
-    from certreg.geometry import Pose
-    from certreg.problem import Motion
-    from certreg.registration import AnyRegistration
+    from certreg.geometry.pose import Pose
+    from certreg.problem.motion import Motion
+    from certreg.registration.any_registration import AnyRegistration
 
 
 def motion_words(registration: AnyRegistration) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from certreg.registration import SimulatedBreathing, scaled_equilibria
+from certreg.registration.breathing import SimulatedBreathing, scaled_equilibria
 from certreg.report.breathing import KEEPS, inside_out_words, scaled_count_words
 from certreg.report.fields import scale_interval
 from certreg.report.lines import margin_words
@@ -29,7 +29,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from typing import Any
 
-    from certreg.registration import Registration
+    from certreg.registration.result import Registration
+
 
 COUNTED = ("breathing_equilibria", "descartes")
 SAME_SIZE = "The symmetric scale is the same whatever the rotation, also at these poses."

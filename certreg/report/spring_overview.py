@@ -4,11 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from certreg.registration import (
-    spring_degrees,
-    spring_headline_of,
-    spring_headline_words,
-)
+from certreg.registration.headlines import headline_of, headline_words, proved_degrees
 from certreg.report.lines import number
 from certreg.report.overview import (
     BASIS,
@@ -34,17 +30,13 @@ from certreg.report.spring_summary import (
     spring_warnings,
     springs_words,
 )
-from certreg.report.uncertainty import (
-    rotation_words,
-    shift_words,
-    two_digits,
-    uncertainty_rows,
-)
+from certreg.report.uncertainty import rotation_words, shift_words, two_digits, uncertainty_rows
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from certreg.registration import SpringRegistration
+    from certreg.registration.spring_result import SpringRegistration
+
 
 CENTRE = " Centre: the source's mean, along its least sure axis."
 TESTED = "The test of the noise that was given raises no warning."
@@ -95,15 +87,15 @@ def _judged(registration: SpringRegistration) -> tuple[Mark, str]:
         return warned(registration.fit)
     if registration.fit.chi2 is None:
         return Mark(kind="plain", words="not tested"), NOT_TESTED
-    if spring_warnings(registration, spring_headline_words(registration)):
+    if spring_warnings(registration, headline_words(registration)):
         return Mark(kind="open", words="see the note above"), TESTED
-    return quiet_mark(good=spring_headline_of(registration).good), TESTED
+    return quiet_mark(good=headline_of(registration).good), TESTED
 
 
 def _proved(registration: SpringRegistration) -> Iterator[Fact]:
     solution = registration.solution
     which = "the exact optimum" if solution.unique_rotation else "every optimum"
-    yield from bound_facts(registration, spring_degrees(registration), which)
+    yield from bound_facts(registration, proved_degrees(registration), which)
     if how := how_words(registration):
         yield Fact(name="Proved by", value=how)
     yield from robustness_facts(registration)

@@ -5,16 +5,12 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from certreg.exact import as_given, at_most, nearest_or_zero
-from certreg.registration import (
-    Method,
-    axis_words,
-    is_loose,
-    share_words,
-    spring_degrees,
-    spring_headline_words,
-    weak_shift_words,
-)
+from certreg.exact.decimals import as_given, at_most
+from certreg.exact.dyadic import nearest_or_zero
+from certreg.registration.any_registration import Method
+from certreg.registration.headlines import headline_words, is_loose, proved_degrees, share_words
+from certreg.registration.loose_turns import axis_words
+from certreg.registration.weak_shifts import weak_shift_words
 from certreg.report.lines import MEANS, UNMET, number
 from certreg.report.remedies import ADVICE, FIX_TURN
 from certreg.report.robustness import robustness_words
@@ -22,7 +18,8 @@ from certreg.report.uncertainty import uncertainty_rows
 from certreg.results import Absent, Limits, Optimality
 
 if TYPE_CHECKING:
-    from certreg.registration import SpringRegistration
+    from certreg.registration.spring_result import SpringRegistration
+
 
 NAMES = {
     "plane": "planes",
@@ -69,7 +66,7 @@ def spring_summary(registration: SpringRegistration) -> str:
 
 def spring_verdict_words(registration: SpringRegistration) -> list[str]:
     """What is proved of the pose: a headline, then what else must be said before any number."""
-    lines = [spring_headline_words(registration)]
+    lines = [headline_words(registration)]
     if registration.status is Optimality.NOT_CERTIFIED:
         return lines
     free = registration.solution.freedom
@@ -151,7 +148,7 @@ def _proved_lines(registration: SpringRegistration) -> list[str]:
         return []
     gap = f"{at_most(bounds.greatest_gap)}, {share_words(bounds)}"
     lines = [f"  proved gap        objective - minimum <= {gap}, at the pose below"]
-    degrees = spring_degrees(registration)
+    degrees = proved_degrees(registration)
     if degrees is not None:
         which = "the optimum" if registration.solution.unique_rotation else "every optimum"
         lines.append(f"  proved angle      rotation (wxyz) within {degrees} degrees of {which}")

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from certreg.exact import at_least, at_most
-from certreg.registration import Method, spring_degrees
+from certreg.exact.decimals import at_least, at_most
+from certreg.registration.any_registration import Method
+from certreg.registration.headlines import proved_degrees
 from certreg.report.pose_words import gap_words
 from certreg.report.spring_summary import few_words, how_words, relaxation_words, soft_words
 from certreg.report.words import NOT_CLAIMED, Sentence, robustness_sentences, sentence
@@ -14,8 +15,9 @@ from certreg.results import Guarantee
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from certreg.registration import SpringRegistration
+    from certreg.registration.spring_result import SpringRegistration
     from certreg.report.spring_listed import Listed
+
 
 RESTS_ON = {
     Method.SQUARES: ("quartic_relaxation", "growth_form"),
@@ -75,7 +77,7 @@ def _optimality(registration: SpringRegistration) -> Iterator[Sentence]:
 
 
 def _uniqueness(registration: SpringRegistration) -> Iterator[Sentence]:
-    solution, degrees = registration.solution, spring_degrees(registration)
+    solution, degrees = registration.solution, proved_degrees(registration)
     exact, free = Guarantee.EXACT, solution.freedom
     if words := free.turn_words():
         yield Sentence(words=sentence(words), guarantee=exact)

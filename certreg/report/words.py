@@ -7,10 +7,12 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from certreg.certificate import sin2_half_angle_between
-from certreg.exact import at_most, degrees_above, half_angle_bound, rational_root_above
-from certreg.problem import Scale, trace
-from certreg.registration import proved_degrees
+from certreg.certificate.bounds import sin2_half_angle_between
+from certreg.exact.decimals import at_most
+from certreg.exact.dyadic import degrees_above, half_angle_bound, rational_root_above
+from certreg.problem.moments import trace
+from certreg.problem.motion import Scale
+from certreg.registration.headlines import proved_degrees
 from certreg.report.lines import bounds_nothing, count_words, margin_words, number
 from certreg.report.pose_words import gap_words
 from certreg.report.robustness import robustness_words
@@ -19,9 +21,12 @@ from certreg.results import Absent, ComponentKind, Guarantee
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from certreg.certificate import Claims, IsotropicBody
-    from certreg.equilibrium import Component, EquilibriumSet
-    from certreg.registration import Agreement, AnyRegistration, Registration
+    from certreg.certificate.isotropic import Claims, IsotropicBody
+    from certreg.equilibrium.presentation import Component, EquilibriumSet
+    from certreg.registration.agreement import Agreement
+    from certreg.registration.any_registration import AnyRegistration
+    from certreg.registration.result import Registration
+
 
 THEOREMS = {  # claims of `certreg derive`, by the titles of their pages
     "optimality_certificate": "The optimality certificate",

@@ -111,9 +111,9 @@ def _programs(shipped: TranslationEnergy, eliminated: Elimination) -> Proof:
         ],
     )
     yield facts(
-        r"`energy` plus `translation_energy` of `certreg.objective.Springs`, on four springs that "
-        r"resist every shift and on four of which none resists a shift along $x$, at three "
-        r"integer quaternions and a rational translation, is the sum of "
+        r"`energy` plus `translation_energy` of `certreg.objective.springs.Springs`, on four "
+        r"springs that resist every shift and on four of which none resists a shift along $x$, at "
+        r"three integer quaternions and a rational translation, is the sum of "
         r"$|L^{\mathsf T}(y - R x - t)|^2$, computed directly in fractions.",
         [_told(shipped, factors, q) for factors in (STIFF, SLIDING) for q in QUATERNIONS],
         [_summed(factors, q) for factors in (STIFF, SLIDING) for q in QUATERNIONS],

@@ -95,8 +95,8 @@ def _energy(planes: Planes) -> Proof:
     polynomial = sympy.Poly(energy_of(Q), *Q)
     expected = [_coefficient(polynomial, at) for at in MONOMIALS]
     yield facts(
-        r"`certreg.objective.Springs` has the same 35 coefficients, made from the points and the "
-        r"normals, and knows of no free translation.",
+        r"`certreg.objective.springs.Springs` has the same 35 coefficients, made from the points "
+        r"and the normals, and knows of no free translation.",
         [*(objective.unit * c for c in objective.quartic), len(objective.free_translations)],
         [*expected, 0],
     )
@@ -134,7 +134,7 @@ def _three_stable(curvature: Hessian, planes: Planes) -> Any:
         r"At the half turn about each coordinate axis the energy is $16$, the gradient of $F$ is "
         r"$4F q$, so that it is an equilibrium, and the Hessian in the angles of rotation is "
         r"positive definite by its minors: a strict minimum, all of it computed by "
-        r"`certreg.objective.Springs` in integers.",
+        r"`certreg.objective.springs.Springs` in integers.",
         found,
         [Fraction(16), True, True] * 3,
     )

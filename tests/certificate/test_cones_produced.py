@@ -14,17 +14,15 @@ from exact_springs import choi_lam
 from benchmarks.rates import cone_certificates
 from benchmarks.rates.cone_certificates import case, document_of
 from certreg import RegistrationProblem
-from certreg.certificate import (
-    Certificate,
-    SpringsConesBody,
-    SpringsSosBody,
-    springs_certificate,
-    verify,
-)
 from certreg.certificate import cones as producer
+from certreg.certificate.checking import verify
 from certreg.certificate.cones import cones_body
-from certreg.objective import Springs
-from certreg.relaxation import find_optimum
+from certreg.certificate.envelope import Certificate
+from certreg.certificate.producing_springs import springs_certificate
+from certreg.certificate.springs_cones import SpringsConesBody
+from certreg.certificate.springs_sos import SpringsSosBody
+from certreg.objective.springs import Springs
+from certreg.relaxation.optimum import find_optimum
 
 SCHEMAS = resources.files("certreg") / "report" / "schemas"
 

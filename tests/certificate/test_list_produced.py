@@ -18,20 +18,18 @@ from spring_families import LISTED, Cell, instance, statement
 
 from benchmarks.rates import list_certificates
 from certreg import RegistrationProblem
-from certreg.certificate import (
-    Certificate,
-    list_body,
-    listing,
-    springs_list_certificate,
-    verify,
-)
-from certreg.equilibrium import critical_lines
+from certreg.certificate import listing
+from certreg.certificate.checking import verify
+from certreg.certificate.envelope import Certificate
+from certreg.certificate.listing import list_body
+from certreg.certificate.producing_springs import springs_list_certificate
+from certreg.equilibrium.paths import critical_lines
 from certreg.errors import InvalidFileError
-from certreg.exact import Dyadic, dyadic_above, dyadic_below
-from certreg.geometry import squared_norm
-from certreg.objective import Springs
-from certreg.problem import Motion
-from certreg.report import report_of
+from certreg.exact.dyadic import Dyadic, dyadic_above, dyadic_below
+from certreg.geometry.so3 import squared_norm
+from certreg.objective.springs import Springs
+from certreg.problem.motion import Motion
+from certreg.report.reload import report_of
 
 SCHEMAS = resources.files("certreg") / "report" / "schemas"
 

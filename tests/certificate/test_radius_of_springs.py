@@ -11,10 +11,11 @@ import pytest
 import spring_families as families
 from scipy.spatial.transform import Rotation
 
-from certreg.certificate import Certificate, springs_certificate
-from certreg.objective import Springs
-from certreg.problem import RegistrationProblem
-from certreg.relaxation import find_optimum
+from certreg.certificate.envelope import Certificate
+from certreg.certificate.producing_springs import springs_certificate
+from certreg.objective.springs import Springs
+from certreg.problem.problem import RegistrationProblem
+from certreg.relaxation.optimum import find_optimum
 from certreg.verify import Movable, RefusalError, check
 
 CELLS = [

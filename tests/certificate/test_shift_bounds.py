@@ -10,13 +10,16 @@ import numpy as np
 import pytest
 from spring_families import lidar, line, mixed, plane, statement
 
-from certreg.certificate import ExactPose, pose_bounds, produce, spring_pose_bounds
-from certreg.certificate.bounds import sin2_half_angle_between
-from certreg.certificate.spring_bounds import FARTHEST, NO_SHIFT, SHIFT_IS_FREE
-from certreg.exact import Dyadic
-from certreg.geometry import quadratic_form, rotation_matrix, squared_norm
-from certreg.objective import Isotropic, Springs
-from certreg.problem import RegistrationProblem, exact_moments, lift
+from certreg.certificate.bounds import ExactPose, pose_bounds, sin2_half_angle_between
+from certreg.certificate.producing import produce
+from certreg.certificate.spring_bounds import FARTHEST, NO_SHIFT, SHIFT_IS_FREE, spring_pose_bounds
+from certreg.exact.dyadic import Dyadic
+from certreg.geometry.so3 import quadratic_form, rotation_matrix, squared_norm
+from certreg.objective.isotropic import Isotropic
+from certreg.objective.springs import Springs
+from certreg.problem.lifting import lift
+from certreg.problem.moments import exact_moments
+from certreg.problem.problem import RegistrationProblem
 
 FAMILIES = {"plane": plane, "line": line, "mixed": mixed, "lidar": lidar}
 

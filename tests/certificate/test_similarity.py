@@ -13,7 +13,7 @@ import pytest
 
 import certreg
 from certreg.errors import DegenerateProblemError, InvalidProblemError
-from certreg.registration import optimally_damped
+from certreg.registration.simulation import optimally_damped
 from certreg.verify import Clouds, check
 
 pytestmark = pytest.mark.quick

@@ -11,17 +11,17 @@ from typing import Any
 
 import numpy as np
 
-from certreg.certificate import ExactPose, spring_pose_bounds
-from certreg.certificate.bounds import NO_ANGLE
+from certreg.certificate.bounds import NO_ANGLE, ExactPose
 from certreg.certificate.spring_bounds import (
     CONSTANT,
     FAR,
     NOT_CLAIMED,
     _differences,
     least_range,
+    spring_pose_bounds,
 )
-from certreg.objective import Springs
-from certreg.problem import RegistrationProblem
+from certreg.objective.springs import Springs
+from certreg.problem.problem import RegistrationProblem
 
 Energy = Callable[[tuple[int, ...]], Fraction]
 

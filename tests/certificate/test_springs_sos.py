@@ -14,21 +14,22 @@ import pytest
 from exact_springs import choi_lam
 from springs_certified import certified
 
-from certreg.certificate import (
-    Certificate,
-    ExactPose,
-    blockwise,
-    sin2_half_angle_between,
-)
+from certreg.certificate import blockwise, checking, producing, producing_springs, spring_bounds
+from certreg.certificate.bounds import ExactPose, sin2_half_angle_between
+from certreg.certificate.envelope import Certificate
 from certreg.certificate.squares import sos_body
-from certreg.objective import Isotropic, Springs
-from certreg.problem import RegistrationProblem, exact_moments
-from certreg.relaxation import find_optimum
+from certreg.objective.isotropic import Isotropic
+from certreg.objective.springs import Springs
+from certreg.problem.moments import exact_moments
+from certreg.problem.problem import RegistrationProblem
+from certreg.relaxation.optimum import find_optimum
 
 checker: Any = import_module("certreg.verify")
-proofs: Any = import_module("certreg.certificate")  # whose results may be None, and are not here
-spring_pose_bounds, produce = proofs.spring_pose_bounds, proofs.produce
-springs_certificate, verify = proofs.springs_certificate, proofs.verify
+# Whose results may be None, and are not here.
+spring_pose_bounds: Any = spring_bounds.spring_pose_bounds
+springs_certificate: Any = producing_springs.springs_certificate
+produce: Any = producing.produce
+verify: Any = checking.verify
 SCHEMAS = Path(checker.__file__).parent / "report" / "schemas"
 CELLS = [
     ("plane", 7, 0.1),

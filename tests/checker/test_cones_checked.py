@@ -18,10 +18,10 @@ import spring_families
 from exact_springs import LEAST, RANGE, choi_lam, perturbed, two_optima
 
 from certreg.certificate.cones import cones_body
-from certreg.exact import Dyadic, dyadic_above, dyadic_below
-from certreg.objective import Springs
-from certreg.problem import RegistrationProblem
-from certreg.relaxation import find_optimum
+from certreg.exact.dyadic import Dyadic, dyadic_above, dyadic_below
+from certreg.objective.springs import Springs
+from certreg.problem.problem import RegistrationProblem
+from certreg.relaxation.optimum import find_optimum
 
 checker = import_module("certreg.verify")
 HAIR = Fraction(1, 2**20)

@@ -18,7 +18,6 @@ from flint import acb, fmpz
 
 from benchmarks.rates import spring_lists
 from certreg import RegistrationProblem
-from certreg.equilibrium import compare, critical_lines, search, unit_double
 from certreg.equilibrium.critical_set import Completeness, Critical
 from certreg.equilibrium.line_boxes import BallQuartic, all_different, boxed, index_of
 from certreg.equilibrium.line_ranks import (
@@ -29,12 +28,16 @@ from certreg.equilibrium.line_ranks import (
     plane,
 )
 from certreg.equilibrium.line_set import Finiteness, line_set
+from certreg.equilibrium.methods import compare, search
+from certreg.equilibrium.paths import critical_lines
+from certreg.equilibrium.presentation import unit_double
 from certreg.equilibrium.spring_homotopy import by_forty_paths
 from certreg.errors import ContradictionError
-from certreg.objective import Isotropic, Springs
+from certreg.objective.isotropic import Isotropic
 from certreg.objective.levelling import levelled_exactly, norm_fourth
 from certreg.objective.quartics import MONOMIALS, gradient
-from certreg.problem import exact_moments
+from certreg.objective.springs import Springs
+from certreg.problem.moments import exact_moments
 from certreg.results import Guarantee
 
 CLOUDS = (degenerate_springs.POINTS, np.asarray(degenerate_springs.isotropic().target))

@@ -3,19 +3,27 @@
 from __future__ import annotations
 
 from fractions import Fraction
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
 from strategies import ZOO, Specimen
 
-from certreg.exact import power_of_two
-from certreg.geometry import dot, homogeneous, rotation_matrix, squared_norm
-from certreg.objective import Form, Isotropic, Springs, quartic_of_form
+from certreg.exact.dyadic import power_of_two
+from certreg.geometry.constraints import homogeneous
+from certreg.geometry.so3 import dot, rotation_matrix, squared_norm
 from certreg.objective import quartics as forms
-from certreg.problem import Motion, RegistrationProblem
+from certreg.objective.isotropic import Isotropic
+from certreg.objective.quartics import quartic_of_form
+from certreg.objective.springs import Springs
 from certreg.problem.moments_of_springs import spring_moments_of
-from certreg.problem.spring_sums import spring_sums
+from certreg.problem.motion import Motion
+from certreg.problem.problem import RegistrationProblem
+from certreg.problem.spring_sums import SPRUNG
+
+if TYPE_CHECKING:
+    from certreg.objective.form import Form
+
 
 QUATERNIONS = ((1, 0, 0, 0), (2, -1, 3, 5), (0, 1, 1, 0), (-7, 3, 0, 11))
 LOWER = ((0, 0), (1, 0), (1, 1), (2, 0), (2, 1), (2, 2))
@@ -172,7 +180,7 @@ def test_without_a_translation_the_form_is_the_energy_of_the_motion_alone(motion
 def test_springs_without_a_translation_are_about_the_origin():
     still = Motion(rotation_only=True)
     given = RegistrationProblem(SOURCE, TARGET, factors=FACTORS)
-    about = spring_moments_of(spring_sums(given), given.n, about_origin=True)
+    about = spring_moments_of(SPRUNG.of(given), given.n, about_origin=True)
     whole, objective = Springs.of(given), Springs(about, still)
 
     assert objective.centre == (0, 0, 0)

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from certreg.exact import power_of_two
-from certreg.native import library_if_any
+from certreg.exact.dyadic import power_of_two
+from certreg.native.library import library_if_any
 from certreg.objective.springs import Springs
 from certreg.problem import floating_springs
 from certreg.problem.floating_springs import floating_spring_moments

@@ -11,12 +11,12 @@ import numpy as np
 import pytest
 from springs_certified import moved_springs
 
-from certreg.objective import Springs
-from certreg.problem import RegistrationProblem
-from certreg.registration.any_certification import certify
+from certreg.objective.springs import Springs
+from certreg.problem.problem import RegistrationProblem
 from certreg.registration.assessment import assess
+from certreg.registration.certification import certify
 from certreg.registration.weak_shifts import HARDLY, weak_shift_words, weak_shifts
-from certreg.report import result_document
+from certreg.report.document import result_document
 
 STAMP = "CERTIFIED, BUT A SHIFT IS HARDLY RESISTED: "
 AXIS = np.array([2.0, -1.0, 2.0]) / 3

@@ -14,7 +14,8 @@ import spring_families
 
 from benchmarks.rates import spring_minima
 from certreg import RegistrationProblem
-from certreg.equilibrium import FloatingQuartic, PathsOutcome
+from certreg.equilibrium.paths import PathsOutcome
+from certreg.equilibrium.quartics import FloatingQuartic
 from certreg.geometry.so3 import (
     angle_between,
     body_frame,
@@ -22,12 +23,13 @@ from certreg.geometry.so3 import (
     quaternion_of_rotation,
     squared_norm,
 )
-from certreg.native import critical_point_near
+from certreg.native.paths import critical_point_near
 from certreg.objective.levelling import levelled_exactly, norm_fourth
 from certreg.objective.quartics import MONOMIALS
 from certreg.objective.springs import Springs
-from certreg.relaxation import RelaxationStatus, refining
 from certreg.relaxation import optimum as optimum_module
+from certreg.relaxation import refining
+from certreg.relaxation.conic import RelaxationStatus
 from certreg.relaxation.optimum import (
     CONSTANT_WORDS,
     MOST_MINIMA,

@@ -12,9 +12,10 @@ import numpy as np
 import pytest
 from flint import arb, ctx
 
-from certreg.geometry import Pose
-from certreg.problem import Motion
-from certreg.registration import Method, Robustness
+from certreg.geometry.pose import Pose
+from certreg.problem.motion import Motion
+from certreg.registration.any_registration import Method
+from certreg.registration.robustness import Robustness
 from certreg.report import spring_document, spring_summary, spring_words
 from certreg.report import words as page_words
 from certreg.report.consensus_reach import degrees_from
