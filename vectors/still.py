@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from envelope import Vectors, lower, of_another_digest
-from planes import GENERAL, STILL, certificate, changed
+from envelope import Vectors, of_another_digest
+from planes import GENERAL, STILL, certificate
 from squares import OF_PLANES
 
 # What certreg found once, with a solver, of planes in general position that turn about the origin.
@@ -232,15 +232,12 @@ def vectors() -> Vectors:
         "of-data-with-a-translation": ({**moving, "rotation_only": True}, "data"),
         "not-said": (unsaid, "data"),
         "said-to-be-false": ({**good, "rotation_only": False}, "data"),
-        "said-by-a-number": ({**good, "rotation_only": 1}, "form"),
         "proof-of-a-translation": (
             certificate("springs-sos", GENERAL, OF_PLANES, alone=True),
             "optimality",
         ),
         "proof-beside-a-translation": (certificate("springs-sos", STILL, SQUARES), "optimality"),
         "cones-beside-a-translation": (certificate("springs-cones", STILL, CONES), "optimality"),
-        "list-beside-a-translation": (certificate("springs-list", STILL, LISTED), "optimality"),
-        "gap-too-small": (changed(good, gap=lower(SQUARES["claims"]["gap"])), "claim"),
         "digest": (of_another_digest(good), "data"),
     }
     return {
