@@ -36,7 +36,7 @@ from certreg.certificate.consensus import (
     ranges,
 )
 from certreg.certificate.consistency import ConsistentPairs
-from certreg.certificate.envelope import Certificate
+from certreg.certificate.producing import enclosed
 from certreg.certificate.reach import ANGLE_BITS, reach_of, turn_about
 from certreg.certificate.staging import MOST, Part, Stager, length_of, settled
 from certreg.certificate.thinning import Graph
@@ -54,6 +54,7 @@ from certreg.problem import LEAST_PAIRS
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from certreg.certificate.envelope import Certificate
     from certreg.certificate.isotropic import IsotropicBody
     from certreg.certificate.similarity import SimilarityBody
     from certreg.certificate.springs_cones import SpringsConesBody
@@ -299,13 +300,7 @@ def consensus_certificate(
 
     Raises UndecidedError where it would be too long.
     """
-    return Certificate(
-        n=problem.n,
-        digest=problem.digest(),
-        inline=problem.data_bytes(),
-        body=BODY_OF[type(found.witness)](problem, found, fit),
-        about=about or {},
-    )
+    return enclosed(problem, BODY_OF[type(found.witness)](problem, found, fit), about)
 
 
 def _rigid_body(

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from certreg.certificate.checking import as_verdict
-from certreg.certificate.envelope import Certificate
+from certreg.certificate.producing import enclosed
 from certreg.certificate.truncated import TruncatedClaims, TruncatedRotationBody
 from certreg.exact import Dyadic, dyadic_above, dyadic_below
 from certreg.geometry import davenport_matrix
@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.certificate.checking import CertificateVerdict
+    from certreg.certificate.envelope import Certificate
     from certreg.problem import RegistrationProblem
 
 BOUND_BITS = 32  # mantissas of what is claimed: short numbers
@@ -64,14 +65,7 @@ def truncated_certificate(
     body = TruncatedRotationBody(
         quaternion=(w, x, y, z), mu=dyadic_below(Fraction(mu), BOUND_BITS), claims=claims
     )
-    bare = Certificate(
-        n=problem.n,
-        digest=problem.digest(),
-        inline=problem.data_bytes(),
-        body=body,
-        about=about or {},
-    )
-    return _accepted(bare, ATTEMPTS)
+    return _accepted(enclosed(problem, body, about), ATTEMPTS)
 
 
 def _accepted(
