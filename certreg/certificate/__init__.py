@@ -33,7 +33,8 @@ if TYPE_CHECKING:
     from certreg.certificate.isotropic import Claims as Claims
     from certreg.certificate.isotropic import IsotropicBody as IsotropicBody
     from certreg.certificate.isotropic import RotationState as RotationState
-    from certreg.certificate.label_sets import disproves_labels as disproves_labels
+    from certreg.certificate.isotropic import SimilarityBody as SimilarityBody
+    from certreg.certificate.isotropic import SimilarityClaims as SimilarityClaims
     from certreg.certificate.listing import ListProposal as ListProposal
     from certreg.certificate.listing import list_body as list_body
     from certreg.certificate.many import Certificates as Certificates
@@ -53,16 +54,11 @@ if TYPE_CHECKING:
     from certreg.certificate.producing_springs import (
         springs_list_certificate as springs_list_certificate,
     )
-    from certreg.certificate.producing_truncated import (
-        truncated_certificate as truncated_certificate,
-    )
     from certreg.certificate.radius import MOST_DEGREES as MOST_DEGREES
     from certreg.certificate.radius import Radius as Radius
     from certreg.certificate.shared_motion import CommonMotion as CommonMotion
     from certreg.certificate.shared_motion import common_motion as common_motion
     from certreg.certificate.shared_motion import sets_apart as sets_apart
-    from certreg.certificate.similarity import SimilarityBody as SimilarityBody
-    from certreg.certificate.similarity import SimilarityClaims as SimilarityClaims
     from certreg.certificate.spring_bounds import spring_pose_bounds as spring_pose_bounds
     from certreg.certificate.springs_basin import Barrier as Barrier
     from certreg.certificate.springs_basin import SpringState as SpringState
@@ -75,6 +71,10 @@ if TYPE_CHECKING:
     from certreg.certificate.springs_sos import SpringsSosBody as SpringsSosBody
     from certreg.certificate.truncated import TruncatedClaims as TruncatedClaims
     from certreg.certificate.truncated import TruncatedRotationBody as TruncatedRotationBody
+    from certreg.certificate.truncated import disproves_labels as disproves_labels
+    from certreg.certificate.truncated import (
+        truncated_certificate as truncated_certificate,
+    )
 
 __getattr__ = lazy_face(
     __name__,
@@ -109,8 +109,9 @@ __getattr__ = lazy_face(
             "Claims",
             "IsotropicBody",
             "RotationState",
+            "SimilarityBody",
+            "SimilarityClaims",
         ),
-        "label_sets": ("disproves_labels",),
         "listing": (
             "ListProposal",
             "list_body",
@@ -136,13 +137,11 @@ __getattr__ = lazy_face(
             "springs_certificate",
             "springs_list_certificate",
         ),
-        "producing_truncated": ("truncated_certificate",),
         "radius": (
             "MOST_DEGREES",
             "Radius",
         ),
         "shared_motion": ("CommonMotion", "common_motion", "sets_apart"),
-        "similarity": ("SimilarityBody", "SimilarityClaims"),
         "springs_cones": ("SpringsConesBody",),
         "springs_basin": (
             "Barrier",
@@ -159,6 +158,11 @@ __getattr__ = lazy_face(
             "SpringsSosBody",
         ),
         "spring_bounds": ("spring_pose_bounds",),
-        "truncated": ("TruncatedClaims", "TruncatedRotationBody"),
+        "truncated": (
+            "TruncatedClaims",
+            "TruncatedRotationBody",
+            "disproves_labels",
+            "truncated_certificate",
+        ),
     },
 )

@@ -24,8 +24,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from certreg.certificate.isotropic import IsotropicBody
-    from certreg.certificate.similarity import SimilarityBody
+    from certreg.certificate.isotropic import IsotropicBody, SimilarityBody
     from certreg.objective import Springs
     from certreg.problem import ExactMoments
     from certreg.results import Limits

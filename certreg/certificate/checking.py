@@ -12,9 +12,8 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from certreg import problem as problems  # whose names load NumPy, which most here do without
-from certreg.certificate.differing import told_apart
 from certreg.certificate.envelope import certificate_bytes
-from certreg.certificate.mistaken import why_no_certificate, why_no_certificates
+from certreg.certificate.refusals import told_apart, why_no_certificate, why_no_certificates
 from certreg.errors import InvalidProblemError, RefusedCertificateError
 from certreg.io import write_atomically
 from certreg.results import SHOWN, Ruling, Shown, Verdict

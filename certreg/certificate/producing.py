@@ -19,14 +19,19 @@ from typing import TYPE_CHECKING
 
 from certreg.certificate.count import CountBody
 from certreg.certificate.envelope import Certificate
-from certreg.certificate.isotropic import Claims, IsotropicBody, RotationState
+from certreg.certificate.isotropic import (
+    Claims,
+    IsotropicBody,
+    RotationState,
+    SimilarityBody,
+    SimilarityClaims,
+)
 from certreg.certificate.radius import (
     RADIUS_BITS,
     SAFE,
     SeparatedRadius,
     isotropic_radius,
 )
-from certreg.certificate.similarity import SimilarityBody, SimilarityClaims
 from certreg.errors import InvalidProblemError
 from certreg.exact import (
     Dyadic,

@@ -55,8 +55,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.certificate.envelope import Certificate
-    from certreg.certificate.isotropic import IsotropicBody
-    from certreg.certificate.similarity import SimilarityBody
+    from certreg.certificate.isotropic import IsotropicBody, SimilarityBody
     from certreg.certificate.springs_cones import SpringsConesBody
     from certreg.certificate.springs_sos import SpringsSosBody
     from certreg.native import Neighbours

@@ -119,7 +119,7 @@ OF_OTHERS = re.compile(
     r"|scipy[.](?:sparse|optimize|spatial)"
 )
 ANY_PROBLEM = {  # names of what stands in problems, or may stand in the files of any
-    "certreg.certificate.similarity",
+    "certreg.certificate.isotropic",
     "certreg.geometry.similarity",
     "certreg.io.springs",
     "certreg.problem.spring_factors",
