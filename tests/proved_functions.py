@@ -298,7 +298,6 @@ PROVED = (
         "registration/test_flags_enumerated",
     ),
     _of("registration/headlines", "_meets_usual", "registration/test_flags_enumerated"),
-    _of("registration/spring_headlines", "_meets_usual", "registration/test_flags_enumerated"),
     _of("registration/nothing_met", "nothing_turned", "registration/test_nothing_met"),
     _of("report/spring_words", "_growth", "report/test_printed_angles"),
     _of("report/spring_document", "_growth", "report/test_printed_angles"),

@@ -23,8 +23,8 @@ import numpy as np
 from checker_boundaries import Case, outcome_of, value_of
 from springs_certified import certificate_of, certified
 
-from certreg.exact import is_positive_definite
-from certreg.problem import RegistrationProblem
+from certreg.exact.elimination import is_positive_definite
+from certreg.problem.problem import RegistrationProblem
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator

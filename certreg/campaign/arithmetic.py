@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.native import library_if_any
+from certreg.native.library import library_if_any
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator

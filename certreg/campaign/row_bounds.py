@@ -5,15 +5,16 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from certreg.errors import InvalidFileError
-from certreg.io import number, read_bounds
-from certreg.problem import Loss
+from certreg.io.bounds import read_bounds
+from certreg.io.streams import number
+from certreg.problem.support import Loss
 from certreg.verify import shown
 
 if TYPE_CHECKING:
     from pathlib import Path
 
     from certreg.campaign.listing import PairRow
-    from certreg.io import Pair
+    from certreg.io.pairing import Pair
 
 
 def bounds_file(row: PairRow) -> str | None:

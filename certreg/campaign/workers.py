@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from certreg._loading import library
 from certreg.campaign.store import lockable, try_lock
-from certreg.certificate import sweep
+from certreg.certificate.private_folder import sweep
 from certreg.errors import CampaignError
 from certreg.verify import shown
 

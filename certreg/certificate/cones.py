@@ -30,12 +30,14 @@ import numpy as np
 
 from certreg.certificate.springs_cones import SpringsConesBody
 from certreg.certificate.squares import growth_claims
-from certreg.equilibrium import FloatingQuartic, descended
-from certreg.exact import dyadic_above, dyadic_below, is_positive_definite
-from certreg.geometry import body_frame, dot, squared_norm
-from certreg.native import ConesEnding, search_cones
-from certreg.objective import MONOMIALS, levelled_exactly
-from certreg.relaxation import refined
+from certreg.equilibrium.quartics import FloatingQuartic, descended
+from certreg.exact.dyadic import dyadic_above, dyadic_below
+from certreg.exact.elimination import is_positive_definite
+from certreg.geometry.so3 import body_frame, dot, squared_norm
+from certreg.native.cones import ConesEnding, search_cones
+from certreg.objective.levelling import levelled_exactly
+from certreg.objective.quartics import MONOMIALS
+from certreg.relaxation.refining import refined
 from certreg.results import Brief
 
 if TYPE_CHECKING:
@@ -43,8 +45,9 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from certreg.exact import IntegerQuaternion
-    from certreg.objective import Springs
+    from certreg.exact.spaces import IntegerQuaternion
+    from certreg.objective.springs import Springs
+
 
 BUDGET = 300_000  # cones; the checker refuses beyond
 CAPS = 16  # the checker takes a few more
@@ -250,6 +253,7 @@ class ConeProof:
             ),
             claims=claims,
             symmetry=symmetry,
+            rotation_only=not self.objective.motion.translations,
         )
 
     def _form(self, body: SpringsConesBody) -> list[int]:

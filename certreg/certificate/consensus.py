@@ -11,10 +11,11 @@ from fractions import Fraction
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from certreg.certificate.file_parts import REST, FilePart, FileRow
-from certreg.exact import Dyadic
+from certreg.exact.dyadic import Dyadic
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+
 
 INLIER, OUTLIER, UNDECIDED = "i", "o", "?"  # labels of a file, a letter a pair
 NONE, SAME, OPEN = "-=?"  # of a piece: no motion meets so many; just the same pairs; not proved

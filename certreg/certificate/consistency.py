@@ -11,26 +11,26 @@ import math
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from certreg._loading import cached_property
 from certreg.certificate.consensus import RIGID
 from certreg.certificate.refuting import PointRows
-from certreg.exact import power_of_two
-from certreg.geometry import rotation_matrix, squared_norm
-from certreg.native import BitRows, agreeing
-from certreg.problem import lift
-from certreg.relaxation import lengths_between, scale_ranges
+from certreg.exact.dyadic import power_of_two
+from certreg.geometry.so3 import rotation_matrix, squared_norm
+from certreg.native.bit_rows import BitRows, agreeing
+from certreg.problem.lifting import lift
+from certreg.relaxation.similarity_fit import lengths_between, scale_ranges
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
     from fractions import Fraction
 
-    from numpy.typing import NDArray
-
     from certreg.certificate.consensus import ScaleRange, Witness
-    from certreg.problem import RegistrationProblem
+    from certreg.problem.problem import RegistrationProblem
 
-    Reals = NDArray[np.float64]
+
+Reals = NDArray[np.float64]
 
 # Relative errors: a difference of doubles 2^-53, a squared length of three terms four times that,
 # its root three times, and the last sums one more: eight times 2^-53 of all would do.

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from certreg.certificate.consensus import Strike
-from certreg.native import mask_of, rows_of
+from certreg.native.bit_rows import mask_of, rows_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
     from certreg.certificate.refuting import PointRows
     from certreg.certificate.thinning import GraphThinning
+
 
 MOST_STRUCK = 5000  # pairs of rows: each is four of the 50,000 commas and brackets of a certificate
 MOST_TURNED = 400  # pairs of rows that are tried by turns and stay, at effort 1: 0.1 ms each

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, ClassVar
 
 from certreg.certificate.file_parts import FilePart
 from certreg.certificate.radius import SeparatedRadius
-from certreg.exact import Dyadic, power_of_two
+from certreg.exact.dyadic import Dyadic, power_of_two
 
 if TYPE_CHECKING:
     from fractions import Fraction

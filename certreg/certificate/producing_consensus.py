@@ -36,32 +36,28 @@ from certreg.certificate.consensus import (
     ranges,
 )
 from certreg.certificate.consistency import ConsistentPairs
+from certreg.certificate.isotropic import IsotropicBody, SimilarityBody
 from certreg.certificate.producing import enclosed
 from certreg.certificate.reach import ANGLE_BITS, reach_of, turn_about
+from certreg.certificate.springs_cones import SpringsConesBody
+from certreg.certificate.springs_sos import SpringsSosBody
 from certreg.certificate.staging import MOST, Part, Stager, length_of, settled
 from certreg.certificate.thinning import Graph
 from certreg.errors import UndecidedError
-from certreg.exact import Dyadic, dyadic_above, dyadic_below
-from certreg.geometry import (
-    Pose,
-    davenport_matrix,
-    quaternion_from_matrix,
-    rotation_matrix,
-)
-from certreg.native import mask_of, rows_of
-from certreg.problem import LEAST_PAIRS
+from certreg.exact.dyadic import Dyadic, dyadic_above, dyadic_below
+from certreg.geometry.pose import Pose
+from certreg.geometry.so3 import davenport_matrix, quaternion_from_matrix, rotation_matrix
+from certreg.native.bit_rows import mask_of, rows_of
+from certreg.problem.bounds import LEAST_PAIRS
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.certificate.envelope import Certificate
-    from certreg.certificate.isotropic import IsotropicBody, SimilarityBody
-    from certreg.certificate.springs_cones import SpringsConesBody
-    from certreg.certificate.springs_sos import SpringsSosBody
-    from certreg.native import Neighbours
-    from certreg.problem import RegistrationProblem
+    from certreg.native.bit_rows import Neighbours
+    from certreg.problem.problem import RegistrationProblem
 
-    FitBody = IsotropicBody | SpringsSosBody | SpringsConesBody | SimilarityBody
+FitBody = IsotropicBody | SpringsSosBody | SpringsConesBody | SimilarityBody
 
 LOG = logging.getLogger(__name__)
 OPEN_TOLD = "ranges of scales left open are looked at one by one ..."

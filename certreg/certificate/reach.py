@@ -15,10 +15,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from certreg.certificate.consensus import Reach
-from certreg.exact import dyadic_above
+from certreg.exact.dyadic import dyadic_above
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
+
 
 ANGLE_BITS = 24  # of the bound on an angle
 HALVINGS = 50  # of s, of t, of the slope of h

@@ -12,7 +12,7 @@ from array import array
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from certreg.exact import sigma_of_weight
+from certreg.exact.dyadic import sigma_of_weight
 from certreg.verify import CONSENSUS, SPRUNG, TRUNCATED, ConsensusSimilarityStatement, parse, shown
 
 if TYPE_CHECKING:
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from certreg.verify import Clouds, Statement
+
 
 WEIGHED = (("weight", 1), ("bound", 1))
 COLUMNS = {  # of the doubles behind the points, and how many of each a pair has

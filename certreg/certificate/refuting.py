@@ -14,18 +14,18 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from certreg._loading import cached_property
 from certreg.certificate.consensus import Group
-from certreg.geometry import davenport_matrices, rotation_matrices
-from certreg.native import LawsonColumns, lawson_columns
+from certreg.geometry.so3 import davenport_matrices, rotation_matrices
+from certreg.native.lawson import LawsonColumns, lawson_columns
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from numpy.typing import NDArray
 
-    Reals = NDArray[np.float64]
+Reals = NDArray[np.float64]
 
 # What follows stands in native/lawson.c, too.
 ROUNDS = 100  # of reweighting: five are usual, more where the least largest residual is near 1

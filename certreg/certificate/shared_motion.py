@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from certreg.certificate.producing_consensus import witness_of
-from certreg.exact import is_positive_definite
-from certreg.geometry import davenport_matrix, rotation_matrix, squared_norm
+from certreg.exact.elimination import is_positive_definite
+from certreg.geometry.so3 import davenport_matrix, rotation_matrix, squared_norm
 from certreg.results import Brief
 
 if TYPE_CHECKING:
@@ -19,8 +19,9 @@ if TYPE_CHECKING:
 
     from certreg.certificate.consensus import Witness
     from certreg.certificate.producing_consensus import ConsensusProver
-    from certreg.native import Neighbours
-    from certreg.problem import RegistrationProblem
+    from certreg.native.bit_rows import Neighbours
+    from certreg.problem.problem import RegistrationProblem
+
 
 ROUNDS = 200  # of reweighting: the largest residual falls slowly near the least
 

@@ -17,20 +17,21 @@ from itertools import combinations_with_replacement
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from certreg.certificate.springs_sos import SpringsClaims, SpringsSosBody
-from certreg.exact import dyadic_above, is_positive_definite, power_of_two
-from certreg.geometry import dot, squared_norm
+from certreg.exact.dyadic import dyadic_above, power_of_two
+from certreg.exact.elimination import is_positive_definite
+from certreg.geometry.so3 import dot, squared_norm
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from numpy.typing import NDArray
+    from certreg.objective.springs import Springs
+    from certreg.relaxation.optimum import Found
 
-    from certreg.objective import Springs
-    from certreg.relaxation import Found
 
-    Array = NDArray[np.float64]
+Array = NDArray[np.float64]
 
 QUARTICS: tuple[tuple[int, ...], ...] = tuple(combinations_with_replacement(range(4), 4))
 PRODUCTS = tuple(combinations_with_replacement(range(4), 2))
@@ -106,6 +107,7 @@ def _body(
         gram=(*short.mantissas, short.exponent),
         claims=claims,
         symmetry=symmetry,
+        rotation_only=not objective.motion.translations,
     )
 
 

@@ -19,8 +19,8 @@ import numpy as np
 from certreg.certificate.checking import as_verdict
 from certreg.certificate.file_parts import FilePart
 from certreg.certificate.producing import enclosed
-from certreg.exact import Dyadic, dyadic_above, dyadic_below
-from certreg.geometry import davenport_matrix
+from certreg.exact.dyadic import Dyadic, dyadic_above, dyadic_below
+from certreg.geometry.so3 import davenport_matrix
 from certreg.verify import (
     PRODUCTS,
     UNITS,
@@ -39,7 +39,7 @@ if TYPE_CHECKING:
 
     from certreg.certificate.checking import CertificateVerdict
     from certreg.certificate.envelope import Certificate
-    from certreg.problem import RegistrationProblem
+    from certreg.problem.problem import RegistrationProblem
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any, cast
 
 import click
 
-from certreg import __version__, report
+from certreg import __version__
+from certreg._loading import late
 from certreg.cli.as_json import json_option
 from certreg.cli.options import (
     EXIT_CODES,
@@ -22,31 +23,38 @@ from certreg.cli.options import (
 )
 from certreg.cli.writing import WritingCommand
 from certreg.cli.wrong_pairs import consensus_options
-from certreg.registration import (
+from certreg.registration.certification import certify as certified
+from certreg.registration.examples import STORIES, differences, tell
+from certreg.registration.exit_codes import (
     DONE,
     NOT_CERTIFIED,
     REFUSED,
-    ROBUSTNESS_ANGLE,
-    STORIES,
     code_of_registration,
-    differences,
-    tell,
     worst,
 )
-from certreg.registration import certify as certified
-from certreg.report import printable
+from certreg.registration.robustness import ROBUSTNESS_ANGLE
+from certreg.report.file_names import FILES, REPORT
+from certreg.report.markup import printable
 from certreg.verify import shown
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from certreg.cli.wrong_pairs import WrongPairs
-    from certreg.io import Pair
-    from certreg.problem import RegistrationProblem
-    from certreg.registration import ConsensusRegistration, FitDemands, TruncatedRegistration
+    from certreg.io.pairing import Pair
+    from certreg.problem.problem import RegistrationProblem
+    from certreg.registration.consensus import ConsensusRegistration
+    from certreg.registration.exit_codes import FitDemands
+    from certreg.registration.truncated import TruncatedRegistration
+    from certreg.report import consensus_folder, document, folder, summary
+else:
+    consensus_folder = late("certreg.report.consensus_folder")
+    document = late("certreg.report.document")
+    folder = late("certreg.report.folder")
+    summary = late("certreg.report.summary")
 
 
-@click.command(cls=WritingCommand, files=report.FILES, epilog=EXIT_CODES)
+@click.command(cls=WritingCommand, files=FILES, epilog=EXIT_CODES)
 @cloud_options
 @limit_options
 @fit_options
@@ -114,10 +122,12 @@ def certify(
     if wrong is not None:
         chosen = cast("ConsensusRegistration | TruncatedRegistration", registration)
         return _told_of_consensus(chosen, pair.notes, demands, out, as_json=as_json)
-    path = None if out is None else report.write_folder(registration, out, notes=pair.notes)
+    path = None if out is None else folder.write_folder(registration, out, notes=pair.notes)
     if as_json:
         click.echo(
-            report.dumps(report.result_document(registration, path and str(path), notes=pair.notes))
+            document.dumps(
+                document.result_document(registration, path and str(path), notes=pair.notes)
+            )
         )
     else:
         click.echo(registration.summary())
@@ -130,7 +140,7 @@ def certify(
 
 def _tell_files(certificate: Path) -> None:
     """Where the certificate and the page are, and what to type to check it again."""
-    place, page = printable(certificate), certificate.with_name(report.REPORT)
+    place, page = printable(certificate), certificate.with_name(REPORT)
     click.echo(f"\nCertificate: {place}  (re-check it: certreg verify {shlex.quote(place)})")
     if page.exists():
         click.echo(f"Report: {printable(page)}  (open it in a browser)")
@@ -145,10 +155,12 @@ def _told_of_consensus(
     as_json: bool,
 ) -> int:
     """Writes and prints a registration with wrong pairs; the exit code."""
-    path = None if out is None else report.write_wrong_pairs(result, out, notes=notes)
+    path = None if out is None else consensus_folder.write_wrong_pairs(result, out, notes=notes)
     if as_json:
         place = None if path is None else str(path)
-        click.echo(report.dumps(report.wrong_pairs_document(result, place, notes=notes)))
+        click.echo(
+            document.dumps(consensus_folder.wrong_pairs_document(result, place, notes=notes))
+        )
     else:
         click.echo(result.summary())
         if path is not None:
@@ -172,16 +184,16 @@ def demo(out: Path) -> int:
     code = DONE
     for story in STORIES:
         registration = tell(story)
-        path = report.write_folder(registration, out / story.name)
+        path = folder.write_folder(registration, out / story.name)
         click.echo(
-            f"=== {story.title}\n\n{story.told}\n\n{report.registration_summary(registration)}\n"
+            f"=== {story.title}\n\n{story.told}\n\n{summary.registration_summary(registration)}\n"
         )
         for difference in differences(story, registration):
             click.echo(f"NOT AS TOLD: {difference}", err=True)
             code = REFUSED
         click.echo(f"  certificate: {path}")
         if path is not None:
-            click.echo(f"  report:      {path.with_name(report.REPORT)}\n")
+            click.echo(f"  report:      {path.with_name(REPORT)}\n")
     click.echo("Every certificate above was accepted by the checker. Check them yourself:")
     certificate = shown(out / STORIES[0].name / "certificate.json")
     click.echo(f"  {_own_name()} verify {shlex.quote(certificate)}")

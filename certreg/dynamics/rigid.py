@@ -20,20 +20,19 @@ from certreg.dynamics.states import (
     with_matrices,
 )
 from certreg.dynamics.status import SimulationStatus, by_ending
-from certreg.exact import rank
-from certreg.geometry import quaternion_from_matrix, rotation_matrix
-from certreg.native import (
+from certreg.exact.elimination import rank
+from certreg.geometry.so3 import quaternion_from_matrix, rotation_matrix
+from certreg.native.layout import (
     BODY,
     ENERGIES,
     MATRIX_STATE,
     QUATERNION_STATE,
-    Integrator,
-    Kind,
     named,
     plain,
     record_of,
 )
-from certreg.problem import trace
+from certreg.native.loops import Integrator, Kind
+from certreg.problem.moments import trace
 from certreg.results import Absent
 
 if TYPE_CHECKING:
@@ -43,10 +42,10 @@ if TYPE_CHECKING:
 
     from certreg.dynamics.basin import Basin
     from certreg.dynamics.integrators import SimulationSettings
-    from certreg.geometry import Matrix3
-    from certreg.native import Records
-    from certreg.objective import Isotropic
-    from certreg.problem import ExactMoments
+    from certreg.geometry.so3 import Matrix3
+    from certreg.native.layout import Records
+    from certreg.objective.isotropic import Isotropic
+    from certreg.problem.moments import ExactMoments
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import enum
 from typing import TYPE_CHECKING
 
-from certreg.native import Ending
+from certreg.native.loops import Ending
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

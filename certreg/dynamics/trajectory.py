@@ -9,7 +9,7 @@ import numpy as np
 
 from certreg._loading import cached_property
 from certreg.dynamics.states import with_matrices
-from certreg.native import Integrator, plain
+from certreg.native.layout import plain
 from certreg.results import Absent, Brief, Explained
 
 if TYPE_CHECKING:
@@ -17,7 +17,8 @@ if TYPE_CHECKING:
 
     from certreg.dynamics.body import AnyBody
     from certreg.dynamics.status import Status
-    from certreg.native import Records
+    from certreg.native.layout import Records
+    from certreg.native.loops import Integrator
 
 RATE_START = 1e-3  # of the energy at the start: transients are over
 RATE_END = 1e-13  # of the spread: rounding

@@ -24,10 +24,10 @@ from typing import TYPE_CHECKING
 
 from certreg._loading import cached_property
 from certreg.equilibrium.eigenlines import eigenlines, energy_is_at_least
-from certreg.exact import power_of_two
-from certreg.geometry import dot, rotation_matrix, squared_norm
-from certreg.objective import Isotropic
-from certreg.problem import exact_springs
+from certreg.exact.dyadic import power_of_two
+from certreg.geometry.so3 import dot, rotation_matrix, squared_norm
+from certreg.objective.isotropic import Isotropic
+from certreg.problem.breaking import exact_springs
 from certreg.results import Brief
 
 if TYPE_CHECKING:
@@ -35,9 +35,10 @@ if TYPE_CHECKING:
     from fractions import Fraction
 
     from certreg.equilibrium.eigenlines import Eigenline
-    from certreg.exact import IntegerQuaternion
-    from certreg.geometry import Vector3
-    from certreg.problem import ExactSprings, RegistrationProblem
+    from certreg.exact.spaces import IntegerQuaternion
+    from certreg.geometry.so3 import Vector3
+    from certreg.problem.breaking import ExactSprings
+    from certreg.problem.problem import RegistrationProblem
     from certreg.results import ComponentKind
 
 

@@ -20,16 +20,14 @@ from certreg.equilibrium.paths import CriticalLines, PathsOutcome, many_critical
 from certreg.equilibrium.presentation import unit_double
 from certreg.equilibrium.quartics import LEAST_CURVATURE, StackedQuartics
 from certreg.equilibrium.spring_homotopy import proved_list
-from certreg.exact import nearest_double
-from certreg.geometry import rotation_matrix
-from certreg.objective import Springs, levelled, quartic_of_form
-from certreg.problem import (
-    GivenSprings,
-    checked_threads,
-    many_spring_moments,
-    spring_moments,
-    stated_many,
-)
+from certreg.exact.dyadic import nearest_double
+from certreg.geometry.so3 import rotation_matrix
+from certreg.objective.levelling import levelled
+from certreg.objective.quartics import quartic_of_form
+from certreg.objective.springs import Springs
+from certreg.problem.effort import checked_threads
+from certreg.problem.many_springs import many_spring_moments, stated_many
+from certreg.problem.springs import GivenSprings
 from certreg.results import Brief, Guarantee
 
 if TYPE_CHECKING:
@@ -40,7 +38,8 @@ if TYPE_CHECKING:
 
     from certreg.equilibrium.line_set import LineSet
     from certreg.equilibrium.paths import GatheredEnds
-    from certreg.problem import ManySpringMoments, ManySprings
+    from certreg.problem.many_springs import ManySpringMoments, ManySprings
+
 
 Array = Any  # NDArray[np.float64]
 PORTION = 64  # problems that a thread takes at a time: 64 ms, and 7 MB for the ends
@@ -275,7 +274,7 @@ def _proved(
     places = {int(k): place for place, k in enumerate(varied)}
     lists: list[LineSet] = []
     for k, outcome in enumerate(outcomes):
-        objective, found = Springs(spring_moments(given.problem(k))), None
+        objective, found = Springs.of(given.problem(k)), None
         if ends is not None and outcome is PathsOutcome.FOUND:
             place = places[k]
             lines = CriticalLines(
@@ -295,7 +294,7 @@ def _with_proved(rows: _Rows, lists: tuple[LineSet, ...], given: ManySprings) ->
     """The rows with those of complete lists in the place of theirs."""
     parts = [_picked(rows, ~np.array([one.complete for one in lists])[rows.problem])]
     parts += [
-        _of_list(found, k, Springs(spring_moments(given.problem(k))))
+        _of_list(found, k, Springs.of(given.problem(k)))
         for k, found in enumerate(lists)
         if found.complete
     ]

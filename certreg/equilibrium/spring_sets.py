@@ -14,13 +14,14 @@ from typing import TYPE_CHECKING
 
 from certreg.equilibrium.breaking import SpringSet
 from certreg.errors import UndecidedError
-from certreg.geometry import squared_norm
-from certreg.problem import exact_springs
+from certreg.geometry.so3 import squared_norm
+from certreg.problem.breaking import exact_springs
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from certreg.problem import ExactSprings, RegistrationProblem
+    from certreg.problem.breaking import ExactSprings
+    from certreg.problem.problem import RegistrationProblem
 
 LEAST_SPRINGS = 3  # two hold the body in no pose: it turns about their line
 LARGEST_TRIED = 12  # springs of a set that is tried with all larger ones: more seldom refute

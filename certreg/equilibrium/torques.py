@@ -16,7 +16,7 @@ from __future__ import annotations
 from functools import cache
 from typing import TYPE_CHECKING
 
-from certreg.geometry import rotation_matrix
+from certreg.geometry.so3 import rotation_matrix
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -17,20 +17,15 @@ from certreg.io.pairing import Pair, Pairing, pair_of
 from certreg.io.problems import problem_of
 from certreg.io.springs import springs_of_pairs
 from certreg.io.standard_input import is_standard_input
-from certreg.problem import (
-    LABEL,
-    RegistrationProblem,
+from certreg.problem.arrays import (
     cloud_array,
     data_frame,
     finite_doubles,
-    held_rows,
-    labels_of,
     mapped_file,
     real_numbers,
-    require_same_labels,
-    unused_springs,
-    warn_of_unused,
 )
+from certreg.problem.row_labels import LABEL, labels_of, require_same_labels
+from certreg.problem.spring_rows import held_rows, unused_springs, warn_of_unused
 
 if TYPE_CHECKING:
     import os
@@ -38,6 +33,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.io import spring_tables
+    from certreg.problem.problem import RegistrationProblem
 else:
     spring_tables = late("certreg.io.spring_tables")
 

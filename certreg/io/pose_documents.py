@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
-from certreg.geometry import ROTATION_TOLERANCE, GivenPose
+from certreg.geometry.given import GivenPose
+from certreg.geometry.orthogonality import ROTATION_TOLERANCE
 from certreg.io.pose_values import finite_array, of_matrix, of_quaternion
 from certreg.verify import FORMAT, RefusalError, parse, shown
 

@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple, cast
 import numpy as np
 
 from certreg.errors import InvalidFileError
-from certreg.geometry import ROTATION_TOLERANCE, GivenPose, last_row_fault
+from certreg.geometry.given import GivenPose
+from certreg.geometry.orthogonality import ROTATION_TOLERANCE
+from certreg.geometry.pose_matrix import last_row_fault
 from certreg.verify import shown
 
 if TYPE_CHECKING:

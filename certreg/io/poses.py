@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, BinaryIO
 import numpy as np
 
 from certreg.errors import InvalidFileError
-from certreg.geometry import ROTATION_TOLERANCE
+from certreg.geometry.orthogonality import ROTATION_TOLERANCE
 from certreg.io.npy import parse_array
 from certreg.io.pose_documents import pose_of_certificate, pose_of_json
 from certreg.io.pose_values import PoseSource, of_array, of_matrix, of_quaternion
@@ -20,7 +20,7 @@ from certreg.verify import FILE_MAX, shown
 if TYPE_CHECKING:
     import os
 
-    from certreg.geometry import GivenPose
+    from certreg.geometry.given import GivenPose
 
 MAX_POSE_BYTES = 1 << 20  # a result without its points is a few kilobytes
 RESULT = "result.json"

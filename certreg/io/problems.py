@@ -14,7 +14,8 @@ from certreg.io.noise import noise_of_columns
 from certreg.io.pairing import BY_LABEL, Pair, Pairing, read_pair
 from certreg.io.springs import NO_SPRINGS, read_springs
 from certreg.io.text import read_numbers
-from certreg.problem import RegistrationProblem, first_row
+from certreg.problem.arrays import first_row
+from certreg.problem.problem import RegistrationProblem
 
 if TYPE_CHECKING:
     import os
@@ -58,7 +59,7 @@ def read_problem(  # noqa: PLR0913 - one for each option of the commands, each b
         Which rows belong together; by label, where both clouds have labels, if nothing is given.
     springs
         General springs by columns of the target's file: "plane", "line" or "full"; of several kinds
-        and of other files a `certreg.io.SpringSource`.
+        and of other files a `certreg.io.springs.SpringSource`.
 
     Returns
     -------

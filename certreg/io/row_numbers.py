@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.problem import row_blocks
+from certreg.problem.arrays import row_blocks
 from certreg.results import Brief
 
 if TYPE_CHECKING:

@@ -19,8 +19,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from certreg._loading import cached_property
-from certreg.exact import definite_inverse, power_of_two, quotient_or_zero
-from certreg.geometry import rotation_matrix, squared_norm
+from certreg.exact.dyadic import power_of_two, quotient_or_zero
+from certreg.exact.elimination import definite_inverse
+from certreg.geometry.so3 import rotation_matrix, squared_norm
 from certreg.results import Brief
 
 if TYPE_CHECKING:
@@ -29,7 +30,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.objective.form import Reduced
-    from certreg.problem import Motion
+    from certreg.problem.motion import Motion
 
 Integers = Any  # arrays of Python's, which do not overflow
 Inverse = tuple[Integers, int]

@@ -16,9 +16,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.geometry import davenport_matrix, rotation_matrix
-from certreg.problem import PAPER_DAMPING, PAPER_POINTS, PAPER_SIGMA
-from certreg.problem import gaussian_instances as gaussian
+from certreg.geometry.so3 import davenport_matrix, rotation_matrix
+from certreg.problem.random_instances import PAPER_DAMPING, PAPER_POINTS, PAPER_SIGMA
+from certreg.problem.random_instances import gaussian_instances as gaussian
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.exact import power_of_two
+from certreg.exact.dyadic import power_of_two
 from certreg.problem.lifting import lift
 from certreg.results import Brief
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
     from fractions import Fraction
 
-    from certreg.geometry import Vector3
+    from certreg.geometry.so3 import Vector3
     from certreg.problem.problem import RegistrationProblem
 
 

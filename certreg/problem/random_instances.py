@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from certreg.errors import InvalidProblemError
-from certreg.geometry import rotation_matrix
+from certreg.geometry.so3 import rotation_matrix
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -15,7 +15,7 @@ import math
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from certreg.equilibrium import equilibrium_set
+from certreg.equilibrium.presentation import equilibrium_set
 from certreg.registration.misfits import LEVEL, FitCode, FitSums
 from certreg.registration.outlying import independent_rows
 from certreg.registration.tails import log_ratio_below
@@ -23,9 +23,10 @@ from certreg.registration.tails import log_ratio_below
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from certreg.equilibrium import CriticalSet, EquilibriumSet
-    from certreg.objective import Isotropic
-    from certreg.problem import RegistrationProblem
+    from certreg.equilibrium.critical_set import CriticalSet
+    from certreg.equilibrium.presentation import EquilibriumSet
+    from certreg.objective.isotropic import Isotropic
+    from certreg.problem.problem import RegistrationProblem
     from certreg.registration.fit import Fit
 
 DISTINGUISHABLE = 25  # twice the log-likelihood ratio of five standard deviations

@@ -7,16 +7,17 @@ from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
-from certreg.exact import as_given
-from certreg.problem import RegistrationProblem, diameter
+from certreg.exact.decimals import as_given
+from certreg.problem.problem import RegistrationProblem
+from certreg.problem.row_lengths import diameter
 from certreg.registration.headlines import is_loose
 from certreg.results import Optimality
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from certreg.certificate import ProvedConsensus
-    from certreg.problem import RegistrationProblem
+    from certreg.certificate.producing_consensus import ProvedConsensus
+    from certreg.problem.problem import RegistrationProblem
     from certreg.registration.result import Registration
     from certreg.registration.row_names import RowNames
     from certreg.registration.spring_result import SpringRegistration

@@ -11,9 +11,9 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from certreg.exact import nearest_double, power_of_two
-from certreg.geometry import squared_norm
-from certreg.problem import Scale
+from certreg.exact.dyadic import nearest_double, power_of_two
+from certreg.geometry.so3 import squared_norm
+from certreg.problem.motion import Scale
 from certreg.registration.covariance import (
     worst_residuals,
 )
@@ -38,9 +38,10 @@ from certreg.registration.tails import log_chi2_above, log_ratio_below
 from certreg.results import OUT_OF_RANGE, Absent, Explained, present
 
 if TYPE_CHECKING:
-    from certreg.geometry import Pose, Similarity
-    from certreg.objective import Isotropic
-    from certreg.problem import RegistrationProblem
+    from certreg.geometry.pose import Pose
+    from certreg.geometry.similarity import Similarity
+    from certreg.objective.isotropic import Isotropic
+    from certreg.problem.problem import RegistrationProblem
     from certreg.registration.covariance import PoseCovariance
     from certreg.registration.outlying import RowFit
 

@@ -38,18 +38,19 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg import problem as problems
 from certreg._loading import cached_property
-from certreg.exact import nearest_or_zero, power_of_two, rank
-from certreg.geometry import squared_norm
-from certreg.problem import trace
+from certreg.exact.dyadic import nearest_or_zero, power_of_two
+from certreg.exact.elimination import rank
+from certreg.geometry.so3 import squared_norm
+from certreg.problem.bounds import MOST_PAIRS
+from certreg.problem.moments import trace
 from certreg.registration.outlying import PAIRINGS, ROUNDING
 from certreg.registration.tails import log_beta_below, log_choices, log_ratio_below
 from certreg.registration.units import UNITS
 from certreg.results import Brief
 
 if TYPE_CHECKING:
-    from certreg.objective import Isotropic
+    from certreg.objective.isotropic import Isotropic
     from certreg.registration.outlying import OtherPairing, RowFit
     from certreg.registration.row_names import RowNames
 
@@ -269,8 +270,7 @@ def _outlier_remedy(rows: RowFit, names: RowNames) -> str:
     which = names.words(rows.far, k) if k <= NAMED_AGAIN else "these rows"
     they, them = ("it is", "it") if k == 1 else ("they are", "them")
     remedy = f"check {which}; if {they} wrong, mend {them} or leave {them} out, and certify again"
-    # Asked of the face, which loads what few problems need.
-    return f"{remedy}{PROVE_WRONG}" if rows.rows <= problems.MOST_PAIRS else remedy
+    return f"{remedy}{PROVE_WRONG}" if rows.rows <= MOST_PAIRS else remedy
 
 
 def _likeliest(

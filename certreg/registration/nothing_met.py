@@ -6,13 +6,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.certificate import consistent_pairs
-from certreg.exact import at_least
-from certreg.native import triangles
-from certreg.problem import LEAST_PAIRS, lengths
+from certreg.certificate.consistency import consistent_pairs
+from certreg.exact.decimals import at_least
+from certreg.native.cliques import triangles
+from certreg.problem.bounds import LEAST_PAIRS
+from certreg.problem.row_lengths import lengths
 
 if TYPE_CHECKING:
-    from certreg.problem import RegistrationProblem
+    from certreg.problem.problem import RegistrationProblem
 
 ROUNDING = 2.0**-48  # of the sum of two lengths: their difference errs by less
 

@@ -10,7 +10,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from certreg.problem import LEAST_PAIRS, RegistrationProblem
+from certreg.problem.bounds import LEAST_PAIRS
+from certreg.problem.problem import RegistrationProblem
 from certreg.registration.consensus_words import against_pose, bound_share, bound_words
 from certreg.registration.headlines import reason_of_fit
 from certreg.registration.misfits import FitCode, FitWarning
@@ -19,7 +20,7 @@ from certreg.registration.result import Registration
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from certreg.problem import RegistrationProblem
+    from certreg.problem.problem import RegistrationProblem
     from certreg.registration.spring_result import SpringRegistration
 
 WIDE = 0.25  # of a cloud's size: of directions a sixth or more are within it of any one

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from certreg._loading import cached_property
-from certreg.certificate import SimilarityBody
-from certreg.equilibrium import by_eigenspaces
-from certreg.problem import row_blocks
+from certreg.certificate.isotropic import SimilarityBody
+from certreg.equilibrium.spectral import by_eigenspaces
+from certreg.problem.arrays import row_blocks
 from certreg.registration.ambiguity import equilibria_at
 from certreg.registration.any_registration import AnyRegistration, AnySolution
 from certreg.registration.covariance import (
@@ -30,10 +30,10 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from fractions import Fraction
 
-    from certreg.certificate import RotationState
-    from certreg.equilibrium import EquilibriumSet
-    from certreg.objective import Isotropic
-    from certreg.problem import ExactMoments
+    from certreg.certificate.isotropic import RotationState
+    from certreg.equilibrium.presentation import EquilibriumSet
+    from certreg.objective.isotropic import Isotropic
+    from certreg.problem.moments import ExactMoments
     from certreg.registration.agreement import Agreement
     from certreg.registration.any_registration import ResidualBlock
     from certreg.registration.covariance import PoseCovariance, Residual
@@ -41,7 +41,7 @@ if TYPE_CHECKING:
     from certreg.registration.robustness import Robustness
     from certreg.registration.row_names import RowNames
     from certreg.registration.simulation import SimulatedMotion
-    from certreg.relaxation import Relaxation
+    from certreg.relaxation.shor import Relaxation
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

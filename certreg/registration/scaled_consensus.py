@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from certreg.certificate import (
+from certreg.certificate.producing_consensus import (
     ConsensusProver,
     ProvedConsensus,
     consensus_certificate,
@@ -15,18 +15,27 @@ from certreg.certificate import (
     pose_of,
 )
 from certreg.errors import InvalidProblemError
-from certreg.exact import at_least, at_most, double_above, double_below
-from certreg.geometry import Similarity
-from certreg.problem import Scale
-from certreg.registration.consensus import ConsensusRegistration, Ways, most_proved, restated
-from certreg.relaxation import candidates
+from certreg.exact.decimals import at_least, at_most
+from certreg.exact.dyadic import double_above, double_below
+from certreg.geometry.similarity import Similarity
+from certreg.problem.motion import Scale
+from certreg.registration.consensus import (
+    ConsensusRegistration,
+    InlierProver,
+    Ways,
+    most_proved,
+    restated,
+)
+from certreg.relaxation.consensus_search import candidates
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from certreg.certificate import Certificate, ConsensusSimilarityBody
-    from certreg.problem import RegistrationProblem
+    from certreg.certificate.consensus import ConsensusSimilarityBody
+    from certreg.certificate.envelope import Certificate
+    from certreg.problem.problem import RegistrationProblem
     from certreg.results import Verdict
+
 
 DIGITS = 7  # of a scale, in words
 NAMED_RANGES = 3  # of scales, in a sentence
@@ -147,8 +156,10 @@ def restated_scaled_consensus(
 
 SCALED = Ways(
     motion="motion with a scale",
+    free_scale=True,
     search=_search,
     certificate=consensus_certificate,
     candidates=partial(candidates, free_scale=True),
     result=ScaledConsensusRegistration,
 )
+PROVER = InlierProver(SCALED)

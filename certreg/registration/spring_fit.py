@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from certreg.exact import nearest_double
+from certreg.exact.dyadic import nearest_double
 from certreg.registration.covariance import NO_FREEDOM
 from certreg.registration.fit import NO_NOISE, ROUNDED, ZERO_MEDIAN, Fit, FitRow
 from certreg.registration.misfits import ChiSquared, FitCode, FitWarning, chi2_remedy, chi2_words
@@ -16,7 +16,7 @@ from certreg.results import OUT_OF_RANGE, Absent, present
 if TYPE_CHECKING:
     from fractions import Fraction
 
-    from certreg.problem import RegistrationProblem
+    from certreg.problem.problem import RegistrationProblem
     from certreg.registration.row_names import RowNames
     from certreg.registration.spring_rows import ResidualSums
 

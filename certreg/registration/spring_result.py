@@ -7,10 +7,10 @@ from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
 from certreg._loading import cached_property
-from certreg.certificate import sin2_half_angle_between
-from certreg.exact import half_angle_bound
-from certreg.objective import Neighbourhood
-from certreg.problem import lift
+from certreg.certificate.bounds import sin2_half_angle_between
+from certreg.exact.dyadic import half_angle_bound
+from certreg.objective.neighbourhood import Neighbourhood
+from certreg.problem.lifting import lift
 from certreg.registration.any_registration import UNDECIDED, AnyRegistration, AnySolution, Method
 from certreg.registration.covariance import FLAT, NOT_UNIQUE, OF_SPRINGS, covariance_at
 from certreg.registration.curvature import soft_axes
@@ -27,13 +27,14 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from certreg.geometry import Pose
-    from certreg.objective import Springs
+    from certreg.geometry.pose import Pose
+    from certreg.objective.springs import Springs
     from certreg.registration.any_registration import ResidualBlock
     from certreg.registration.covariance import PoseCovariance, Residual
     from certreg.registration.fit import Fit
     from certreg.registration.row_names import RowNames
-    from certreg.relaxation import Found
+    from certreg.relaxation.optimum import Found
+
 
 NOT_LISTED = Absent(
     "general springs have up to forty equilibria, or infinitely many, which `certify` does not "
@@ -67,7 +68,7 @@ class SpringSolution(AnySolution):
     @cached_property
     def weak_shifts(self) -> tuple[WeakShift, ...]:
         """The shifts that the springs hardly resist: of rounding as much as of the data."""
-        return weak_shifts(self.objective.joint_form)
+        return weak_shifts(self.objective)
 
     @cached_property
     def least(self) -> Fraction:

@@ -21,8 +21,9 @@ from itertools import islice
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
-from certreg.native import BitRows, rows_of
+from certreg.native.bit_rows import BitRows, rows_of
 from certreg.relaxation.cliques import CliqueSearch, consistency, core, greedy_cliques
 from certreg.relaxation.edge_rows import Held, best_that_fits, exchanged, grown, held, widened
 from certreg.relaxation.paired_rows import (
@@ -38,11 +39,10 @@ from certreg.relaxation.truncated_squares import Candidate, candidate_of, trunca
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from numpy.typing import NDArray
-
     from certreg.relaxation.paired_rows import PairedRows, Reals, Rows
 
-    Graph = NDArray[np.bool_]
+
+Graph = NDArray[np.bool_]
 
 CLIQUES = 32  # that are tried at effort 1: a hundred wrong ones of a thousand rows take a second
 TRIPLES = 1 << 22  # rows that are held against poses of triples at effort 1

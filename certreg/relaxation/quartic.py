@@ -10,9 +10,11 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
-from certreg.geometry import canonical
-from certreg.objective import PAIR_PLACE, levelled
+from certreg.geometry.so3 import canonical
+from certreg.objective.levelling import levelled
+from certreg.objective.quartics import PAIR_PLACE
 from certreg.relaxation.conic import RelaxationStatus, solve, solver_name
 from certreg.relaxation.cvxpy_models import quartic_statement, solve_stated, stated_name
 from certreg.results import Brief
@@ -20,9 +22,8 @@ from certreg.results import Brief
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from numpy.typing import NDArray
 
-    Reals = NDArray[np.float64]
+Reals = NDArray[np.float64]
 
 RANK_THRESHOLD = 1e-4  # of the largest eigenvalue of the moments; the solver's tolerance is 1e-8
 TIMES = np.array(

@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.exact import power_of_two
-from certreg.geometry import canonical, quaternion_from_matrix
+from certreg.exact.dyadic import power_of_two
+from certreg.geometry.so3 import canonical, quaternion_from_matrix
 from certreg.relaxation.conic import ConicSolution, RelaxationStatus, solve, solver_name
 from certreg.relaxation.cvxpy_models import solve_stated, stated_name, statement
 from certreg.relaxation.qcqp import RelaxationForm
@@ -23,8 +23,9 @@ from certreg.results import Brief
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from certreg.geometry import Matrix3
-    from certreg.objective import Isotropic
+    from certreg.geometry.so3 import Matrix3
+    from certreg.objective.isotropic import Isotropic
+
 
 RANK_THRESHOLD = 1e-4  # of the largest eigenvalue of Z; the solver's tolerance is 1e-8
 

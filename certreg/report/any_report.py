@@ -19,8 +19,8 @@ from certreg.report.words import THEOREMS, begun, sentence
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
-    from certreg.certificate import Certificate
-    from certreg.registration import AnyRegistration
+    from certreg.certificate.envelope import Certificate
+    from certreg.registration.any_registration import AnyRegistration
     from certreg.results import Verdict
 
 R = TypeVar("R", bound="AnyRegistration")

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from certreg.registration import is_green, is_green_spring
+from certreg.registration.headlines import is_green
 from certreg.report.lines import (
     KINDS,
     OF_SPREAD,
@@ -33,16 +33,15 @@ from certreg.results import Brief
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from certreg.certificate import CertificateVerdict
-    from certreg.equilibrium import EquilibriumSet
-    from certreg.registration import (
-        AnyRegistration,
-        Assessment,
-        ProblemTrajectory,
-        Registration,
-        SpringRegistration,
-    )
+    from certreg.certificate.checking import CertificateVerdict
+    from certreg.equilibrium.presentation import EquilibriumSet
+    from certreg.registration.any_registration import AnyRegistration
+    from certreg.registration.assessed import Assessment
+    from certreg.registration.result import Registration
+    from certreg.registration.simulation import ProblemTrajectory
+    from certreg.registration.spring_result import SpringRegistration
     from certreg.report.picture import Picture
+
 
 GREEN, AMBER = "#1f8d3e", "#bd5f00"  # 4.2 : 1 on white and on #131416, as a page is in the dark
 TEMPLATE = "report/templates/card.html"
@@ -114,7 +113,7 @@ def spring_card(registration: SpringRegistration) -> str:
             *(f"Warning: {words}" for words in spring_warnings(registration, first)),
             *(f"{ADVICE}{words}" for words in spring_remedies(registration)),
         ],
-        good=is_green_spring(registration),
+        good=is_green(registration),
         facts=[
             ("correspondences", f"{registration.problem.n:,}"),
             ("springs", springs_words(registration)),

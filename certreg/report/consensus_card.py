@@ -10,7 +10,7 @@ from certreg.report.lines import number
 from certreg.report.scaled_consensus import scale_facts
 
 if TYPE_CHECKING:
-    from certreg.registration import ConsensusRegistration
+    from certreg.registration.consensus import ConsensusRegistration
 
 
 def consensus_card(result: ConsensusRegistration) -> str:

@@ -10,7 +10,7 @@ from certreg.report.scaled_consensus import scale_fields
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from certreg.registration import ConsensusRegistration
+    from certreg.registration.consensus import ConsensusRegistration
     from certreg.report.encoding import Document
 
 NO_SECOND = "no other motion was found that meets three of the other pairs"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from certreg.registration import SpringRegistration
+from certreg.registration.spring_result import SpringRegistration
 from certreg.report.lines import explained_words, method_lines, verdict_words
 from certreg.report.overview import Mark, Overview
 from certreg.report.remedies import causes, remedies
@@ -21,7 +21,8 @@ from certreg.report.spring_summary import (
 from certreg.report.spring_words import RESTS_ON
 
 if TYPE_CHECKING:
-    from certreg.registration import ConsensusRegistration, Registration
+    from certreg.registration.consensus import ConsensusRegistration
+    from certreg.registration.result import Registration
 
     AnyFit = Registration | SpringRegistration
 

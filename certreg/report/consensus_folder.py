@@ -6,8 +6,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from certreg.errors import InvalidFileError
-from certreg.io import PAIR_COLUMNS, csv_field, remedy_of, write_together
-from certreg.registration import TruncatedRegistration
+from certreg.io.atomic import remedy_of, write_together
+from certreg.io.inliers import PAIR_COLUMNS
+from certreg.io.labels import csv_field
+from certreg.registration.truncated import TruncatedRegistration
 from certreg.report.consensus_fields import consensus_document
 from certreg.report.document import dumps, pose_document
 from certreg.report.file_names import (
@@ -26,7 +28,7 @@ if TYPE_CHECKING:
     import os
     from collections.abc import Sequence
 
-    from certreg.registration import ConsensusRegistration
+    from certreg.registration.consensus import ConsensusRegistration
     from certreg.report.encoding import Document
 
 

@@ -6,7 +6,8 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, ClassVar, Self, cast
 
 from certreg.errors import DegenerateProblemError
-from certreg.registration import are_words, simulate_breaking
+from certreg.registration.breaking_simulation import simulate_breaking
+from certreg.registration.consensus_words import are_words
 from certreg.report.any_report import AnyReport, head_of, pairs_words
 from certreg.report.breaking import breaking_course
 from certreg.report.consensus_fit import (
@@ -36,7 +37,7 @@ from certreg.results import Guarantee
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
-    from certreg.registration import ConsensusRegistration
+    from certreg.registration.consensus import ConsensusRegistration
     from certreg.report.viewer import Names
 
 MOST_ROWS = 40  # undecided pairs in the table

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from certreg.registration import FitCode, bound_words
+from certreg.registration.consensus_words import bound_words
+from certreg.registration.misfits import FitCode
 from certreg.report.consensus_fit import (
     fit_causes,
     fit_remedies,
@@ -21,7 +22,9 @@ from certreg.report.scaled_consensus import scale_lines, witness_scale_lines
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from certreg.registration import ConsensusRegistration, FitWarning, TruncatedRegistration
+    from certreg.registration.consensus import ConsensusRegistration
+    from certreg.registration.misfits import FitWarning
+    from certreg.registration.truncated import TruncatedRegistration
 
 TOLD_SECOND = 4  # pairs: any three of equal lengths fit
 SHOWN_ROWS = 8

@@ -7,13 +7,10 @@ import math
 from fractions import Fraction
 from typing import TYPE_CHECKING, cast
 
-from certreg import registration as made  # whose results with a free scale are few
 from certreg._loading import late
-from certreg.exact import double_above, nearest_double
-from certreg.registration import (
-    Method,
-    SimulatedRegistration,
-)
+from certreg.exact.dyadic import double_above, nearest_double
+from certreg.registration.any_registration import Method
+from certreg.registration.simulation import SimulatedRegistration
 from certreg.report.encoding import Document, Noted, encoded
 from certreg.report.fields import (
     degrees,
@@ -26,29 +23,28 @@ from certreg.report.fields import (
     scale_of,
     upper_degrees,
 )
-from certreg.report.uncertainty import (
-    uncertainty_rows,
-)
+from certreg.report.uncertainty import uncertainty_rows
 from certreg.results import OUT_OF_RANGE, Absent
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from certreg.equilibrium import Component, EquilibriumSet
-    from certreg.registration import (
-        AnyRegistration,
-        Assessment,
-        Enumeration,
-        Registration,
-        ScaledEquilibria,
-        SimulatedBreathing,
-        SpringRegistration,
-    )
+    from certreg.equilibrium.presentation import Component, EquilibriumSet
+    from certreg.registration import breathing as registration_breathing
+    from certreg.registration.any_registration import AnyRegistration
+    from certreg.registration.assessed import Assessment
+    from certreg.registration.breathing import ScaledEquilibria, SimulatedBreathing
+    from certreg.registration.enumeration import Enumeration
+    from certreg.registration.result import Registration
+    from certreg.registration.spring_result import SpringRegistration
     from certreg.report import breathing, methods, spring_document
-else:  # of a free scale, of lists, and of general springs
+else:
+    # of a free scale
     breathing = late("certreg.report.breathing")
     methods = late("certreg.report.methods")
+    registration_breathing = late("certreg.registration.breathing")
     spring_document = late("certreg.report.spring_document")
+
 
 RESULT_SCHEMA = "certreg-result/1"
 ASSESSMENT_SCHEMA = "certreg-assessment/1"
@@ -122,7 +118,9 @@ def _fields(registration: Registration) -> Document:
         "springs": ALIKE,
         "optimality": _optimality(registration),
         "equilibria": _scaled_equilibria(
-            made.scaled_equilibria(registration.solution.objective, registration.equilibria)
+            registration_breathing.scaled_equilibria(
+                registration.solution.objective, registration.equilibria
+            )
         )
         if registration.problem.scaled
         else _equilibria(registration.equilibria),
@@ -153,7 +151,7 @@ def pose_document(registration: AnyRegistration) -> Document:
     )
 
 
-def equilibria_document(enumeration: Enumeration) -> Document:
+def equilibria_document(enumeration: Enumeration[EquilibriumSet]) -> Document:
     """An equilibrium set on its own; with the searches for it, if there were several."""
     return encoded({**_set(enumeration.equilibria), **methods.methods_fields(enumeration)})
 

@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.exact import degrees_above, double_above, double_below
-from certreg.geometry import Similarity
-from certreg.registration import UNDECIDED, is_loose
+from certreg.exact.dyadic import degrees_above, double_above, double_below
+from certreg.geometry.similarity import Similarity
+from certreg.registration.any_registration import UNDECIDED
+from certreg.registration.headlines import is_loose
 from certreg.report.encoding import Noted
 from certreg.report.uncertainty import covariance_of, more_than_noise, shift_sigmas, turn_sigmas
 from certreg.results import OUT_OF_RANGE, Absent
@@ -17,9 +18,11 @@ from certreg.results import OUT_OF_RANGE, Absent
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from certreg.certificate import SimilarityClaims
-    from certreg.geometry import Pose
-    from certreg.registration import AnyRegistration, Fit, FitRow, FitWarning
+    from certreg.certificate.isotropic import SimilarityClaims
+    from certreg.geometry.pose import Pose
+    from certreg.registration.any_registration import AnyRegistration
+    from certreg.registration.fit import Fit, FitRow
+    from certreg.registration.misfits import FitWarning
     from certreg.report.encoding import Document
 
 NO_SCALE = Absent("the scale was not asked for")

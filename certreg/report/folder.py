@@ -5,9 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from certreg.dynamics import Record
+from certreg.dynamics.trajectories import Record
 from certreg.errors import InvalidFileError
-from certreg.io import remedy_of, write_together
+from certreg.io.atomic import remedy_of, write_together
 from certreg.report.document import dumps, pose_document, result_document
 from certreg.report.file_names import (
     CERTIFICATE,
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     import os
     from collections.abc import Iterator, Sequence
 
-    from certreg.registration import AnyRegistration
+    from certreg.registration.any_registration import AnyRegistration
 
 
 def write_folder(

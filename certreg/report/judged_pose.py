@@ -5,14 +5,18 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from certreg.exact import at_most, degrees_above, rational_root_above
-from certreg.registration import FIT_WARNED, TooLarge, interval_words
+from certreg.exact.decimals import at_most
+from certreg.exact.dyadic import degrees_above, rational_root_above
+from certreg.registration.findings import FIT_WARNED
+from certreg.registration.headlines import interval_words
+from certreg.registration.loose_turns import TooLarge
 from certreg.report.lines import exact_number, unit_words
 from certreg.report.remedies import ADVICE
 from certreg.results import Absent, PoseVerdict
 
 if TYPE_CHECKING:
-    from certreg.registration import Assessment, JudgedEnergies, SigmaDistance
+    from certreg.registration.assessed import Assessment
+    from certreg.registration.findings import JudgedEnergies, SigmaDistance
 
 
 def assessment_summary(assessment: Assessment) -> str:

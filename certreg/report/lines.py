@@ -8,20 +8,20 @@ from decimal import MAX_EMAX, MIN_EMIN, Context, Decimal
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from certreg.certificate import flat_energy
-from certreg.exact import as_given, at_most, nearest_double
-from certreg.registration import (
-    BY_NAME,
+from certreg.certificate.bounds import flat_energy
+from certreg.exact.decimals import as_given, at_most
+from certreg.exact.dyadic import nearest_double
+from certreg.registration.ambiguity import ambiguous_words, narrow_words
+from certreg.registration.headlines import (
     HARDLY_DETERMINED,
-    NOT_ASKED,
-    FitCode,
-    ambiguous_words,
     headline_words,
-    narrow_words,
     proved_degrees,
-    rounding_remedy,
     share_words,
 )
+from certreg.registration.misfits import FitCode
+from certreg.registration.pipeline import NOT_ASKED
+from certreg.registration.rounding import rounding_remedy
+from certreg.registration.squares import BY_NAME
 from certreg.report.thinning import kicked_words, unspent_words
 from certreg.report.uncertainty import uncertainty_rows
 from certreg.results import (
@@ -35,13 +35,11 @@ from certreg.results import (
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from certreg.dynamics import Trajectory
-    from certreg.equilibrium import Component, EquilibriumSet
-    from certreg.registration import (
-        AnyRegistration,
-        Fit,
-        Registration,
-    )
+    from certreg.dynamics.trajectory import Trajectory
+    from certreg.equilibrium.presentation import Component, EquilibriumSet
+    from certreg.registration.any_registration import AnyRegistration
+    from certreg.registration.fit import Fit
+    from certreg.registration.result import Registration
 
 UNMET = "Not called certified: that asks for a proof that it is"
 MEANS = "Certified means here"

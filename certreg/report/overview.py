@@ -6,16 +6,11 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from certreg.exact import as_given, at_least, at_most
-from certreg.geometry import Similarity
-from certreg.registration import (
-    FitCode,
-    headline_of,
-    headline_words,
-    proved_degrees,
-    share_words,
-    silent_tests,
-)
+from certreg.exact.decimals import as_given, at_least, at_most
+from certreg.geometry.similarity import Similarity
+from certreg.registration.fit import silent_tests
+from certreg.registration.headlines import headline_of, headline_words, proved_degrees, share_words
+from certreg.registration.misfits import FitCode
 from certreg.report.lines import (
     explained_words,
     margin_words,
@@ -44,12 +39,17 @@ from certreg.results import Absent, Optimality
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-    from certreg.geometry import Pose
-    from certreg.registration import AnyRegistration, Fit, PoseCovariance, Registration
+    from certreg.geometry.pose import Pose
+    from certreg.registration.any_registration import AnyRegistration
+    from certreg.registration.covariance import PoseCovariance
+    from certreg.registration.fit import Fit
+    from certreg.registration.result import Registration
+
 
 WIDE = 1e9  # larger translations are written with an exponent
 BASIS = "± is"  # the row that says where the deviations come from
-WHOSE = "Rotation: about the source's axes. Centre: where the source's mean goes."
+WHOSE_TURN = "Rotation: about the source's axes."
+WHOSE = f"{WHOSE_TURN} Centre: where the source's mean goes."
 SAME = "not known, as that of the rotation"
 NO_PROOF = "Statistics, not proved."
 TESTS = {
@@ -123,7 +123,7 @@ def _pose(registration: Registration) -> PoseFacts:
     return pose_facts(registration, place_facts(registration), basis_words(registration, WHOSE))
 
 
-def basis_words(registration: Registration, whose: str) -> str:
+def basis_words(registration: AnyRegistration, whose: str) -> str:
     """What the deviations are of, or why there are none; whose: of which places they are."""
     sure = dict(uncertainty_rows(registration))
     if BASIS not in sure:

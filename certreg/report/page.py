@@ -5,7 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from certreg.registration import WEAK, Registration, ambiguous_words, headline_of, is_green
+from certreg.registration.ambiguity import ambiguous_words
+from certreg.registration.headlines import WEAK, headline_of, is_green
+from certreg.registration.result import Registration
 from certreg.report.any_report import AnyReport, head_of
 from certreg.report.lines import verdict_words, warnings
 from certreg.report.markup import inert, inert_json
@@ -30,7 +32,7 @@ from certreg.results import Optimality
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from certreg.registration import Headline
+    from certreg.registration.headlines import Headline
     from certreg.report.viewer import Names
 
 

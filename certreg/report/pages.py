@@ -4,19 +4,17 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, cast
 
-from certreg import registration as made  # whose other kinds of results most pages do without
 from certreg._loading import late
-from certreg.registration import AnyRegistration
+from certreg.registration.any_registration import AnyRegistration
 from certreg.report.page import Report
 
 if TYPE_CHECKING:
-    from certreg.problem import RegistrationProblem
-    from certreg.registration import (
-        ConsensusRegistration,
-        Registration,
-        SpringRegistration,
-        TruncatedRegistration,
-    )
+    from certreg.problem.problem import RegistrationProblem
+    from certreg.registration import truncated
+    from certreg.registration.consensus import ConsensusRegistration
+    from certreg.registration.result import Registration
+    from certreg.registration.spring_result import SpringRegistration
+    from certreg.registration.truncated import TruncatedRegistration
     from certreg.report import consensus_page, similarity_page, spring_page, truncated_page
     from certreg.report.any_report import AnyReport
 
@@ -26,6 +24,8 @@ else:
     similarity_page = late("certreg.report.similarity_page")
     spring_page = late("certreg.report.spring_page")
     truncated_page = late("certreg.report.truncated_page")
+    # most pages do without
+    truncated = late("certreg.registration.truncated")
 
 
 def report_on(registration: Reported) -> AnyReport[Any]:
@@ -34,7 +34,7 @@ def report_on(registration: Reported) -> AnyReport[Any]:
         if registration.problem.factors is not None:
             return spring_page.SpringReport.of(cast("SpringRegistration", registration))
         return page_of(registration.problem).of(cast("Registration", registration))
-    if isinstance(registration, made.TruncatedRegistration):
+    if isinstance(registration, truncated.TruncatedRegistration):
         return truncated_page.TruncatedReport.of(registration)
     return consensus_page.ConsensusReport.of(registration)
 

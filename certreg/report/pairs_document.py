@@ -10,7 +10,8 @@ from certreg.report.fields import warning_fields
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from certreg.registration import ConsensusRegistration, TruncatedRegistration
+    from certreg.registration.consensus import ConsensusRegistration
+    from certreg.registration.truncated import TruncatedRegistration
     from certreg.report.encoding import Document
 
 WORST = 10  # residuals in a result: the whole list is one call away

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.registration import SpringAxes
+from certreg.registration.spring_rows import SpringAxes
 from certreg.results import Brief
 
 if TYPE_CHECKING:
@@ -15,8 +15,9 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from certreg.dynamics import Trajectory
-    from certreg.registration import AnyRegistration, SpringRegistration
+    from certreg.dynamics.trajectory import Trajectory
+    from certreg.registration.any_registration import AnyRegistration
+    from certreg.registration.spring_result import SpringRegistration
 
 WIDTH, HEIGHT, MARGIN = 240, 160, 10  # pixels
 BODY = 30  # points: fewer are hardly seen without lines between them

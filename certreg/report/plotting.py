@@ -8,7 +8,7 @@ from certreg._loading import library
 from certreg.report.picture import SOURCE, SPRING, Sample
 
 if TYPE_CHECKING:
-    from certreg.registration import AnyRegistration
+    from certreg.registration.any_registration import AnyRegistration
 
 PLOTTED = 5_000  # points: more are a cloud all the same, and slow to turn
 JOINED = 500  # of them: more springs hide the points

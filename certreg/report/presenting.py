@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Any
 
 from certreg._loading import late
 from certreg.errors import InvalidFileError
-from certreg.io import write_atomically
-from certreg.registration import AnyRegistration
+from certreg.io.atomic import write_atomically
+from certreg.registration.any_registration import AnyRegistration
 from certreg.verify import shown
 
 if TYPE_CHECKING:

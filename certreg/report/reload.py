@@ -14,38 +14,30 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.certificate import (
-    Certificate,
-    CertificateVerdict,
-    ConsensusBody,
-    ConsensusSimilarityBody,
-    CountBody,
-    ExactPose,
-    IsotropicBody,
-    PoseBounds,
-    SimilarityBody,
-    SpringsListBody,
-    TruncatedRotationBody,
-    body_of,
-    pose_bounds,
-    spring_pose_bounds,
-    verify,
-)
+from certreg.certificate.bounds import ExactPose, PoseBounds, pose_bounds
+from certreg.certificate.checking import CertificateVerdict, verify
+from certreg.certificate.consensus import ConsensusBody, ConsensusSimilarityBody
+from certreg.certificate.count import CountBody
+from certreg.certificate.envelope import Certificate, body_of
+from certreg.certificate.isotropic import IsotropicBody, SimilarityBody
+from certreg.certificate.spring_bounds import spring_pose_bounds
+from certreg.certificate.springs_list import SpringsListBody
+from certreg.certificate.truncated import TruncatedRotationBody
 from certreg.errors import InvalidFileError, RefusedCertificateError
-from certreg.geometry import Similarity
-from certreg.io import reading
-from certreg.native import Integrator
-from certreg.problem import MAX_DAMPING, MIN_DAMPING, Loss, RegistrationProblem, Scale, bounded
-from certreg.registration import (
-    CROSS_CHECK,
-    SPRING_KINDS,
-    SpringRegistration,
-    certified,
-    certified_springs,
-    restated_consensus,
-    restated_scaled_consensus,
-    restated_truncated,
-)
+from certreg.geometry.similarity import Similarity
+from certreg.io.streams import reading
+from certreg.native.loops import Integrator
+from certreg.problem.bounds import bounded
+from certreg.problem.motion import MAX_DAMPING, MIN_DAMPING, Scale
+from certreg.problem.problem import RegistrationProblem
+from certreg.problem.support import Loss
+from certreg.registration.consensus import restated_consensus
+from certreg.registration.linear import CROSS_CHECK
+from certreg.registration.pipeline import Asked
+from certreg.registration.scaled_consensus import restated_scaled_consensus
+from certreg.registration.spring_result import SPRING_KINDS, SpringRegistration
+from certreg.registration.squares import certified_squares
+from certreg.registration.truncated import restated_truncated
 from certreg.report.consensus_page import ConsensusReport
 from certreg.report.pages import page_of
 from certreg.report.spring_page import SpringReport
@@ -56,10 +48,11 @@ if TYPE_CHECKING:
     import os
     from collections.abc import Callable
 
-    from certreg.geometry import Pose
-    from certreg.registration import Registration, Solution
+    from certreg.geometry.pose import Pose
+    from certreg.registration.result import Registration, Solution
     from certreg.report.any_report import AnyReport
     from certreg.results import Verdict
+
 
 SPRING = 12 * 8  # bytes of two points and six entries of a factor
 BOUNDED_PAIR = 8 * 8  # bytes of two points, a weight and a bound
@@ -138,11 +131,13 @@ def report_of(
     motion = MotionOptions.of(loaded.about, stated)
     if noted is not None:
         noted(motion.words)
-    registration = certified(
+    registration = certified_squares(
         stated if motion.damping is None else stated.damped(motion.damping),
-        relaxation=isinstance(body, IsotropicBody) and body.multiplier is not None,
-        integrator=motion.integrator,
-        about=loaded.about,
+        Asked(
+            relaxation=isinstance(body, IsotropicBody) and body.multiplier is not None,
+            simulation=motion.integrator is not None and Integrator(motion.integrator),
+            about=loaded.about,
+        ),
     )
     given = _bounds(body, registration)
     return page_of(stated)(
@@ -215,10 +210,10 @@ def _required_body(certificate: Certificate[Any], file: Path, *, pointless: bool
 def _problem(certificate: Certificate[Any], clouds: Clouds | None) -> RegistrationProblem:
     """The problem of a certificate that the checker has accepted for the clouds."""
     body = certificate.body
-    if body.KIND in SPRING_KINDS:
-        return _spring_problem(certificate)
+    sprung = body.KIND in SPRING_KINDS
+    points = _spring_problem(certificate) if sprung else _weighted(certificate, clouds)
     scale = Scale(body.scale) if isinstance(body, SimilarityBody) else Scale.NONE
-    return _weighted(certificate, clouds).modelled(scale, rotation_only=body.rotation_only)
+    return points.modelled(scale, rotation_only=body.rotation_only)
 
 
 def _weighted(certificate: Certificate[Any], clouds: Clouds | None) -> RegistrationProblem:
@@ -255,7 +250,7 @@ def _spring_report(
     name: str,
 ) -> SpringReport:
     """The report of a certificate of general springs: its pose, and what it proves of that."""
-    registration = certified_springs(problem, about=certificate.about)
+    registration = certified_squares(problem, Asked(about=certificate.about))
     place = ExactPose.of_doubles(registration.pose.quaternion_wxyz, registration.pose.translation)
     solution = registration.solution
     given = spring_pose_bounds(solution.objective, certificate.body, place)

@@ -8,10 +8,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from certreg.registration import FitCode, ambiguous_words, is_loose, narrow_words
+from certreg.registration.ambiguity import ambiguous_words, narrow_words
+from certreg.registration.headlines import is_loose
+from certreg.registration.misfits import FitCode
 
 if TYPE_CHECKING:
-    from certreg.registration import Fit, Registration
+    from certreg.registration.fit import Fit
+    from certreg.registration.result import Registration
 
 ADVICE = "What to do: "  # before a remedy in text; a page sets it apart
 GIVE_SIGMA = "give sigma, which may rule the other pose out; or "

@@ -7,15 +7,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.geometry import Similarity
-from certreg.io import csv_field
-from certreg.problem import Scale
-from certreg.registration import RowNames
+from certreg.geometry.similarity import Similarity
+from certreg.io.labels import csv_field
+from certreg.problem.motion import Scale
+from certreg.registration.row_names import RowNames
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from certreg.registration import AnyRegistration
+    from certreg.registration.any_registration import AnyRegistration
 
 HEADER = b"row,label,residual,standardised\n"
 

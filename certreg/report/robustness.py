@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from certreg.exact import as_given, at_least, at_most
+from certreg.exact.decimals import as_given, at_least, at_most
 
 if TYPE_CHECKING:
-    from certreg.registration import AnyRegistration, Robustness
+    from certreg.registration.any_registration import AnyRegistration
+    from certreg.registration.robustness import Robustness
 
 
 def robustness_words(registration: AnyRegistration) -> str:

@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from certreg.registration import ScaledConsensusRegistration, ranges_words
+from certreg.registration.scaled_consensus import ScaledConsensusRegistration, ranges_words
 from certreg.report.scaled_summary import BIAS
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from certreg.registration import ConsensusRegistration
+    from certreg.registration.consensus import ConsensusRegistration
     from certreg.report.encoding import Document
 
 

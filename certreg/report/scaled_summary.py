@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from certreg.geometry import Similarity
-from certreg.problem import Scale
-from certreg.registration import scaled_equilibria, unit_of
+from certreg.geometry.similarity import Similarity
+from certreg.problem.motion import Scale
+from certreg.registration.breathing import scaled_equilibria
+from certreg.registration.scaled_poses import unit_of
 from certreg.report.breathing import scaled_equilibria_words
 from certreg.report.lines import (
     explained_words,
@@ -20,7 +21,7 @@ from certreg.report.remedies import ADVICE, remedies, why_warned
 from certreg.report.robustness import robustness_words
 
 if TYPE_CHECKING:
-    from certreg.registration import Registration
+    from certreg.registration.result import Registration
 
 SCALE_ZERO = (
     "                    0: the clouds do not correspond (the cross-covariance is zero), so that "

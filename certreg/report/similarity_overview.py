@@ -4,18 +4,16 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from certreg.exact import at_least, at_most
-from certreg.geometry import Similarity
-from certreg.registration import (
-    headline_words,
-    proved_degrees,
-    scaled_equilibria,
-    unit_of,
-)
+from certreg.exact.decimals import at_least, at_most
+from certreg.geometry.similarity import Similarity
+from certreg.registration.breathing import scaled_equilibria
+from certreg.registration.headlines import headline_words, proved_degrees
+from certreg.registration.scaled_poses import unit_of
 from certreg.report.fields import scale_interval
 from certreg.report.lines import margin_words, warnings
 from certreg.report.overview import (
     WHOSE,
+    WHOSE_TURN,
     Fact,
     Mark,
     Overview,
@@ -35,11 +33,11 @@ from certreg.results import Absent
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from certreg.registration import Registration
+    from certreg.registration.result import Registration
     from certreg.report.overview import PoseFacts
 
+
 ALL_DIGITS = 17  # of a double
-WHOSE_TURN = "Rotation: about the source's axes."
 TESTED = "The test of the noise that was given raises no warning. "
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from certreg.registration import SimulatedBreathing, scaled_equilibria
+from certreg.registration.breathing import SimulatedBreathing, scaled_equilibria
 from certreg.report.any_report import worst_rows
 from certreg.report.breathing import HEADINGS as SCALED_HEADINGS
 from certreg.report.breathing import (
@@ -33,7 +33,7 @@ from certreg.results import Absent
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from certreg.registration import Registration
+    from certreg.registration.result import Registration
     from certreg.report.picture import Picture
     from certreg.report.viewer import Names
 

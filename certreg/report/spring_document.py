@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from certreg.exact import double_above, double_below, nearest_double
-from certreg.registration import NOT_LISTED, NOT_SIMULATED, UNDECIDED
+from certreg.exact.dyadic import double_above, double_below, nearest_double
+from certreg.registration.any_registration import UNDECIDED
+from certreg.registration.spring_result import NOT_LISTED, NOT_SIMULATED
 from certreg.report.fields import (
     degrees,
     finite,
@@ -16,8 +17,8 @@ from certreg.report.fields import (
 from certreg.results import OUT_OF_RANGE, Absent
 
 if TYPE_CHECKING:
-    from certreg.certificate import SpringsSosBody
-    from certreg.registration import SpringRegistration
+    from certreg.certificate.springs_sos import SpringsSosBody
+    from certreg.registration.spring_result import SpringRegistration
     from certreg.report.encoding import Document
 
 FORM = "rotation-10"

@@ -6,14 +6,15 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from certreg.equilibrium import Finiteness
+from certreg.equilibrium.line_set import Finiteness
 from certreg.errors import MissingToolError
-from certreg.registration import listed_springs, returns
+from certreg.registration.spring_release import listed_springs, returns
 from certreg.report.spring_equilibria import magnitude, spring_count_words, spring_notes
 from certreg.results import Guarantee
 
 if TYPE_CHECKING:
-    from certreg.registration import SpringEquilibrium, SpringRegistration
+    from certreg.registration.spring_equilibria import SpringEquilibrium
+    from certreg.registration.spring_result import SpringRegistration
 
 COUNTED = {  # on what the number of equilibria rests
     Finiteness.FORTY: ("forty_lines",),

@@ -28,10 +28,8 @@ from certreg.results import (
 )
 
 if TYPE_CHECKING:
-    from certreg.registration import (
-        Registration,
-        SimulatedRegistration,
-    )
+    from certreg.registration.result import Registration
+    from certreg.registration.simulation import SimulatedRegistration
     from certreg.report import scaled_summary
 else:
     scaled_summary = late("certreg.report.scaled_summary")

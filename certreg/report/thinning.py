@@ -12,16 +12,18 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.dynamics import SimulationSettings, simulate, state_at_rest
+from certreg.dynamics.integrators import SimulationSettings
+from certreg.dynamics.simulation import simulate
+from certreg.dynamics.states import state_at_rest
 from certreg.errors import DegenerateProblemError
-from certreg.geometry import quaternions_from_matrices, rotation_matrix
-from certreg.native import MATRIX_STATE, named
+from certreg.geometry.so3 import quaternions_from_matrices, rotation_matrix
+from certreg.native.layout import MATRIX_STATE, named
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from certreg.dynamics import Trajectory
-    from certreg.registration import Solution
+    from certreg.dynamics.trajectory import Trajectory
+    from certreg.registration.result import Solution
 
 FRAMES = 240  # of a motion; the page interpolates between them
 VISIBLE_ENERGY = 1e-8  # of what a run loses: 1e-4 of the first displacement

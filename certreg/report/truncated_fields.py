@@ -9,7 +9,7 @@ from certreg.report.pairs_document import pairs_document
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from certreg.registration import TruncatedRegistration
+    from certreg.registration.truncated import TruncatedRegistration
     from certreg.report.encoding import Document
 
 NO_COUNT = (

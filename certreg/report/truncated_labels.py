@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from certreg.registration import LabelsVerdict
+from certreg.registration.kept_pairs import LabelsVerdict
 from certreg.report.cards import Card
 from certreg.report.encoding import Document, encoded
 from certreg.report.truncated_summary import truncated_facts
 from certreg.results import Absent
 
 if TYPE_CHECKING:
-    from certreg.registration import TruncatedLabels
+    from certreg.registration.truncated_labels import TruncatedLabels
 
 SCHEMA = "certreg-truncated-labels/1"
 

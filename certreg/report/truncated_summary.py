@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from certreg.exact import as_given, at_most
+from certreg.exact.decimals import as_given, at_most
 from certreg.report.cards import Card
 from certreg.report.consensus_fit import fit_causes, fit_remedies, fit_verdict, further_lines
 from certreg.report.consensus_reach import degrees_from
@@ -19,7 +19,7 @@ from certreg.report.remedies import ADVICE
 from certreg.results import Limits
 
 if TYPE_CHECKING:
-    from certreg.registration import TruncatedRegistration
+    from certreg.registration.truncated import TruncatedRegistration
 
 HARDER = "give more --effort to search further, or other bounds if pairs are near to theirs"
 

@@ -11,21 +11,22 @@ from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
-from certreg.exact import as_given, at_most, nearest_or_zero, sigma_of_weight
-from certreg.geometry import Similarity
-from certreg.registration import (
-    NO_RESIDUALS,
-    FitCode,
-    axis_words,
-    beyond_first_order,
-)
+from certreg.exact.decimals import as_given, at_most
+from certreg.exact.dyadic import nearest_or_zero, sigma_of_weight
+from certreg.geometry.similarity import Similarity
+from certreg.registration.covariance import NO_RESIDUALS
+from certreg.registration.loose_turns import axis_words, beyond_first_order
+from certreg.registration.misfits import FitCode
 from certreg.results import Absent
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from certreg.geometry import Pose
-    from certreg.registration import AnyRegistration, Fit, PoseCovariance, Registration
+    from certreg.geometry.pose import Pose
+    from certreg.registration.any_registration import AnyRegistration
+    from certreg.registration.covariance import PoseCovariance
+    from certreg.registration.fit import Fit
+    from certreg.registration.result import Registration
 
 FINE = math.radians(0.01)  # below it arc seconds: 36 of them
 FIRST_ORDER = 0.2  # radians, 11 degrees: turns scatter 2 % more there, 4 to 8 % at 0.3, measured;

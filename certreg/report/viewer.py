@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
-from certreg.exact import nearest_double
-from certreg.problem import lift
+from certreg.exact.dyadic import nearest_double
+from certreg.problem.lifting import lift
 from certreg.report.lines import margin_words, number, unit_words
 from certreg.report.markup import printable
 from certreg.report.thinning import UNSPENT, Run, left_words, shown_motion, simulated_escapes
@@ -25,9 +25,9 @@ from certreg.results import Absent, Optimality
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from certreg.equilibrium import Component
-    from certreg.problem import RegistrationProblem
-    from certreg.registration import Registration, Solution
+    from certreg.equilibrium.presentation import Component
+    from certreg.problem.problem import RegistrationProblem
+    from certreg.registration.result import Registration, Solution
 
 SPRINGS_WORDS = (
     "Each pair is joined by a spring, and the source moves as one rigid body, with friction, until "

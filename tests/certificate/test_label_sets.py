@@ -11,7 +11,9 @@ import pytest
 
 from certreg.certificate import truncated
 from certreg.certificate.truncated import disproves_labels
-from certreg.problem import Loss, RegistrationProblem, bounded
+from certreg.problem.bounds import bounded
+from certreg.problem.problem import RegistrationProblem
+from certreg.problem.support import Loss
 from certreg.verify import PRODUCTS, UNITS
 
 AXES = np.vstack([np.eye(3), -np.eye(3)]) * [3.0, 2.0, 1.0]

@@ -22,18 +22,13 @@ from certreg.certificate.shared_motion import is_refuted
 from certreg.certificate.springs_list import quaternion_product
 from certreg.certificate.staging import Stager
 from certreg.certificate.thinning import GraphThinning, transversal
-from certreg.exact import (
-    Dyadic,
-    double_above,
-    dyadic_above,
-    dyadic_below,
-    half_angle_bound,
-    rank,
-)
-from certreg.geometry import rotation_matrix
+from certreg.exact.dyadic import Dyadic, double_above, dyadic_above, dyadic_below, half_angle_bound
+from certreg.exact.elimination import rank
+from certreg.geometry.so3 import rotation_matrix
 from certreg.objective.levelling import MONOMIALS, levelled_exactly
-from certreg.problem import RegistrationProblem, bounded
+from certreg.problem.bounds import bounded
 from certreg.problem.losses import Consensus
+from certreg.problem.problem import RegistrationProblem
 from certreg.verify import OPEN, SAME
 
 LITTLE = Fraction(1, 10**30)

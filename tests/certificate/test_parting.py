@@ -11,14 +11,16 @@ import numpy as np
 import pytest
 
 from benchmarks.rates.consensus_labels import Cell
-from certreg.certificate import ConsensusProver, assuming, consensus_certificate, edge_elimination
+from certreg.certificate import assuming, edge_elimination
 from certreg.certificate.assuming import Assuming, CliqueAvoiding
 from certreg.certificate.consensus import Group, Strike
 from certreg.certificate.consistency import ConsistentPairs
 from certreg.certificate.edge_elimination import Parting, sets_of, turned
+from certreg.certificate.producing_consensus import ConsensusProver, consensus_certificate
 from certreg.certificate.thinning import GraphThinning
-from certreg.native import mask_of, rows_of
-from certreg.problem import RegistrationProblem, bounded
+from certreg.native.bit_rows import mask_of, rows_of
+from certreg.problem.bounds import bounded
+from certreg.problem.problem import RegistrationProblem
 from certreg.registration.consensus import proved_consensus
 
 checker = import_module("certreg.verify")

@@ -7,11 +7,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from certreg.certificate import consensus_certificate
 from certreg.certificate import producing_consensus as made
+from certreg.certificate.producing_consensus import consensus_certificate
 from certreg.certificate.staging import length_of
 from certreg.errors import UndecidedError
-from certreg.problem import RegistrationProblem, bounded
+from certreg.problem.bounds import bounded
+from certreg.problem.problem import RegistrationProblem
 from certreg.registration.scaled_consensus import SCALED
 from certreg.verify import check
 

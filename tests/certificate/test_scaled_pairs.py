@@ -11,14 +11,16 @@ import jsonschema
 import numpy as np
 import pytest
 
-from certreg.certificate import Certificate, ConsensusProver, verify
+from certreg.certificate.checking import verify
 from certreg.certificate.consensus import ScaleRange
 from certreg.certificate.consistency import ConsistentPairs
-from certreg.certificate.producing_consensus import consensus_certificate
+from certreg.certificate.envelope import Certificate
+from certreg.certificate.producing_consensus import ConsensusProver, consensus_certificate
 from certreg.certificate.staging import Stager
 from certreg.certificate.thinning import Graph
-from certreg.geometry import rotation_matrix
-from certreg.problem import Consensus, RegistrationProblem
+from certreg.geometry.so3 import rotation_matrix
+from certreg.problem.losses import Consensus
+from certreg.problem.problem import RegistrationProblem
 
 checker = import_module("certreg.verify")
 ROOT = Path(__file__).parents[2]

@@ -27,13 +27,12 @@ from strategies import BENT, LINE, ZOO, random_problem, random_rotation
 
 import certreg as package
 from certreg import RegistrationProblem
+from certreg.cli import certified_clouds, registering
 from certreg.cli import main as cli
-from certreg.cli import options as cloud_options
-from certreg.cli import registering
 from certreg.io.problems import read_problem
 from certreg.registration import agreement
-from certreg.registration import certification as pipeline
 from certreg.registration import examples as demo
+from certreg.registration import linear as pipeline
 from certreg.registration.headlines import CERTIFIED
 from certreg.results import Ruling, Verdict
 
@@ -41,6 +40,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from numpy.typing import NDArray
+
 
 CHECKER = Path(package.__file__).parent / "verify.py"
 COMMANDS = (
@@ -819,7 +819,7 @@ def test_any_weight_is_refused_where_the_weights_are_in_the_digest_only(
     assert certreg("certify", *clouds, "--out", tmp_path).code == 0
     certificate = tmp_path / "certificate.json"
     for most, code in ((5, 0), (4, 2)):
-        monkeypatch.setattr(cloud_options, "INLINE_MAX", most)
+        monkeypatch.setattr(certified_clouds, "INLINE_MAX", most)
         run = certreg("verify", certificate, *clouds, "--any-weight")
         assert run.code == code, run.err
     assert "--any-weight is for 4 points at most: give --sigma" in run.err

@@ -16,9 +16,12 @@ from certreg.equilibrium.breaking import Labels, RestPose, SpringSet, _Residuals
 from certreg.equilibrium.eigenlines import Eigenline, _eigenline, eigenlines
 from certreg.equilibrium.spring_sets import consistent_springs, label_sets
 from certreg.errors import InvalidProblemError, UndecidedError
-from certreg.geometry import rotation_matrix
-from certreg.objective import Isotropic
-from certreg.problem import Loss, RegistrationProblem, bounded, exact_springs
+from certreg.geometry.so3 import rotation_matrix
+from certreg.objective.isotropic import Isotropic
+from certreg.problem.bounds import bounded
+from certreg.problem.breaking import exact_springs
+from certreg.problem.problem import RegistrationProblem
+from certreg.problem.support import Loss
 from certreg.results import ComponentKind
 
 if TYPE_CHECKING:

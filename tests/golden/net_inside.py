@@ -25,11 +25,11 @@ from net_python import (
 )
 
 from certreg import Registration, SimulationSettings, certify, equilibria
-from certreg.equilibrium import equilibrium_set
-from certreg.registration import STORIES, differences, tell
-from certreg.report import html_page
+from certreg.equilibrium.presentation import equilibrium_set
+from certreg.registration.examples import STORIES, differences, tell
 from certreg.report.lines import explained_words
 from certreg.report.page import Report
+from certreg.report.pages import html_page
 from certreg.report.remedies import why_warned
 from certreg.report.uncertainty import uncertainty_rows
 from certreg.report.words import weak_words

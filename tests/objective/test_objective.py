@@ -30,8 +30,8 @@ from certreg.geometry.so3 import (
 )
 from certreg.objective.isotropic import Isotropic
 from certreg.objective.scaling import Scaling
-from certreg.problem import Scale
 from certreg.problem.moments import exact_moments
+from certreg.problem.motion import Scale
 
 checker_module = import_module("certreg.verify")  # the name of the function, too
 Q = (2, -1, 3, 5)

@@ -17,9 +17,9 @@ from scipy.spatial.transform import Rotation
 import certreg
 from certreg.certificate.consensus import NONE, OPEN
 from certreg.errors import InvalidProblemError
-from certreg.exact import Dyadic
-from certreg.registration import ConsensusRegistration, ScaledConsensusRegistration
-from certreg.registration.scaled_consensus import ranges_words
+from certreg.exact.dyadic import Dyadic
+from certreg.registration.consensus import ConsensusRegistration
+from certreg.registration.scaled_consensus import ScaledConsensusRegistration, ranges_words
 from certreg.report.pages import html_page
 from certreg.report.reload import report_of
 

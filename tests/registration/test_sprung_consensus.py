@@ -15,14 +15,17 @@ from jsonschema import Draft202012Validator
 from wrong_pairs import BOUND, WrongPairs, wrong_pairs
 
 import certreg
-from certreg.certificate import Certificate
+from certreg.certificate.envelope import Certificate
 from certreg.errors import InvalidFileError, InvalidProblemError, RefusedCertificateError
-from certreg.geometry import rotation_matrix
-from certreg.registration import ConsensusRegistration, SpringRegistration
-from certreg.report import report_of
+from certreg.geometry.so3 import rotation_matrix
+from certreg.registration.spring_result import SpringRegistration
+from certreg.report.reload import report_of
 
 if TYPE_CHECKING:
     from pathlib import Path
+
+    from certreg.registration.consensus import ConsensusRegistration
+
 
 N = 24
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from scipy.sparse import csc_matrix
 
-from certreg.objective import MONOMIALS, PAIRS
+from certreg.objective.quartics import MONOMIALS, PAIRS
 from certreg.relaxation import cvxpy_models
 from certreg.relaxation.cones import CONES_FILE, GENERATED, Columns, cones_of
 from certreg.relaxation.conic import called

@@ -369,7 +369,7 @@ def test_nothing_is_printed_or_warned_and_nothing_is_loaded_before_it_is_used():
         "import sys, numpy as np\n"
         "from certreg import RegistrationProblem\n"
         "from certreg.problem.moments import exact_moments\n"
-        "from certreg.objective import Isotropic\n"
+        "from certreg.objective.isotropic import Isotropic\n"
         "from certreg.relaxation.shor import relax\n"
         "assert not {'cvxpy', 'clarabel', 'scipy'} & set(sys.modules)\n"
         "objective = Isotropic(exact_moments(RegistrationProblem(np.eye(3), np.eye(3))))\n"

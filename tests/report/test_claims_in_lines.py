@@ -9,8 +9,8 @@ from typing import Any
 
 import pytest
 
-from certreg.dynamics import SimulationStatus
-from certreg.registration import Method
+from certreg.dynamics.status import SimulationStatus
+from certreg.registration.any_registration import Method
 from certreg.report import lines, spring_summary, truncated_summary
 from certreg.report.lines import MEANS, UNMET
 from certreg.results import Limits, Optimality

@@ -14,10 +14,11 @@ import pytest
 from jsonschema import Draft202012Validator
 from spring_families import line, plane
 
-from certreg.problem import RegistrationProblem
-from certreg.registration import certify
-from certreg.report import html_page, report_of
+from certreg.problem.problem import RegistrationProblem
+from certreg.registration.certification import certify
 from certreg.report.document import dumps, pose_document, result_document
+from certreg.report.pages import html_page
+from certreg.report.reload import report_of
 from certreg.report.spring_page import SpringReport
 
 if TYPE_CHECKING:
