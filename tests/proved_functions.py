@@ -222,8 +222,13 @@ PROVED = (
         "registration/test_flags_enumerated",
     ),
     _of(
-        "registration/scaled_consensus",
-        "ScaledConsensusRegistration.scale_interval ranges_words",
+        "registration/consensus",
+        "ConsensusRegistration.scale_interval",
+        "registration/test_flags_enumerated",
+    ),
+    _of(
+        "registration/consensus_words",
+        "ranges_words",
         "registration/test_flags_enumerated",
     ),
     _of(

@@ -34,7 +34,6 @@ from certreg.problem.support import Loss
 from certreg.registration.consensus import restated_consensus
 from certreg.registration.linear import CROSS_CHECK
 from certreg.registration.pipeline import Asked
-from certreg.registration.scaled_consensus import restated_scaled_consensus
 from certreg.registration.spring_result import SPRING_KINDS, SpringRegistration
 from certreg.registration.squares import certified_squares
 from certreg.registration.truncated import restated_truncated
@@ -278,9 +277,7 @@ def _consensus_report(
         message = f"{shown(file)}: holds no least squares, or no points: there is no pose to report"
         raise InvalidFileError(message, path=file)
     stated = _bounded_problem(certificate.body, n, data)
-    scaled = isinstance(certificate.body, ConsensusSimilarityBody)
-    restate = restated_scaled_consensus if scaled else restated_consensus
-    result = restate(stated, certificate, verdict)
+    result = restated_consensus(stated, certificate, verdict)
     body: Any = body_of(fields)
     given = _fit_bounds(body, result.fit)
     return ConsensusReport(
