@@ -47,7 +47,7 @@ PROVED = (
         "sin2_half_angle_between angle_from",
         "certificate/test_pose_bounds",
     ),
-    _of("certificate/label_sets", "disproves_labels", "certificate/test_label_sets"),
+    _of("certificate/truncated", "disproves_labels", "certificate/test_label_sets"),
     _of(
         "certificate/producing",
         "proves_optimality _bits_tell proves_basin proved_multiplier proves_multiplier "
@@ -222,8 +222,13 @@ PROVED = (
         "registration/test_flags_enumerated",
     ),
     _of(
-        "registration/scaled_consensus",
-        "ScaledConsensusRegistration.scale_interval ranges_words",
+        "registration/consensus",
+        "ConsensusRegistration.scale_interval",
+        "registration/test_flags_enumerated",
+    ),
+    _of(
+        "registration/consensus_words",
+        "ranges_words",
         "registration/test_flags_enumerated",
     ),
     _of(

@@ -26,7 +26,7 @@ import numpy as np
 
 from certreg.certificate.assuming import Assuming
 from certreg.certificate.consistency import ConsistentPairs, consistent_pairs
-from certreg.certificate.parting import Parting
+from certreg.certificate.edge_elimination import Parting
 from certreg.certificate.producing_consensus import ConsensusProver, consensus_certificate
 from certreg.certificate.thinning import Graph, GraphThinning
 from certreg.native.bit_rows import mask_of

@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 from rotated_pairs import RotatedPairs, rotated_pairs
 
-from certreg.certificate.producing_truncated import truncated_certificate
+from certreg.certificate.truncated import truncated_certificate
 from certreg.problem.bounds import bounded
 from certreg.problem.problem import RegistrationProblem
 from certreg.problem.support import Loss

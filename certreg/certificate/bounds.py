@@ -24,11 +24,11 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from certreg.certificate.isotropic import IsotropicBody
-    from certreg.certificate.similarity import SimilarityBody
+    from certreg.certificate.isotropic import IsotropicBody, SimilarityBody
     from certreg.objective.springs import Springs
     from certreg.problem.moments import ExactMoments
     from certreg.results import Limits
+
 
 NO_ANGLE = Absent("the optimum is not unique: no angle to 'the' optimum exists")
 NOT_CLAIMED = Absent("the certificate bounds no angle, though the optimum is unique")

@@ -12,9 +12,8 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from certreg._loading import late
-from certreg.certificate.differing import told_apart
 from certreg.certificate.envelope import certificate_bytes
-from certreg.certificate.mistaken import why_no_certificate, why_no_certificates
+from certreg.certificate.refusals import told_apart, why_no_certificate, why_no_certificates
 from certreg.errors import InvalidProblemError, RefusedCertificateError
 from certreg.io.atomic import write_atomically
 from certreg.results import SHOWN, Ruling, Shown, Verdict
@@ -31,6 +30,7 @@ if TYPE_CHECKING:
 else:
     # it loads NumPy, which most here do without
     problem_bounds = late("certreg.problem.bounds")
+
 
 OBJECTIVES = {"consensus": "--max-residual", "truncated": "--objective truncated"}  # of models
 UNITS = {"angle": "radians", "share": "a number", "undecided": "a number of pairs"}

@@ -144,6 +144,16 @@ class LabelledBody(FilePart):
     fit: dict[str, Any] | None
     reach: Reach | None = None
 
+    @property
+    def scales(self) -> tuple[Fraction, Fraction] | None:
+        """Of all motions that meet these pairs; None where the scale is not free."""
+        return None
+
+    @property
+    def met_elsewhere(self) -> bool:
+        """Whether motions that meet these pairs may have a scale that is in no undecided range."""
+        return False
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ConsensusBody(LabelledBody):
@@ -192,9 +202,14 @@ class ConsensusSimilarityBody(LabelledBody):
     scale_upper: Dyadic
 
     @property
+    def scales(self) -> tuple[Fraction, Fraction]:
+        """Of all motions that meet these pairs."""
+        return self.scale_lower.value, self.scale_upper.value
+
+    @property
     def met_elsewhere(self) -> bool:
         """Whether motions that meet these pairs may have a scale that is in no undecided range."""
-        low, high = self.scale_lower.value, self.scale_upper.value
+        low, high = self.scales
         inside = any(
             one.low <= low and (one.high is None or high <= one.high)
             for one in ranges(self.pieces, self.states, OPEN)

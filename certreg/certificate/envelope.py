@@ -46,7 +46,7 @@ class CertificateBody(Protocol):
 
 BODIES = {  # by their kind: module of this wing, and class
     "isotropic": ("isotropic", "IsotropicBody"),
-    "similarity": ("similarity", "SimilarityBody"),
+    "similarity": ("isotropic", "SimilarityBody"),
     "count": ("count", "CountBody"),
     "springs-sos": ("springs_sos", "SpringsSosBody"),
     "springs-cones": ("springs_cones", "SpringsConesBody"),

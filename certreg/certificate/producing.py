@@ -19,14 +19,14 @@ from typing import TYPE_CHECKING
 
 from certreg.certificate.count import CountBody
 from certreg.certificate.envelope import Certificate
-from certreg.certificate.isotropic import Claims, IsotropicBody, RotationState
-from certreg.certificate.radius import (
-    RADIUS_BITS,
-    SAFE,
-    SeparatedRadius,
-    isotropic_radius,
+from certreg.certificate.isotropic import (
+    Claims,
+    IsotropicBody,
+    RotationState,
+    SimilarityBody,
+    SimilarityClaims,
 )
-from certreg.certificate.similarity import SimilarityBody, SimilarityClaims
+from certreg.certificate.radius import RADIUS_BITS, SAFE, SeparatedRadius, isotropic_radius
 from certreg.errors import InvalidProblemError
 from certreg.exact.dyadic import Dyadic, dyadic_above, dyadic_below, power_of_two
 from certreg.exact.elimination import is_positive_definite
@@ -41,6 +41,7 @@ if TYPE_CHECKING:
     from certreg.objective.isotropic import Isotropic
     from certreg.objective.scaling import Scaling
     from certreg.problem.problem import RegistrationProblem
+
 
 INLINE_POINTS = 1_000_000  # the contract: beyond, the file carries the digest only
 INLINE_SPRINGS = 700_000  # of general springs, 128 bytes each in base64: files are below 1e8 bytes

@@ -36,10 +36,9 @@ from certreg.certificate.consensus import (
     ranges,
 )
 from certreg.certificate.consistency import ConsistentPairs
-from certreg.certificate.envelope import Certificate
-from certreg.certificate.isotropic import IsotropicBody
+from certreg.certificate.isotropic import IsotropicBody, SimilarityBody
+from certreg.certificate.producing import enclosed
 from certreg.certificate.reach import ANGLE_BITS, reach_of, turn_about
-from certreg.certificate.similarity import SimilarityBody
 from certreg.certificate.springs_cones import SpringsConesBody
 from certreg.certificate.springs_sos import SpringsSosBody
 from certreg.certificate.staging import MOST, Part, Stager, length_of, settled
@@ -54,6 +53,7 @@ from certreg.problem.bounds import LEAST_PAIRS
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from certreg.certificate.envelope import Certificate
     from certreg.native.bit_rows import Neighbours
     from certreg.problem.problem import RegistrationProblem
 
@@ -295,13 +295,7 @@ def consensus_certificate(
 
     Raises UndecidedError where it would be too long.
     """
-    return Certificate(
-        n=problem.n,
-        digest=problem.digest(),
-        inline=problem.data_bytes(),
-        body=BODY_OF[type(found.witness)](problem, found, fit),
-        about=about or {},
-    )
+    return enclosed(problem, BODY_OF[type(found.witness)](problem, found, fit), about)
 
 
 def _rigid_body(

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from certreg.certificate.assuming import Assuming
 from certreg.certificate.consensus import INLIER, NONE, OPEN, OUTLIER, SAME, UNDECIDED, Stage
-from certreg.certificate.parting import Parting
+from certreg.certificate.edge_elimination import Parting
 from certreg.certificate.thinning import GraphThinning
 from certreg.native.bit_rows import mask_of
 

@@ -32,14 +32,15 @@ if TYPE_CHECKING:
     from certreg.registration import exit_codes, simulation
 else:
     # These load NumPy, and are loaded where they are needed: `certreg verify` does without.
-    labels = late("certreg.io.labels")
+    exit_codes = late("certreg.registration.exit_codes")
     io_pairing = late("certreg.io.pairing")
     io_problems = late("certreg.io.problems")
     io_springs = late("certreg.io.springs")
-    simulation = late("certreg.registration.simulation")
-    exit_codes = late("certreg.registration.exit_codes")
+    labels = late("certreg.io.labels")
     motion = late("certreg.problem.motion")
+    simulation = late("certreg.registration.simulation")
     support = late("certreg.problem.support")
+
 
 EXIT_CODES = """
 \b

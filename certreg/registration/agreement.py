@@ -24,7 +24,7 @@ from certreg.results import Absent, Explained
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from certreg.certificate.similarity import SimilarityBody
+    from certreg.certificate.isotropic import SimilarityBody
     from certreg.dynamics.trajectory import Trajectory
     from certreg.equilibrium import breathing
     from certreg.objective.isotropic import Isotropic

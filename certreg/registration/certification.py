@@ -33,10 +33,7 @@ else:
 
 PROVERS: Mapping[Structure | Loss, Provers] = {
     **SQUARES,
-    Loss.CONSENSUS: (
-        found_late("certreg.registration.consensus", "PROVER"),
-        found_late("certreg.registration.scaled_consensus", "PROVER"),
-    ),
+    Loss.CONSENSUS: (found_late("certreg.registration.consensus", "PROVER"),),
     Loss.TRUNCATED: (found_late("certreg.registration.truncated", "PROVER"),),
 }
 

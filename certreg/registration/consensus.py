@@ -7,8 +7,9 @@ better candidate is sought: the proof is the stopping rule.
 from __future__ import annotations
 
 import logging
+import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
@@ -21,10 +22,19 @@ from certreg.certificate.producing_consensus import (
     pose_of,
 )
 from certreg.errors import InvalidProblemError, UndecidedError
+from certreg.exact.dyadic import double_above, double_below
+from certreg.geometry.similarity import Similarity
 from certreg.problem.bounds import LEAST_PAIRS
 from certreg.problem.effort import checked_effort
+from certreg.problem.motion import Scale
 from certreg.problem.row_lengths import apart
-from certreg.registration.consensus_words import PairLabels, headline, repeated_rows, repeated_words
+from certreg.registration.consensus_words import (
+    PairLabels,
+    headline,
+    ranges_words,
+    repeated_rows,
+    repeated_words,
+)
 from certreg.registration.exit_codes import (
     DONE,
     NOT_CERTIFIED,
@@ -46,25 +56,22 @@ from certreg.relaxation.consensus_search import candidates
 from certreg.results import Saved
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator
+    from collections.abc import Iterable
 
     from numpy.typing import NDArray
 
     from certreg.certificate.consensus import ConsensusBody, ConsensusSimilarityBody
     from certreg.certificate.envelope import Certificate
     from certreg.geometry.pose import Pose
-    from certreg.geometry.similarity import Similarity
     from certreg.problem.problem import RegistrationProblem
     from certreg.problem.support import Cell
     from certreg.registration.misfits import FitWarning
     from certreg.registration.result import Registration
     from certreg.registration.spring_result import SpringRegistration
-    from certreg.relaxation.truncated_squares import Candidate
     from certreg.results import Verdict
 
 
 LOG = logging.getLogger(__name__)
-Proved = TypeVar("Proved", bound=ProvedConsensus)
 SECOND_EFFORT = 0.3  # of the search among the other pairs: a hint, nothing of it is proved
 
 
@@ -114,7 +121,36 @@ class ConsensusRegistration(Saved):
     @property
     def witness(self) -> Pose | Similarity:
         """A motion that meets all of them, exactly before it is rounded to doubles."""
-        return pose_of(self.found.witness)
+        rigid = pose_of(self.found.witness)
+        if self.scale_interval is None:
+            return rigid
+        return Similarity(
+            rotation=rigid.rotation,
+            translation=rigid.translation,
+            quaternion_wxyz=rigid.quaternion_wxyz,
+            scale=float(self.found.witness.scale),
+        )
+
+    @property
+    def scale_interval(self) -> tuple[float, float] | None:
+        """Between which scales all motions are that meet these pairs, proved; rounded outwards.
+
+        None where the scale is not free.
+        """
+        scales = self.certificate.body.scales
+        return None if scales is None else (double_below(scales[0]), double_above(scales[1]))
+
+    @property
+    def undecided_scales(self) -> tuple[tuple[float, float], ...]:
+        """With which scales motions may meet as many pairs, or more, but others than these.
+
+        Rounded outwards; an end may be 0 or infinite. None of them where the scale is not free.
+        """
+        some = [] if self.scale_interval is None else self.found.open_scales
+        return tuple(
+            (double_below(one.low), math.inf if one.high is None else double_above(one.high))
+            for one in some
+        )
 
     @property
     def lower(self) -> int:
@@ -164,8 +200,17 @@ class ConsensusRegistration(Saved):
 
     @property
     def headline(self) -> str:
-        """What is proved, in words."""
-        return headline(self.problem, self.found, self.names, self.against)
+        """What is proved, in words; where it is not proved of all scales, of which it is."""
+        told = headline(self.problem, self.found, self.names, self.against)
+        some = self.undecided_scales
+        if not some:
+            return told
+        met, where = self.lower, ranges_words(some)
+        others = f"{'any other ' * self.certificate.body.met_elsewhere}{met}"
+        return (
+            f"{told} With scales {where} it is not proved which {met} are met; with all others "
+            f"no motion brings {others} within."
+        )
 
     @property
     def against(self) -> str | None:
@@ -206,24 +251,6 @@ class ConsensusRegistration(Saved):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Ways:
-    """How pairs are labelled by motions of one kind.
-
-    motion: in words. free_scale: whether they have one. search: what is proved of a problem, with
-    an effort; None: nothing. certificate: of a problem, what was found, the certificate of the fit,
-    about. candidates: of points and bounds, with an effort: motions with their inliers. result: its
-    class.
-    """
-
-    motion: str
-    free_scale: bool
-    search: Callable[[RegistrationProblem, float], ProvedConsensus | None]
-    certificate: Callable[..., Certificate[Any]]
-    candidates: Callable[..., Iterator[Candidate]]
-    result: Callable[..., ConsensusRegistration]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class Counted:
     """Pairs that one motion meets, with their least squares, and the proof of both."""
 
@@ -234,27 +261,26 @@ class Counted:
 
 
 class InlierProver(Prover[ProvedConsensus, Counted, ConsensusRegistration]):
-    """Of the most pairs that one motion meets, by motions of one kind."""
+    """Of the most pairs that one motion meets."""
 
     PARTS = 3  # consensus, fit, checker
 
-    def __init__(self, ways: Ways) -> None:
-        self.ways = ways
-
     def accepts(self, cell: Cell) -> bool:
-        """Whether its motions are those of the problem."""
-        return cell.scaled is self.ways.free_scale
+        """All that there are."""
+        del cell
+        return True
 
     def propose(self, problem: RegistrationProblem, asked: Asked, work: Work) -> ProvedConsensus:
         """The pairs that are met: each candidate is tried by its proof.
 
         Raises UndecidedError where no motion was found that meets three pairs.
         """
-        found = self.ways.search(problem, checked_effort(asked.effort))
+        prover = ConsensusProver(problem, effort=checked_effort(asked.effort))
+        found = proved_consensus(problem, prover, asked.effort)
         work.lap("consensus")
         work.done("consensus")
         if found is None:
-            raise UndecidedError(nothing_met(problem, self.ways.motion))
+            raise UndecidedError(nothing_met(problem))
         return found
 
     def prove(
@@ -265,7 +291,7 @@ class InlierProver(Prover[ProvedConsensus, Counted, ConsensusRegistration]):
         Raises InvalidProblemError where all pairs that were met have weight 0.
         """
         fit = _fit(problem, proposal, asked, RowNames.of(asked.about, problem.n))
-        certificate = self.ways.certificate(problem, proposal, fit.certificate, asked.about)
+        certificate = consensus_certificate(problem, proposal, fit.certificate, asked.about)
         work.lap("fit")
         work.done("fit")
         return Counted(problem=problem, found=proposal, fit=fit, certificate=certificate)
@@ -282,76 +308,78 @@ class InlierProver(Prover[ProvedConsensus, Counted, ConsensusRegistration]):
         self, proved: Counted, verdict: Verdict | None, asked: Asked, timings: dict[str, float]
     ) -> ConsensusRegistration:
         """With what another motion was seen to meet."""
-        return self.ways.result(
+        return ConsensusRegistration(
             problem=proved.problem,
             found=proved.found,
             fit=proved.fit,
             certificate=proved.certificate,
-            verdict=verdict,
-            second=_second(proved.problem, proved.found, self.ways, asked.effort),
+            verdict=cast("Verdict", verdict),  # there is a certificate
+            second=_second(proved.problem, proved.found, asked.effort),
             timings=timings,
         )
 
 
+PROVER = InlierProver()
+
+
 def restated_consensus(
-    problem: RegistrationProblem, certificate: Certificate[ConsensusBody], verdict: Verdict
+    problem: RegistrationProblem,
+    certificate: Certificate[ConsensusBody | ConsensusSimilarityBody],
+    verdict: Verdict,
 ) -> ConsensusRegistration:
     """As a certificate says that the checker has accepted for the problem.
 
     The least squares, and what another motion fits, are computed anew.
     """
     found = consensus_of(problem, certificate.body)
-    return restated(problem, RIGID, found, certificate, verdict)
-
-
-def restated(
-    problem: RegistrationProblem,
-    ways: Ways,
-    found: ProvedConsensus,
-    certificate: Certificate[Any],
-    verdict: Verdict,
-) -> ConsensusRegistration:
-    """The same of what was found, by motions of any kind."""
-    return ways.result(
+    return ConsensusRegistration(
         problem=problem,
         found=found,
         fit=_fit(problem, found, USUAL, RowNames.of(certificate.about, problem.n)),
         certificate=certificate,
         verdict=verdict,
-        second=_second(problem, found, ways, 1.0),
+        second=_second(problem, found, 1.0),
         timings={},
     )
-
-
-def _search(problem: RegistrationProblem, effort: float) -> ProvedConsensus | None:
-    return proved_consensus(problem, ConsensusProver(problem, effort=effort), effort)
-
-
-RIGID = Ways(
-    motion="rigid motion",
-    free_scale=False,
-    search=_search,
-    certificate=consensus_certificate,
-    candidates=candidates,
-    result=ConsensusRegistration,
-)
-PROVER = InlierProver(RIGID)
 
 
 def proved_consensus(
     problem: RegistrationProblem, prover: ConsensusProver, effort: float
 ) -> ProvedConsensus | None:
-    """Of all candidates the one of which most is proved, by rigid motions."""
-    block, graph = problem.points, prover.graph.near
-    x, y = block.source, block.target
-    best = most_proved(
-        prover.prove(one.rotation, one.translation, whole=False)
-        for one in candidates(x, y, problem.bounds, effort=effort, consistent=graph)
+    """Of all candidates the one of which most is proved."""
+    block, rigid = problem.points, prover.pairs.rigid
+    motions = candidates(
+        block.source,
+        block.target,
+        problem.bounds,
+        free_scale=not rigid,
+        effort=effort,
+        consistent=prover.graph.near if rigid else None,
     )
+    best = most_proved(
+        prover.prove(one.rotation, one.translation, one.scale, whole=False) for one in motions
+    )
+    if best is not None and not rigid:
+        _require_spread(problem, best)
     return best if best is None or best.decided else prover.witnessed(best.witness)
 
 
-def most_proved(tried: Iterable[Proved | None]) -> Proved | None:
+def _require_spread(problem: RegistrationProblem, found: ProvedConsensus) -> None:
+    """Refuses pairs that most motions meet and that have no best scale."""
+    block, rows = problem.block(slice(None)), list(found.met)
+    symmetric = problem.scale is Scale.SYMMETRIC
+    clouds = {"source": block.source, **({"target": block.target} if symmetric else {})}
+    weighty = [row for row in rows if block.weights[row] > 0.0] or rows
+    for name, points in clouds.items():
+        if (points[weighty] == points[weighty[0]]).all():
+            message = (
+                f"most pairs, {len(weighty)} that weigh, are met where all {name} points are one: "
+                "they have no scale; leave pairs that repeat a point out"
+            )
+            raise InvalidProblemError(message, array=name, row=weighty[0])
+
+
+def most_proved(tried: Iterable[ProvedConsensus | None]) -> ProvedConsensus | None:
     """Of all that is proved with candidates the most; none is tried once none can have more."""
     best = None
     for found in tried:
@@ -382,15 +410,13 @@ def _fit(
     return fitted(problem.of_rows(met), met, names, asked)
 
 
-def _second(
-    problem: RegistrationProblem, found: ProvedConsensus, ways: Ways, effort: float
-) -> int | None:
+def _second(problem: RegistrationProblem, found: ProvedConsensus, effort: float) -> int | None:
     """The most of the other pairs that a motion was seen to meet."""
     others = sorted(set(range(problem.n)) - set(found.met))
     if len(others) < LEAST_PAIRS:
         return None
     block = problem.points
     rest = block.source[others], block.target[others], problem.bounds[others]
-    motions = ways.candidates(*rest, effort=SECOND_EFFORT * effort)
+    motions = candidates(*rest, free_scale=problem.scaled, effort=SECOND_EFFORT * effort)
     most = max((len(one.inliers) for one in motions), default=0)
     return most if most >= LEAST_PAIRS else None

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
-from certreg.exact.decimals import as_given
+from certreg.exact.decimals import as_given, at_least, at_most
 from certreg.problem.problem import RegistrationProblem
 from certreg.problem.row_lengths import diameter
 from certreg.registration.headlines import is_loose
@@ -24,6 +25,8 @@ if TYPE_CHECKING:
 
 WORDS = {"i": "inlier", "o": "outlier", "?": "undecided"}
 NAMED_ROWS = 5  # of the undecided ones, in a sentence
+DIGITS = 7  # of a scale, in words
+NAMED_RANGES = 3  # of scales, in a sentence
 
 
 @dataclass(frozen=True, slots=True)
@@ -179,3 +182,15 @@ def bound_share(problem: RegistrationProblem) -> float:
     if not problem.scaled:
         size = min(size, diameter(problem.source))
     return float(problem.bounds.max()) / size if size else 0.0
+
+
+def ranges_words(some: Sequence[tuple[float, float]]) -> str:
+    """For example: from 0.5 to 0.75 and from 2 on; rounded outwards."""
+    told: list[str] = []
+    for low, high in some:
+        begin = f"from {at_least(low, DIGITS)}"
+        end = "on" if math.isinf(high) else f"to {at_most(high, DIGITS)}"
+        told.append(f"{begin} {end}")
+    if len(told) > NAMED_RANGES:
+        told = [*told[: NAMED_RANGES - 1], f"in {len(told) - NAMED_RANGES + 1} other ranges"]
+    return " and ".join([", ".join(told[:-1]), told[-1]] if len(told) > 1 else told)

@@ -18,8 +18,9 @@ if TYPE_CHECKING:
 ROUNDING = 2.0**-48  # of the sum of two lengths: their difference errs by less
 
 
-def nothing_met(problem: RegistrationProblem, motion: str) -> str:
-    """Of a motion that shall meet three pairs; motion: in words."""
+def nothing_met(problem: RegistrationProblem) -> str:
+    """Of a motion that shall meet three pairs."""
+    motion = "motion with a scale" if problem.scaled else "rigid motion"
     if problem.scaled or triangles(consistent_pairs(problem), (1 << problem.n) - 1).any():
         return (
             f"no {motion} was found that brings {LEAST_PAIRS} pairs within their bounds: all may "

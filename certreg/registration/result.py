@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from certreg._loading import cached_property
-from certreg.certificate.similarity import SimilarityBody
+from certreg.certificate.isotropic import SimilarityBody
 from certreg.equilibrium.spectral import by_eigenspaces
 from certreg.problem.arrays import row_blocks
 from certreg.registration.ambiguity import equilibria_at

@@ -14,8 +14,8 @@ from certreg.registration.scale_range import proved_scales
 from certreg.results import Absent, Brief
 
 if TYPE_CHECKING:
+    from certreg.certificate.isotropic import SimilarityBody
     from certreg.certificate.radius import Radius
-    from certreg.certificate.similarity import SimilarityBody
     from certreg.problem.moments import ExactMoments
 
 ROBUSTNESS_ANGLE = 5.0  # degrees, unless another is asked for

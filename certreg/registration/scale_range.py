@@ -18,7 +18,7 @@ from certreg.problem.moments import trace
 from certreg.problem.motion import Scale
 
 if TYPE_CHECKING:
-    from certreg.certificate.similarity import SimilarityBody
+    from certreg.certificate.isotropic import SimilarityBody
     from certreg.problem.moments import ExactMoments
 
 Spreads = tuple[Fraction, Fraction, Fraction]  # M, Sxx, Syy

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.certificate.producing_truncated import truncated_certificate
+from certreg.certificate.truncated import truncated_certificate
 from certreg.errors import UndecidedError
 from certreg.exact.decimals import at_least, at_most
 from certreg.exact.dyadic import double_above

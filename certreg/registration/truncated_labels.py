@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from certreg.certificate.label_sets import disproves_labels
+from certreg.certificate.truncated import disproves_labels
 from certreg.problem.inliers import LEAST_DIRECTIONS, checked_inliers
 from certreg.registration.consensus_words import within_words
 from certreg.registration.exit_codes import DONE, NOT_CERTIFIED, REFUSED

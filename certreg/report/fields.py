@@ -18,7 +18,7 @@ from certreg.results import OUT_OF_RANGE, Absent
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from certreg.certificate.similarity import SimilarityClaims
+    from certreg.certificate.isotropic import SimilarityClaims
     from certreg.geometry.pose import Pose
     from certreg.registration.any_registration import AnyRegistration
     from certreg.registration.fit import Fit, FitRow

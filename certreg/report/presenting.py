@@ -58,11 +58,6 @@ SHAPES: dict[str, Shape] = {  # by the name of the type
         document="consensus_fields.consensus_document",
         card="consensus_card.consensus_card",
     ),
-    "ScaledConsensusRegistration": Shape(
-        words="consensus_summary.consensus_summary",
-        document="consensus_fields.consensus_document",
-        card="consensus_card.consensus_card",
-    ),
     "TruncatedRegistration": Shape(
         words="truncated_summary.truncated_summary",
         document="truncated_fields.truncated_document",

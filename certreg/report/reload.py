@@ -19,8 +19,7 @@ from certreg.certificate.checking import CertificateVerdict, verify
 from certreg.certificate.consensus import ConsensusBody, ConsensusSimilarityBody
 from certreg.certificate.count import CountBody
 from certreg.certificate.envelope import Certificate, body_of
-from certreg.certificate.isotropic import IsotropicBody
-from certreg.certificate.similarity import SimilarityBody
+from certreg.certificate.isotropic import IsotropicBody, SimilarityBody
 from certreg.certificate.spring_bounds import spring_pose_bounds
 from certreg.certificate.springs_list import SpringsListBody
 from certreg.certificate.truncated import TruncatedRotationBody
@@ -35,7 +34,6 @@ from certreg.problem.support import Loss
 from certreg.registration.consensus import restated_consensus
 from certreg.registration.linear import CROSS_CHECK
 from certreg.registration.pipeline import Asked
-from certreg.registration.scaled_consensus import restated_scaled_consensus
 from certreg.registration.spring_result import SPRING_KINDS, SpringRegistration
 from certreg.registration.squares import certified_squares
 from certreg.registration.truncated import restated_truncated
@@ -279,9 +277,7 @@ def _consensus_report(
         message = f"{shown(file)}: holds no least squares, or no points: there is no pose to report"
         raise InvalidFileError(message, path=file)
     stated = _bounded_problem(certificate.body, n, data)
-    scaled = isinstance(certificate.body, ConsensusSimilarityBody)
-    restate = restated_scaled_consensus if scaled else restated_consensus
-    result = restate(stated, certificate, verdict)
+    result = restated_consensus(stated, certificate, verdict)
     body: Any = body_of(fields)
     given = _fit_bounds(body, result.fit)
     return ConsensusReport(

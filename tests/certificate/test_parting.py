@@ -11,14 +11,13 @@ import numpy as np
 import pytest
 
 from benchmarks.rates.consensus_labels import Cell
-from certreg.certificate import assuming, parting
+from certreg.certificate import assuming, edge_elimination
 from certreg.certificate.assuming import Assuming, CliqueAvoiding
 from certreg.certificate.consensus import Group, Strike
 from certreg.certificate.consistency import ConsistentPairs
-from certreg.certificate.parting import Parting
+from certreg.certificate.edge_elimination import Parting, sets_of, turned
 from certreg.certificate.producing_consensus import ConsensusProver, consensus_certificate
 from certreg.certificate.thinning import GraphThinning
-from certreg.certificate.turning import sets_of, turned
 from certreg.native.bit_rows import mask_of, rows_of
 from certreg.problem.bounds import bounded
 from certreg.problem.problem import RegistrationProblem
@@ -209,7 +208,7 @@ def test_turns_are_not_tried_without_end(few):
 
 def test_no_more_pairs_are_struck_than_a_certificate_may_hold(few, monkeypatch):
     problem, found, prover = few
-    monkeypatch.setattr(parting, "MOST_STRUCK", 10)
+    monkeypatch.setattr(edge_elimination, "MOST_STRUCK", 10)
     thinning = GraphThinning(prover.graph, (1 << problem.n) - 1, len(found.met), mask_of(found.met))
     thinning.run()
     one = Parting(thinning)

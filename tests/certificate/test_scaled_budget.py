@@ -13,7 +13,7 @@ from certreg.certificate.staging import length_of
 from certreg.errors import UndecidedError
 from certreg.problem.bounds import bounded
 from certreg.problem.problem import RegistrationProblem
-from certreg.registration.scaled_consensus import SCALED
+from certreg.registration.consensus import proved_consensus
 from certreg.verify import check
 
 
@@ -24,7 +24,7 @@ def all_wrong(n: int, seed: int = 1) -> RegistrationProblem:
 
 
 def searched(problem: RegistrationProblem) -> Any:
-    found = SCALED.search(problem, 1.0)
+    found = proved_consensus(problem, made.ConsensusProver(problem), 1.0)
     assert found is not None
     return found
 

@@ -13,7 +13,7 @@ from rotated_pairs import rotated_pairs
 
 from certreg.certificate.checking import verify
 from certreg.certificate.envelope import Certificate
-from certreg.certificate.producing_truncated import truncated_certificate
+from certreg.certificate.truncated import truncated_certificate
 from certreg.problem.bounds import bounded
 from certreg.problem.problem import RegistrationProblem
 from certreg.problem.support import Loss

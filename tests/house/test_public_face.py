@@ -22,6 +22,7 @@ from certreg.verify import check
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
+
 ROOT = Path(certreg.__file__).parents[1]
 DATA = ROOT / "certreg" / "data"
 PAIR = (DATA / "survey_source.csv", DATA / "survey_target.csv")
@@ -119,7 +120,6 @@ OF_OTHERS = re.compile(
     r"|scipy[.](?:sparse|optimize|spatial)"
 )
 ANY_PROBLEM = {  # names of what stands in problems, or may stand in the files of any
-    "certreg.certificate.similarity",
     "certreg.geometry.similarity",
     "certreg.io.springs",
     "certreg.problem.spring_factors",

@@ -25,8 +25,8 @@ from certreg.registration.breaking import BreakingEquilibria, BreakingEquilibriu
 from certreg.registration.breaking_simulation import SimulatedBreaking
 from certreg.registration.breathing import ScaledEquilibria
 from certreg.registration.consensus import ConsensusRegistration
+from certreg.registration.consensus_words import ranges_words
 from certreg.registration.kept_pairs import KeptPairs, LabelsVerdict
-from certreg.registration.scaled_consensus import ScaledConsensusRegistration, ranges_words
 from certreg.registration.spring_equilibria import (
     SAME_ENERGY,
     TIED,
@@ -336,12 +336,8 @@ def test_equilibria_with_a_scale_are_as_many_as_those_without():
 @pytest.mark.parametrize("beside", [-LITTLE, Fraction(0), LITTLE])
 def test_an_interval_of_scales_and_its_words_are_rounded_outwards(beside: Fraction):
     low, high = (Fraction(end) + beside for end in (0.1, 0.75))
-    body = SimpleNamespace(
-        scale_lower=SimpleNamespace(value=low), scale_upper=SimpleNamespace(value=high)
-    )
-    found = asked(
-        ScaledConsensusRegistration, "scale_interval", certificate=SimpleNamespace(body=body)
-    )
+    body = SimpleNamespace(scales=(low, high))
+    found = asked(ConsensusRegistration, "scale_interval", certificate=SimpleNamespace(body=body))
 
     assert found[0] <= low < math.nextafter(found[0], 1.0)
     assert math.nextafter(found[1], 0.0) < high <= found[1]

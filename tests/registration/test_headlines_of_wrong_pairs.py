@@ -20,8 +20,8 @@ from test_kept_pairs import judged
 import certreg
 from certreg.certificate.shared_motion import CommonMotion
 from certreg.registration import consensus_words
+from certreg.registration.consensus import ConsensusRegistration
 from certreg.registration.kept_pairs import KeptPairs
-from certreg.registration.scaled_consensus import ScaledConsensusRegistration
 from certreg.registration.truncated import TruncatedRegistration
 from certreg.registration.truncated_labels import TruncatedLabels
 
@@ -33,7 +33,7 @@ TITLE = "\n## Of pairs that may be wrong\n"
 ROW = re.compile(r"^\| `(?P<line>[^`]+)` \| (?P<codes>[\d, ]+) \| .+ \|$", re.MULTILINE)
 LISTED_BRACES = re.compile(r"^\| (?P<names>(?:`\{\w+\}` ?)+) \| .+ \|$", re.MULTILINE)
 BRACES = re.compile(r"\{(\w+)\}")
-KINDS = (ScaledConsensusRegistration, TruncatedRegistration, KeptPairs, TruncatedLabels)
+KINDS = (ConsensusRegistration, TruncatedRegistration, KeptPairs, TruncatedLabels)
 
 
 def section() -> str:

@@ -1,4 +1,4 @@
-"""Why clouds are not what a certificate of wrong pairs is about: what differs, and what to type.
+"""Why a certificate is refused, and what to type: other clouds than its own, or a mere result.
 
 The checker refuses by itself, whatever is said here; it has no words to spare for a remedy.
 """
@@ -9,15 +9,18 @@ import base64
 import re
 import sys
 from array import array
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from certreg.exact.dyadic import sigma_of_weight
-from certreg.verify import CONSENSUS, SPRUNG, TRUNCATED, ConsensusSimilarityStatement, parse
+from certreg.verify import CONSENSUS, SPRUNG, TRUNCATED, ConsensusSimilarityStatement, parse, shown
 
 if TYPE_CHECKING:
+    import os
     from collections.abc import Iterator, Sequence
 
     from certreg.verify import Clouds, Statement
+
 
 WEIGHED = (("weight", 1), ("bound", 1))
 COLUMNS = {  # of the doubles behind the points, and how many of each a pair has
@@ -144,3 +147,39 @@ def _weight_remedy(weights: Sequence[float]) -> str:
 
 def _alike(values: Sequence[float]) -> bool:
     return all(value == values[0] for value in values)
+
+
+# As results are written: on one line in a list's, else not.
+RESULT = re.compile(rb'\s*\{\s*"schema"\s*:\s*"(certreg-result/\d+)"')
+HEAD = 256  # bytes of a file that are looked at
+FOLDER = "certificates"  # beside the results of a list
+
+
+def why_no_certificate(reason: str, content: bytes) -> str:
+    """The reason of a refusal, in words that say so where the content is a result."""
+    found = RESULT.match(content[:HEAD])
+    if found is None:
+        return reason
+    return (
+        f"this is a result ({found[1].decode()}), not a certificate: give the certificate.json "
+        "that certify --out wrote beside it"
+    )
+
+
+def why_no_certificates(path: str | os.PathLike[str]) -> str | None:
+    """Why no line of a file is a certificate, where its first is a result; else None."""
+    try:
+        if not Path(path).is_file():  # of a pipe nothing is taken away, for one nobody waits
+            return None
+        with Path(path).open("rb") as file:
+            found = RESULT.match(file.read(HEAD))
+    except (OSError, ValueError):  # which the checker tells
+        return None
+    if found is None:
+        return None
+    beside = Path(path).parent / FOLDER
+    place = shown(beside) if beside.is_dir() else f"the folder {FOLDER} that batch wrote"
+    return (
+        f"these are results ({found[1].decode()}), not certificates: give one of the files in "
+        f"{place}, one for each pair"
+    )
