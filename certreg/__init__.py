@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     from certreg.registration.assessed import Assessment as Assessment
     from certreg.registration.assessment import assess as assess
     from certreg.registration.breaking import breaking_equilibria as breaking_equilibria
-    from certreg.registration.breaking_simulation import simulate_breaking as simulate_breaking
+    from certreg.registration.breaking import simulate_breaking as simulate_breaking
     from certreg.registration.certification import simulate as simulate
     from certreg.registration.closed_form import register as register
     from certreg.registration.enumeration import equilibria as equilibria
@@ -113,8 +113,7 @@ __getattr__ = lazy_face(
         "registration.any_certification": ("certify",),
         "registration.assessed": ("Assessment",),
         "registration.assessment": ("assess",),
-        "registration.breaking": ("breaking_equilibria",),
-        "registration.breaking_simulation": ("simulate_breaking",),
+        "registration.breaking": ("breaking_equilibria", "simulate_breaking"),
         "registration.certification": ("simulate",),
         "registration.closed_form": ("register",),
         "registration.enumeration": ("equilibria",),

@@ -11,7 +11,7 @@ import numpy as np
 
 from certreg._loading import late
 from certreg.certificate.isotropic import IsotropicBody
-from certreg.dynamics.status import SimulationStatus
+from certreg.dynamics.body import SimulationStatus
 from certreg.errors import ContradictionError
 from certreg.exact.dyadic import power_of_two
 from certreg.native.layout import MATRIX_STATE, named

@@ -21,8 +21,7 @@ from certreg.equilibrium.spring_batch import SpringSolutions
 from certreg.objective.classification import Classification
 from certreg.registration import headlines
 from certreg.registration.any_registration import AnyRegistration
-from certreg.registration.breaking import BreakingEquilibria, BreakingEquilibrium
-from certreg.registration.breaking_simulation import SimulatedBreaking
+from certreg.registration.breaking import BreakingEquilibria, BreakingEquilibrium, SimulatedBreaking
 from certreg.registration.breathing import ScaledEquilibria
 from certreg.registration.consensus import ConsensusRegistration
 from certreg.registration.kept_pairs import KeptPairs, LabelsVerdict

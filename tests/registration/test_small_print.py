@@ -14,7 +14,7 @@ from commands import checked
 from scipy import stats
 from scipy.spatial.transform import Rotation
 
-from certreg.dynamics.status import SimulationStatus
+from certreg.dynamics.body import SimulationStatus
 from certreg.errors import ContradictionError, InvalidProblemError
 from certreg.exact.decimals import at_least, at_most
 from certreg.geometry.given import given_pose

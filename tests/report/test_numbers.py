@@ -13,7 +13,7 @@ import pytest
 from commands import checked
 from strategies import random_problem
 
-from certreg.dynamics.status import SimulationStatus
+from certreg.dynamics.body import SimulationStatus
 from certreg.exact.decimals import at_least, at_most
 from certreg.problem.problem import RegistrationProblem
 from certreg.registration.agreement import Agreement
