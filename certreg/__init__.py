@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from certreg.registration.assessed import Assessment as Assessment
     from certreg.registration.assessment import assess as assess
     from certreg.registration.breaking import breaking_equilibria as breaking_equilibria
-    from certreg.registration.breaking_simulation import simulate_breaking as simulate_breaking
+    from certreg.registration.breaking import simulate_breaking as simulate_breaking
     from certreg.registration.certification import certify as certify
     from certreg.registration.closed_form import register as register
     from certreg.registration.enumeration import equilibria as equilibria
@@ -112,8 +112,10 @@ __getattr__ = lazy_face(
         "problem.problem": ("RegistrationProblem",),
         "registration.assessed": ("Assessment",),
         "registration.assessment": ("assess",),
-        "registration.breaking": ("breaking_equilibria",),
-        "registration.breaking_simulation": ("simulate_breaking",),
+        "registration.breaking": (
+            "breaking_equilibria",
+            "simulate_breaking",
+        ),
         "registration.certification": ("certify",),
         "registration.closed_form": ("register",),
         "registration.enumeration": ("equilibria",),

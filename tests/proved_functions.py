@@ -139,7 +139,7 @@ PROVED = (
         "equilibrium/test_breaking_edges equilibrium/test_breaking_springs",
     ),
     _of(
-        "equilibrium/spring_sets",
+        "equilibrium/breaking",
         "label_sets _agree",
         "equilibrium/test_breaking_edges equilibrium/test_breaking_springs",
     ),
@@ -189,7 +189,7 @@ PROVED = (
         "registration/test_flags_enumerated registration/test_breaking_results",
     ),
     _of(
-        "registration/breaking_simulation",
+        "registration/breaking",
         "SimulatedBreaking.self_consistent _end",
         "registration/test_flags_enumerated registration/test_breaking_results",
     ),

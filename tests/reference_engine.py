@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.native.evaluator import Evaluator, calls_of
+from certreg.native.engine import Evaluator, calls_of
 from certreg.native.kernels import GENERATED
 from certreg.native.layout import QUATERNION_STATE, named
 from certreg.native.loops import (

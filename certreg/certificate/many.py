@@ -29,8 +29,7 @@ from certreg.exact.dyadic import (
     nearest_or_zero,
 )
 from certreg.io.atomic import write_atomically
-from certreg.native.library import library_if_any
-from certreg.native.optima import ProvedOptima
+from certreg.native.library import ProvedOptima, library_if_any
 from certreg.objective.isotropic import Isotropic
 from certreg.problem.moments import exact_moments
 from certreg.problem.problem import RegistrationProblem

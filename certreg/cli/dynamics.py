@@ -11,7 +11,7 @@ from certreg.cli.as_json import json_option
 from certreg.cli.numbers import NUMBER
 from certreg.cli.options import CLOUD, EXIT_CODES, FOLDER, cloud_options
 from certreg.cli.writing import WritingCommand
-from certreg.dynamics.trajectories import Record
+from certreg.dynamics.trajectory import Record
 from certreg.io.atomic import require_vacant, write_atomically, write_together
 from certreg.registration.breathing import scaled_equilibria
 from certreg.registration.enumeration import (

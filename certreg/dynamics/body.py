@@ -24,6 +24,7 @@ Nothing is evaluated here: the functions are generated from the derivations
 
 from __future__ import annotations
 
+import enum
 import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
@@ -40,20 +41,68 @@ from certreg.problem.support import Cell, Verb, require_supported
 from certreg.results import Absent, Brief
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Sequence
     from fractions import Fraction
 
     from numpy.typing import NDArray
 
     from certreg.dynamics.basin import Basin
     from certreg.dynamics.integrators import SimulationSettings
-    from certreg.dynamics.status import Status
     from certreg.native.layout import Records, RecordType
     from certreg.native.loops import Engine
 
 
 SMALLEST_INERTIA = 1e-14  # of the clouds' spread: below, rounding is larger than J itself
 CLEARLY_THICK = 1e-10  # far above that and all rounding
+
+
+class Status(enum.Enum):
+    """How a simulation ended."""
+
+    @property
+    def at_rest(self) -> bool:
+        """Whether the body came to rest."""
+        return self.name in {"CONVERGED", "AT_REST"}
+
+
+class SimulationStatus(Status):
+    """Of a body on springs of one weight per pair."""
+
+    CONVERGED = (
+        "The body is at rest (slower than the tolerance), its rotation with too little energy to "
+        "leave the optimum."
+    )
+    AT_REST = (
+        "The body is at rest (slower than the tolerance); where no optimum is unique, no more is "
+        "asked."
+    )
+    OUT_OF_STEPS = (
+        "The steps ran out before the body was at rest at the optimum. The certificate does not "
+        "depend on it."
+    )
+
+
+class SpringStatus(Status):
+    """Of a body on general springs."""
+
+    AT_REST = (
+        "The body is at rest: slower than the tolerance, in a valley of the energy. Which one it "
+        "is does not follow from that."
+    )
+    OUT_OF_STEPS = "The steps ran out before the body was at rest."
+
+
+class BreathingStatus(Status):
+    """Of a body with a free scale."""
+
+    AT_REST = (
+        "The body is at rest: slower than the tolerance, where the energy falls in no direction."
+    )
+    COLLAPSED = (
+        "The scale falls to 0, where the inertia vanishes and the motion is not defined: stopped "
+        "before it. Begin with less energy, nearer to the target in size and rotation."
+    )
+    OUT_OF_STEPS = "The steps ran out before the body was at rest."
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -67,7 +116,7 @@ class AnyBody(Brief, ABC):
     KIND: ClassVar[Kind]
     ENERGIES: ClassVar[RecordType]
     SAMPLE: ClassVar[RecordType | None] = None  # as the integrator has it
-    STATUSES: ClassVar[Mapping[int, Status]]  # by `Ending`
+    STATUS: ClassVar[type[Status]]  # by the names of `Ending`
     INTEGRATOR: ClassVar[Integrator] = Integrator.MIDPOINT  # where the user names none
     NO_RATE: ClassVar[Absent]  # why there is no rate of decay, where there is none
 

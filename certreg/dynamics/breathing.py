@@ -13,9 +13,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.dynamics.body import ValleyBody, exponent_of, require_rank, require_thick
+from certreg.dynamics.body import (
+    BreathingStatus,
+    ValleyBody,
+    exponent_of,
+    require_rank,
+    require_thick,
+)
 from certreg.dynamics.states import NO_TURN_QUATERNION, breathing_state
-from certreg.dynamics.status import BreathingStatus, by_ending
 from certreg.equilibrium.stability import TRANSLATION_STIFFNESS
 from certreg.errors import DegenerateProblemError
 from certreg.exact.dyadic import power_of_two
@@ -51,7 +56,7 @@ class BreathingBody(ValleyBody):
     KIND = Kind.BREATHING
     ENERGIES = BREATHING_ENERGIES
     SAMPLE = BREATHING_SAMPLE
-    STATUSES = by_ending(BreathingStatus)
+    STATUS = BreathingStatus
     NO_RATE = Absent("no basin is certified of a body whose scale is free")
 
     source_exponent: int

@@ -8,7 +8,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from certreg.dynamics.basin import certified_basin
-from certreg.dynamics.body import AnyBody, exponent_of, require_rank, require_thick
+from certreg.dynamics.body import (
+    AnyBody,
+    SimulationStatus,
+    exponent_of,
+    require_rank,
+    require_thick,
+)
 from certreg.dynamics.integrators import step_parameters
 from certreg.dynamics.states import (
     NO_TURN,
@@ -19,7 +25,6 @@ from certreg.dynamics.states import (
     state_at_rest,
     with_matrices,
 )
-from certreg.dynamics.status import SimulationStatus, by_ending
 from certreg.exact.elimination import rank
 from certreg.geometry.so3 import quaternion_from_matrix, rotation_matrix
 from certreg.native.layout import (
@@ -60,7 +65,7 @@ class RigidBody(AnyBody):
 
     KIND = Kind.RIGID
     ENERGIES = ENERGIES
-    STATUSES = by_ending(SimulationStatus)
+    STATUS = SimulationStatus
     INTEGRATOR = Integrator.EULER  # the paper's
     NO_RATE = Absent("the optimum is not unique: no rate belongs to it")
 

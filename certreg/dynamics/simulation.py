@@ -107,7 +107,7 @@ def simulate(
     notes = () if moving.basin is None else tuple(_notes(moving.basin, batch, settings))
     return kind(
         integrator=integrator,
-        status=moving.STATUSES[batch.status.item(0)],
+        status=moving.STATUS[Ending(batch.status.item(0)).name],
         step=batch.steps["h"].item(0),
         steps=batch.taken.item(0),
         escapes=batch.escapes.item(0),

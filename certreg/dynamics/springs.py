@@ -9,9 +9,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.dynamics.body import ValleyBody, exponent_of, require_rank, require_thick
+from certreg.dynamics.body import (
+    SpringStatus,
+    ValleyBody,
+    exponent_of,
+    require_rank,
+    require_thick,
+)
 from certreg.dynamics.states import CUBE, NO_TURN_QUATERNION, state_of
-from certreg.dynamics.status import SpringStatus, by_ending
 from certreg.equilibrium.stability import TRANSLATION_STIFFNESS
 from certreg.errors import DegenerateProblemError
 from certreg.exact.dyadic import power_of_two
@@ -49,7 +54,7 @@ class SprungBody(ValleyBody):
     KIND = Kind.SPRINGS
     ENERGIES = SPRING_ENERGIES
     SAMPLE = SPRING_SAMPLE
-    STATUSES = by_ending(SpringStatus)
+    STATUS = SpringStatus
     NO_RATE = Absent("not computed for general springs")
 
     origin: tuple[Fraction, ...]

@@ -26,7 +26,6 @@ from certreg.native.loops import (
     Integrator,
     Kind,
 )
-from certreg.native.optima import ProvedOptima
 from certreg.native.runs import run_in_python
 from certreg.native.signatures import generated, opened
 from certreg.native.stationary import StationaryPoses
@@ -40,11 +39,42 @@ if TYPE_CHECKING:
     from certreg.native.signatures import Signature
     from certreg.native.stationary import ManyClouds
 
+
 SCRATCH = 56  # doubles per point: CERTREG_SCRATCH of native/stationary.h
 PORTION = 512  # bodies that one call takes: Ctrl-C is answered within milliseconds
 _POINTER = ctypes.c_void_p
 _address, _first = ctypes.addressof, ctypes.c_char.from_buffer
 _Ratios, _FOUR, _SIX, _NINE = ctypes.c_double * 3, *map(struct.Struct, ("4d", "6d", "9d"))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ProvedOptima:
+    """What is proved of each problem; where it is not, and `proved` is False, nothing stands.
+
+    quaternions: (count, 4) integers (w, x, y, z), of the rotation that is optimal.
+    mu, delta, sine: (count, 2), mantissas of 32 bits and exponents, as in a certificate; sine is of
+        sin^2 of half the angle to the optimum. K has four eigenvalues there.
+    poses: (count, 4, 4), that rotation and its best translation in doubles.
+    """
+
+    quaternions: NDArray[np.int64]
+    mu: NDArray[np.int64]
+    delta: NDArray[np.int64]
+    sine: NDArray[np.int64]
+    poses: NDArray[np.float64]
+    proved: NDArray[np.bool_]
+
+    @classmethod
+    def none(cls, count: int) -> ProvedOptima:
+        """Nothing is proved yet of so many problems."""
+        return cls(
+            quaternions=np.zeros((count, 4), dtype=np.int64),
+            mu=np.zeros((count, 2), dtype=np.int64),
+            delta=np.zeros((count, 2), dtype=np.int64),
+            sine=np.zeros((count, 2), dtype=np.int64),
+            poses=np.zeros((count, 4, 4)),
+            proved=np.zeros(count, dtype=np.bool_),
+        )
 
 
 class _Settings(ctypes.Structure):

@@ -11,7 +11,7 @@ import numpy as np
 
 from certreg._loading import late
 from certreg.certificate.isotropic import IsotropicBody
-from certreg.dynamics.status import SimulationStatus
+from certreg.dynamics.body import SimulationStatus
 from certreg.errors import ContradictionError
 from certreg.exact.dyadic import power_of_two
 from certreg.native.layout import MATRIX_STATE, named
@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from certreg.relaxation.shor import Relaxation
 else:
     breathing = late("certreg.equilibrium.breathing")
+
 
 # A floating-point method whose loss is larger contradicts the certificate. Losses are relative to
 # the alignment between the best and the worst rotation.

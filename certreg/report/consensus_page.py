@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, ClassVar, Self, cast
 
 from certreg.errors import DegenerateProblemError
-from certreg.registration.breaking_simulation import simulate_breaking
+from certreg.registration.breaking import simulate_breaking
 from certreg.registration.consensus_words import are_words
 from certreg.report.any_report import AnyReport, head_of, pairs_words
 from certreg.report.breaking import breaking_course

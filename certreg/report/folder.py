@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from certreg.dynamics.trajectories import Record
+from certreg.dynamics.trajectory import Record
 from certreg.errors import InvalidFileError
 from certreg.io.atomic import remedy_of, write_together
 from certreg.report.document import dumps, pose_document, result_document

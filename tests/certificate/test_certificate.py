@@ -401,7 +401,7 @@ def test_a_closed_form_that_contradicts_the_certificate_is_not_ignored(monkeypat
 
 @pytest.mark.parametrize("converged", [True, False])
 def test_a_simulation_that_says_it_arrived_and_did_not_is_not_ignored(converged):
-    from certreg.dynamics.status import SimulationStatus
+    from certreg.dynamics.body import SimulationStatus
     from certreg.errors import ContradictionError
     from certreg.registration.agreement import agreement
 

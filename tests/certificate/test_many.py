@@ -21,7 +21,7 @@ from certreg.certificate.producing import produce
 from certreg.errors import CertregError, InvalidFileError, InvalidProblemError
 from certreg.exact.dyadic import dyadic_above, half_angle_bound
 from certreg.geometry.so3 import rotation_matrix
-from certreg.native.optima import ProvedOptima
+from certreg.native.library import ProvedOptima
 from certreg.objective.isotropic import Isotropic
 from certreg.problem.many import ManyPairs
 from certreg.problem.moments import exact_moments

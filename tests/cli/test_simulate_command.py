@@ -13,8 +13,8 @@ from strategies import AXES, BENT, LINE, MIRROR, TALL, ZOO
 
 import certreg as package
 from certreg import RegistrationProblem
+from certreg.dynamics.body import SimulationStatus
 from certreg.dynamics.integrators import SimulationSettings
-from certreg.dynamics.status import SimulationStatus
 from certreg.errors import InvalidProblemError
 from certreg.io.problems import read_problem
 from certreg.registration import linear as pipeline

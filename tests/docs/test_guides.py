@@ -15,7 +15,7 @@ import pytest
 from engines import c_compiler
 
 import certreg
-from certreg.native.evaluator import evaluator
+from certreg.native.engine import evaluator
 from certreg.results import PoseVerdict
 
 ROOT = Path(__file__).parents[2]

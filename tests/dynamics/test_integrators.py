@@ -16,6 +16,7 @@ from test_simulation import proved_end
 from certreg.dynamics import integrators
 from certreg.dynamics.basin import basins_of, certified_basin
 from certreg.dynamics.batch import Bodies, Ends, bodies_of, simulate_many
+from certreg.dynamics.body import SimulationStatus
 from certreg.dynamics.integrators import (
     SimulationSettings,
     _halved,
@@ -24,7 +25,6 @@ from certreg.dynamics.integrators import (
 )
 from certreg.dynamics.rigid import rigid_body
 from certreg.dynamics.simulation import optimal_damping, simulate
-from certreg.dynamics.status import SimulationStatus
 from certreg.errors import DegenerateProblemError, InvalidProblemError
 from certreg.geometry.so3 import rotation_matrix
 from certreg.native.engine import current_engine

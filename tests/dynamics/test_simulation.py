@@ -18,18 +18,17 @@ from certreg.certificate.checking import check_own, verify
 from certreg.certificate.isotropic import RotationState
 from certreg.certificate.producing import produce, proves_basin
 from certreg.dynamics import integrators
+from certreg.dynamics.body import SimulationStatus
 from certreg.dynamics.integrators import SimulationSettings
 from certreg.dynamics.rigid import rigid_body
 from certreg.dynamics.simulation import optimal_damping, simulate
 from certreg.dynamics.states import state_at_rest
-from certreg.dynamics.status import SimulationStatus
 from certreg.equilibrium.presentation import rotation_double, unit_double
 from certreg.equilibrium.spectral import by_eigenspaces
 from certreg.errors import ContradictionError, DegenerateProblemError, InvalidProblemError
 from certreg.exact.dyadic import dyadic_below
 from certreg.geometry.so3 import rotation_matrix
-from certreg.native.engine import current_engine
-from certreg.native.evaluator import evaluator
+from certreg.native.engine import current_engine, evaluator
 from certreg.native.loops import Integrator
 from certreg.objective.isotropic import Isotropic
 from certreg.problem.lifting import lift

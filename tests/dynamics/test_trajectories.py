@@ -6,7 +6,7 @@ import io
 
 import numpy as np
 
-from certreg.dynamics.trajectories import Record
+from certreg.dynamics.trajectory import Record
 from certreg.registration.examples import STORIES, stated
 from certreg.registration.simulation import simulate
 

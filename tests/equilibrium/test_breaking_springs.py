@@ -11,10 +11,17 @@ import numpy as np
 import pytest
 from strategies import random_rotation
 
-from certreg.equilibrium import spring_sets
-from certreg.equilibrium.breaking import Labels, RestPose, SpringSet, _Residuals, _roots
+from certreg.equilibrium import breaking
+from certreg.equilibrium.breaking import (
+    Labels,
+    RestPose,
+    SpringSet,
+    _Residuals,
+    _roots,
+    consistent_springs,
+    label_sets,
+)
 from certreg.equilibrium.eigenlines import Eigenline, _eigenline, eigenlines
-from certreg.equilibrium.spring_sets import consistent_springs, label_sets
 from certreg.errors import InvalidProblemError, UndecidedError
 from certreg.geometry.so3 import rotation_matrix
 from certreg.objective.isotropic import Isotropic
@@ -449,7 +456,7 @@ def test_a_budget_of_sets_is_kept():
 
 def test_a_search_without_an_end_is_given_up(monkeypatch):
     problem = mixed(0, bound=0.8)
-    monkeypatch.setattr(spring_sets, "BRANCHES_A_SET", 0)
+    monkeypatch.setattr(breaking, "BRANCHES_A_SET", 0)
 
     with pytest.raises(UndecidedError, match="sets of springs may hold together"):
         list(label_sets(problem, 3, ENOUGH))

@@ -28,7 +28,7 @@ from build_kernels import BuildError, Compiler, NoCompilerError, find_compiler
 from certreg.errors import SlowSimulationWarning
 from certreg.native import engine as engines
 from certreg.native import kernels, signatures
-from certreg.native.evaluator import evaluator
+from certreg.native.engine import evaluator
 from certreg.native.kernels import (
     BASELINE,
     LEVELS,

@@ -23,13 +23,13 @@ from certreg.dynamics import body as dynamics
 from certreg.dynamics import integrators as integration
 from certreg.dynamics import simulation
 from certreg.dynamics.basin import certified_basin
+from certreg.dynamics.body import SimulationStatus
 from certreg.dynamics.integrators import SimulationSettings
 from certreg.dynamics.rigid import rigid_body
-from certreg.dynamics.status import SimulationStatus
 from certreg.errors import DegenerateProblemError
 from certreg.native import engine as engines
 from certreg.native import loops
-from certreg.native.evaluator import evaluator
+from certreg.native.engine import evaluator
 from certreg.native.kernels import PYTHON, VARIANT
 from certreg.native.layout import named, width
 from certreg.native.library import loaded_library

@@ -19,8 +19,7 @@ from certreg.problem.bounds import bounded
 from certreg.problem.problem import RegistrationProblem
 from certreg.problem.support import Loss
 from certreg.registration import breaking
-from certreg.registration.breaking import _fewest, _optimum_listed
-from certreg.registration.breaking_simulation import _end
+from certreg.registration.breaking import _end, _fewest, _optimum_listed
 from certreg.registration.examples import TWIN_MOTIONS as TWINS
 from certreg.results import OUT_OF_RANGE, ComponentKind
 

@@ -21,8 +21,7 @@ from certreg.equilibrium.spring_batch import SpringSolutions
 from certreg.objective.classification import Classification
 from certreg.registration import headlines
 from certreg.registration.any_registration import AnyRegistration
-from certreg.registration.breaking import BreakingEquilibria, BreakingEquilibrium
-from certreg.registration.breaking_simulation import SimulatedBreaking
+from certreg.registration.breaking import BreakingEquilibria, BreakingEquilibrium, SimulatedBreaking
 from certreg.registration.breathing import ScaledEquilibria
 from certreg.registration.consensus import ConsensusRegistration
 from certreg.registration.consensus_words import ranges_words
@@ -40,14 +39,7 @@ from certreg.registration.spring_result import SpringSolution
 from certreg.registration.truncated import TruncatedRegistration
 from certreg.registration.truncated_labels import TruncatedLabels
 from certreg.registration.valley import SimulatedSprings
-from certreg.results import (
-    Absent,
-    ComponentKind,
-    Guarantee,
-    Limits,
-    Optimality,
-    Ruling,
-)
+from certreg.results import Absent, ComponentKind, Guarantee, Limits, Optimality, Ruling
 
 LITTLE = Fraction(1, 10**30)
 BOTH = (False, True)

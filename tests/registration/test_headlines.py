@@ -20,7 +20,7 @@ from strategies import ZOO, random_rotation
 from certreg.campaign.listing import read_listing
 from certreg.campaign.pairs import PairCampaign
 from certreg.certificate.bounds import PoseBounds
-from certreg.dynamics.status import SimulationStatus
+from certreg.dynamics.body import SimulationStatus
 from certreg.exact.decimals import at_most
 from certreg.exact.dyadic import rational_root_above, root_above
 from certreg.geometry.so3 import rotation_matrix

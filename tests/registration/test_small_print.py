@@ -14,7 +14,7 @@ from commands import checked
 from scipy import stats
 from scipy.spatial.transform import Rotation
 
-from certreg.dynamics.status import SimulationStatus
+from certreg.dynamics.body import SimulationStatus
 from certreg.errors import ContradictionError, InvalidProblemError
 from certreg.exact.decimals import at_least, at_most
 from certreg.geometry.given import given_pose
@@ -43,6 +43,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from certreg.registration.result import Registration
+
 
 RNG = np.random.default_rng(31)
 SOURCE = RNG.standard_normal((9, 3)) * [3.0, 2.0, 1.0]

@@ -18,7 +18,7 @@ from certreg.report import breaking
 from certreg.report.breaking import CoursePicture, breaking_course, breaking_fragment
 
 if TYPE_CHECKING:
-    from certreg.registration.breaking_simulation import SimulatedBreaking
+    from certreg.registration.breaking import SimulatedBreaking
 
 
 @pytest.fixture(scope="module")

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from certreg.dynamics.status import SimulationStatus
+from certreg.dynamics.body import SimulationStatus
 from certreg.registration.any_registration import Method
 from certreg.report import lines, spring_summary, truncated_summary
 from certreg.report.lines import MEANS, UNMET
