@@ -30,8 +30,8 @@ from certreg.native.layout import plain as doubles
 from certreg.native.loops import Batch, Integrator
 from certreg.objective.isotropic import Isotropic
 from certreg.problem.moments import ExactMoments, exact_moments
-from certreg.problem.moments_of_springs import spring_moments
 from certreg.problem.problem import RegistrationProblem
+from certreg.problem.stiffness import spring_moments
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator

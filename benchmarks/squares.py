@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING
 from benchmarks.measuring import Figure, Quantity, fastest
 from certreg.certificate.producing_springs import springs_certificate
 from certreg.objective.springs import Springs
-from certreg.problem.moments_of_springs import spring_moments
 from certreg.problem.problem import RegistrationProblem
+from certreg.problem.stiffness import spring_moments
 from certreg.relaxation.optimum import find_optimum
 from certreg.relaxation.stated_quartic import solve_stated_quartic
 from certreg.verify import check

@@ -19,8 +19,8 @@ from certreg.geometry.so3 import dot, rotation_matrix, squared_norm
 from certreg.objective.classification import Classification, classify
 from certreg.objective.springs import Springs
 from certreg.problem.moments import exact_moments
-from certreg.problem.moments_of_springs import spring_moments
 from certreg.problem.problem import RegistrationProblem
+from certreg.problem.stiffness import spring_moments
 
 Number = int | Fraction
 Vector = tuple[Any, ...]

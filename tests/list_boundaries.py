@@ -25,8 +25,8 @@ from certreg.certificate.producing_springs import springs_list_certificate
 from certreg.equilibrium.paths import critical_lines
 from certreg.objective.quartics import MONOMIALS
 from certreg.objective.springs import Springs
-from certreg.problem.moments_of_springs import spring_moments
 from certreg.problem.problem import RegistrationProblem
+from certreg.problem.stiffness import spring_moments
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator

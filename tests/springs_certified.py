@@ -11,8 +11,8 @@ from spring_families import Cell, instance, statement
 from certreg import simulate
 from certreg.certificate.producing_springs import springs_certificate
 from certreg.objective.springs import Springs
-from certreg.problem.moments_of_springs import spring_moments
 from certreg.problem.problem import RegistrationProblem
+from certreg.problem.stiffness import spring_moments
 from certreg.registration.valley import SimulatedSprings
 from certreg.relaxation.optimum import find_optimum
 

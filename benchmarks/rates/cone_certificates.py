@@ -30,8 +30,8 @@ from certreg.certificate.squares import sos_body
 from certreg.exact.dyadic import Dyadic
 from certreg.geometry.so3 import dot, squared_norm
 from certreg.objective.springs import Springs
-from certreg.problem.moments_of_springs import spring_moments
 from certreg.problem.problem import RegistrationProblem
+from certreg.problem.stiffness import spring_moments
 from certreg.relaxation.optimum import find_optimum
 
 if TYPE_CHECKING:

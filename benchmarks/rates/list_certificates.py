@@ -18,8 +18,8 @@ from spring_families import LISTED, instance, statement
 from certreg.certificate.producing_springs import springs_list_certificate
 from certreg.equilibrium.paths import critical_lines
 from certreg.objective.springs import Springs
-from certreg.problem.moments_of_springs import spring_moments
 from certreg.problem.problem import RegistrationProblem
+from certreg.problem.stiffness import spring_moments
 
 if TYPE_CHECKING:
     from spring_families import Cell

@@ -20,8 +20,8 @@ import spring_families as families
 
 from certreg.certificate.producing_springs import springs_certificate
 from certreg.objective.springs import Springs
-from certreg.problem.moments_of_springs import spring_moments
 from certreg.problem.problem import RegistrationProblem
+from certreg.problem.stiffness import spring_moments
 from certreg.relaxation.optimum import find_optimum
 from certreg.verify import check
 

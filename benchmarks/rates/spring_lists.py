@@ -27,8 +27,8 @@ from certreg.equilibrium.line_set import LineSet
 from certreg.equilibrium.methods import search
 from certreg.equilibrium.paths import critical_lines
 from certreg.objective.springs import Springs
-from certreg.problem.moments_of_springs import spring_moments
 from certreg.problem.problem import RegistrationProblem
+from certreg.problem.stiffness import spring_moments
 
 COUNT = 100  # of each cell
 LEAST_SHARE = 0.99  # proved complete

@@ -27,7 +27,7 @@ from certreg.equilibrium.paths import PathsOutcome, critical_lines
 from certreg.equilibrium.quartics import FloatingQuartic, descended
 from certreg.geometry.so3 import squared_norm
 from certreg.objective.springs import Springs
-from certreg.problem.moments_of_springs import spring_moments
+from certreg.problem.stiffness import spring_moments
 from certreg.relaxation.optimum import find_optimum
 
 INSTANCES = 500

@@ -17,8 +17,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
 
 from certreg import __version__
-from certreg.campaign.listing import NEEDED, SPRING_FILES
-from certreg.campaign.row_bounds import asked_of_bounds, bounds_file, fault_of_bounds
+from certreg.campaign.listing import (
+    NEEDED,
+    SPRING_FILES,
+    asked_of_bounds,
+    bounds_file,
+    fault_of_bounds,
+)
 from certreg.campaign.runner import contents
 from certreg.campaign.store import Manifest, current_versions, digest_of
 from certreg.campaign.table import COLUMNS, PARQUET, SUMMARY, Block, Column, write_table

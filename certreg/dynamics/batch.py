@@ -40,8 +40,8 @@ from certreg.geometry.so3 import rotation_matrices
 from certreg.native.layout import BODY, MATRIX_STATE, QUATERNION_STATE, symmetric
 from certreg.native.loops import Batch, Ending, Integrator
 from certreg.objective.springs import Springs
-from certreg.problem.moments_of_springs import spring_moments
 from certreg.problem.motion import DEFAULT_DAMPING, checked_damping
+from certreg.problem.stiffness import spring_moments
 from certreg.results import Brief
 
 if TYPE_CHECKING:

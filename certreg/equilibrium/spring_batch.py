@@ -27,8 +27,8 @@ from certreg.objective.quartics import quartic_of_form
 from certreg.objective.springs import Springs
 from certreg.problem.effort import checked_threads
 from certreg.problem.many_springs import many_spring_moments, stated_many
-from certreg.problem.moments_of_springs import spring_moments
 from certreg.problem.springs import GivenSprings
+from certreg.problem.stiffness import spring_moments
 from certreg.results import Brief, Guarantee
 
 if TYPE_CHECKING:

@@ -15,12 +15,12 @@ from typing import TYPE_CHECKING
 from certreg.equilibrium.breaking import SpringSet
 from certreg.errors import UndecidedError
 from certreg.geometry.so3 import squared_norm
-from certreg.problem.breaking import exact_springs
+from certreg.problem.lifting import exact_springs
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from certreg.problem.breaking import ExactSprings
+    from certreg.problem.lifting import ExactSprings
     from certreg.problem.problem import RegistrationProblem
 
 LEAST_SPRINGS = 3  # two hold the body in no pose: it turns about their line

@@ -16,7 +16,7 @@ from certreg.io.labels import Match
 from certreg.io.pairing import Pair, Pairing, pair_of
 from certreg.io.problems import problem_of
 from certreg.io.springs import springs_of_pairs
-from certreg.io.standard_input import is_standard_input
+from certreg.io.streams import is_standard_input
 from certreg.problem.arrays import (
     cloud_array,
     data_frame,

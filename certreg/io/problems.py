@@ -10,7 +10,7 @@ import numpy as np
 
 from certreg._loading import late
 from certreg.errors import InvalidFileError
-from certreg.io.noise import noise_of_columns
+from certreg.io.columns import noise_of_columns
 from certreg.io.pairing import BY_LABEL, Pair, Pairing, read_pair
 from certreg.io.springs import NO_SPRINGS, read_springs
 from certreg.io.text import read_numbers

@@ -12,8 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from certreg._loading import late
 from certreg.errors import InvalidFileError, InvalidProblemError
-from certreg.io.standard_input import is_standard_input
-from certreg.io.streams import refused
+from certreg.io.streams import is_standard_input, refused
 from certreg.problem.spring_rows import held_rows, require_not_of_source
 from certreg.results import Brief
 from certreg.verify import shown

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
     from certreg.geometry.constraints import SquareMatrix
     from certreg.geometry.so3 import Matrix4, T, Vector3, Vector4
-    from certreg.problem.moments_of_springs import SpringMoments
+    from certreg.problem.stiffness import SpringMoments
 
 DIAGONAL = (0, 3, 5)  # among the six entries of a symmetric matrix
 FARTHEST = 8  # the largest |R - R'|^2 of two rotations, in the Frobenius norm

@@ -13,7 +13,7 @@ from certreg.equilibrium.spring_sets import LEAST_SPRINGS, label_sets
 from certreg.errors import DegenerateProblemError, InvalidProblemError
 from certreg.exact.dyadic import nearest_double, power_of_two
 from certreg.problem.bounds import bounded
-from certreg.problem.breaking import exact_springs
+from certreg.problem.lifting import exact_springs
 from certreg.problem.problem import RegistrationProblem
 from certreg.problem.support import Loss
 from certreg.registration.closed_form import register

@@ -22,9 +22,9 @@ from certreg.certificate.producing_consensus import (
     pose_of,
 )
 from certreg.errors import InvalidProblemError, UndecidedError
+from certreg.problem.arrays import apart
 from certreg.problem.bounds import LEAST_PAIRS
 from certreg.problem.effort import checked_effort
-from certreg.problem.row_lengths import apart
 from certreg.registration.consensus_words import (
     PairLabels,
     headline,

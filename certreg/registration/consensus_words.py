@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, cast
 import numpy as np
 
 from certreg.exact.decimals import as_given
+from certreg.problem.arrays import diameter
 from certreg.problem.problem import RegistrationProblem
-from certreg.problem.row_lengths import diameter
 from certreg.registration.headlines import is_loose
 from certreg.results import Optimality
 

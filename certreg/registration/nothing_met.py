@@ -9,8 +9,8 @@ import numpy as np
 from certreg.certificate.consistency import consistent_pairs
 from certreg.exact.decimals import at_least
 from certreg.native.cliques import triangles
+from certreg.problem.arrays import lengths
 from certreg.problem.bounds import LEAST_PAIRS
-from certreg.problem.row_lengths import lengths
 
 if TYPE_CHECKING:
     from certreg.problem.problem import RegistrationProblem

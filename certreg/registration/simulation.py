@@ -26,11 +26,11 @@ if TYPE_CHECKING:
     from certreg.dynamics.integrators import SimulationSettings
     from certreg.objective import springs
     from certreg.objective.springs import Springs
-    from certreg.problem import moments_of_springs
+    from certreg.problem import stiffness
     from certreg.problem.problem import RegistrationProblem
 else:
     springs = late("certreg.objective.springs")
-    moments_of_springs = late("certreg.problem.moments_of_springs")
+    stiffness = late("certreg.problem.stiffness")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -113,7 +113,7 @@ def objective_of(problem: RegistrationProblem) -> Isotropic | Springs:
     """The energy of a problem as a function of the rotation."""
     if problem.factors is None:
         return Isotropic.of(problem)
-    return springs.Springs(moments_of_springs.spring_moments(problem))
+    return springs.Springs(stiffness.spring_moments(problem))
 
 
 def simulated_motion(

@@ -19,7 +19,7 @@ from certreg.errors import DegenerateProblemError, OutOfRangeError
 from certreg.exact.dyadic import nearest_double, nearest_root
 from certreg.geometry.pose import Pose
 from certreg.objective.springs import Springs
-from certreg.problem.moments_of_springs import spring_moments
+from certreg.problem.stiffness import spring_moments
 from certreg.registration.curvature import soft_axes
 from certreg.registration.freedom import Freedom
 from certreg.registration.loose_turns import axis_words

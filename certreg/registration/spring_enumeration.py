@@ -11,7 +11,7 @@ from certreg.equilibrium.methods import SPRING_METHODS, compare, search
 from certreg.equilibrium.paths import critical_lines
 from certreg.errors import UndecidedError
 from certreg.objective.springs import Springs
-from certreg.problem.moments_of_springs import spring_moments
+from certreg.problem.stiffness import spring_moments
 from certreg.registration.parts import counted
 from certreg.registration.spring_equilibria import SpringEquilibria, spring_equilibria
 from certreg.registration.stating import require_method

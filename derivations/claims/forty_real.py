@@ -13,8 +13,8 @@ import sympy
 
 from certreg.geometry.so3 import body_frame, squared_norm
 from certreg.objective.springs import Springs
-from certreg.problem.moments_of_springs import spring_moments
 from certreg.problem.problem import RegistrationProblem
+from certreg.problem.stiffness import spring_moments
 
 from ..algebra import combination, facts, identity
 from ..hypothesis import Standing, vanishing

@@ -10,8 +10,8 @@ import numpy as np
 
 from certreg.geometry.so3 import dot, rotation_matrix, squared_norm
 from certreg.objective.springs import Springs
-from certreg.problem.moments_of_springs import spring_moments
 from certreg.problem.problem import RegistrationProblem
+from certreg.problem.stiffness import spring_moments
 from certreg.verify import CheckedSprings
 
 from ..algebra import Square, combination, contraction, facts, identity, nonnegative

@@ -13,8 +13,8 @@ import sympy
 from certreg.geometry.so3 import body_frame, dot
 from certreg.objective.quartics import MONOMIALS
 from certreg.objective.springs import Springs
-from certreg.problem.moments_of_springs import spring_moments
 from certreg.problem.problem import RegistrationProblem
+from certreg.problem.stiffness import spring_moments
 
 from ..algebra import Square, facts, identity, nonnegative, positive
 from ..hypothesis import Standing, invertible, nonnegative_by

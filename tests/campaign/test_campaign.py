@@ -68,6 +68,7 @@ from certreg.errors import (
     RefusedCertificateError,
 )
 from certreg.native import kernels
+from certreg.paper.equilibrium_maps import SPRING_COLUMNS
 from certreg.paper.monte_carlo import (
     EXTREMES,
     INSTANCE_COLUMNS,
@@ -77,7 +78,6 @@ from certreg.paper.monte_carlo import (
     unpacked,
     write_instance_results,
 )
-from certreg.paper.spring_campaign import SPRING_COLUMNS
 from certreg.results import Ruling, Verdict
 
 SMALL = Cut(count=45, points=5)  # five shards

@@ -22,7 +22,7 @@ from certreg.certificate.producing_springs import springs_certificate
 from certreg.certificate.springs_cones import SpringsConesBody
 from certreg.certificate.springs_sos import SpringsSosBody
 from certreg.objective.springs import Springs
-from certreg.problem.moments_of_springs import spring_moments
+from certreg.problem.stiffness import spring_moments
 from certreg.relaxation.optimum import find_optimum
 
 SCHEMAS = resources.files("certreg") / "report" / "schemas"

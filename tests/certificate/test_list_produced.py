@@ -28,7 +28,7 @@ from certreg.errors import InvalidFileError
 from certreg.exact.dyadic import Dyadic, dyadic_above, dyadic_below
 from certreg.geometry.so3 import squared_norm
 from certreg.objective.springs import Springs
-from certreg.problem.moments_of_springs import spring_moments
+from certreg.problem.stiffness import spring_moments
 from certreg.report.reload import report_of
 
 SCHEMAS = resources.files("certreg") / "report" / "schemas"

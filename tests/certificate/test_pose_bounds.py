@@ -25,9 +25,9 @@ from certreg.geometry.so3 import rotation_matrix, squared_norm
 from certreg.objective.isotropic import Isotropic
 from certreg.objective.springs import Springs
 from certreg.problem.moments import exact_moments
-from certreg.problem.moments_of_springs import spring_moments
 from certreg.problem.motion import Scale
 from certreg.problem.problem import RegistrationProblem
+from certreg.problem.stiffness import spring_moments
 from certreg.results import Limits
 
 LITTLE = Fraction(1, 10**30)  # far below the spacing of the doubles

@@ -14,8 +14,8 @@ from scipy.spatial.transform import Rotation
 from certreg.certificate.envelope import Certificate
 from certreg.certificate.producing_springs import springs_certificate
 from certreg.objective.springs import Springs
-from certreg.problem.moments_of_springs import spring_moments
 from certreg.problem.problem import RegistrationProblem
+from certreg.problem.stiffness import spring_moments
 from certreg.relaxation.optimum import find_optimum
 from certreg.verify import Movable, RefusalError, check
 

@@ -19,8 +19,8 @@ from certreg.objective.isotropic import Isotropic
 from certreg.objective.springs import Springs
 from certreg.problem.lifting import lift
 from certreg.problem.moments import exact_moments
-from certreg.problem.moments_of_springs import spring_moments
 from certreg.problem.problem import RegistrationProblem
+from certreg.problem.stiffness import spring_moments
 
 FAMILIES = {"plane": plane, "line": line, "mixed": mixed, "lidar": lidar}
 

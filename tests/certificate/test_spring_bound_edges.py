@@ -21,8 +21,8 @@ from certreg.certificate.spring_bounds import (
     spring_pose_bounds,
 )
 from certreg.objective.springs import Springs
-from certreg.problem.moments_of_springs import spring_moments
 from certreg.problem.problem import RegistrationProblem
+from certreg.problem.stiffness import spring_moments
 
 Energy = Callable[[tuple[int, ...]], Fraction]
 

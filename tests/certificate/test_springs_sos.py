@@ -21,8 +21,8 @@ from certreg.certificate.squares import sos_body
 from certreg.objective.isotropic import Isotropic
 from certreg.objective.springs import Springs
 from certreg.problem.moments import exact_moments
-from certreg.problem.moments_of_springs import spring_moments
 from certreg.problem.problem import RegistrationProblem
+from certreg.problem.stiffness import spring_moments
 from certreg.relaxation.optimum import find_optimum
 
 checker: Any = import_module("certreg.verify")

@@ -20,8 +20,8 @@ from exact_springs import LEAST, RANGE, choi_lam, perturbed, two_optima
 from certreg.certificate.cones import cones_body
 from certreg.exact.dyadic import Dyadic, dyadic_above, dyadic_below
 from certreg.objective.springs import Springs
-from certreg.problem.moments_of_springs import spring_moments
 from certreg.problem.problem import RegistrationProblem
+from certreg.problem.stiffness import spring_moments
 from certreg.relaxation.optimum import find_optimum
 
 checker = import_module("certreg.verify")

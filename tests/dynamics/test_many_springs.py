@@ -14,7 +14,7 @@ from certreg.dynamics.simulation import simulate
 from certreg.errors import DegenerateProblemError, InvalidProblemError
 from certreg.native.loops import Integrator
 from certreg.objective.springs import Springs
-from certreg.problem.moments_of_springs import spring_moments
+from certreg.problem.stiffness import spring_moments
 
 COUNT = 3
 CELL = spring_families.Cell("plane", 20, 0.05)

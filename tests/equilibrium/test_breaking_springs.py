@@ -19,7 +19,7 @@ from certreg.errors import InvalidProblemError, UndecidedError
 from certreg.geometry.so3 import rotation_matrix
 from certreg.objective.isotropic import Isotropic
 from certreg.problem.bounds import bounded
-from certreg.problem.breaking import exact_springs
+from certreg.problem.lifting import exact_springs
 from certreg.problem.problem import RegistrationProblem
 from certreg.problem.support import Loss
 from certreg.results import ComponentKind

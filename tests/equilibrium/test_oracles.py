@@ -28,8 +28,8 @@ from certreg.geometry.so3 import davenport_matrix, rotation_matrix
 from certreg.objective.polynomials import multiplier_system
 from certreg.objective.springs import Springs
 from certreg.problem.moments import exact_moments
-from certreg.problem.moments_of_springs import spring_moments
 from certreg.problem.problem import RegistrationProblem
+from certreg.problem.stiffness import spring_moments
 
 FOLDER = os.environ.get("CERTREG_ORACLES")
 SEEDS = range(12)

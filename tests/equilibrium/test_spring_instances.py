@@ -20,7 +20,7 @@ from certreg.equilibrium.presentation import unit_double
 from certreg.errors import InvalidProblemError
 from certreg.geometry.so3 import rotation_matrix
 from certreg.objective.springs import Springs
-from certreg.problem.moments_of_springs import spring_moments
+from certreg.problem.stiffness import spring_moments
 from certreg.results import Guarantee
 
 EACH = 2  # problems of a family

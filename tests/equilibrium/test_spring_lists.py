@@ -38,7 +38,7 @@ from certreg.objective.levelling import levelled_exactly, norm_fourth
 from certreg.objective.quartics import MONOMIALS, gradient
 from certreg.objective.springs import Springs
 from certreg.problem.moments import exact_moments
-from certreg.problem.moments_of_springs import spring_moments
+from certreg.problem.stiffness import spring_moments
 from certreg.results import Guarantee
 
 CLOUDS = (degenerate_springs.POINTS, np.asarray(degenerate_springs.isotropic().target))

@@ -16,8 +16,8 @@ from certreg.objective import quartics as forms
 from certreg.objective.isotropic import Isotropic
 from certreg.objective.quartics import quartic_of_form
 from certreg.objective.springs import Springs
-from certreg.problem.moments_of_springs import spring_moments
 from certreg.problem.problem import RegistrationProblem
+from certreg.problem.stiffness import spring_moments
 
 if TYPE_CHECKING:
     from certreg.objective.form import Form

@@ -17,8 +17,8 @@ from certreg.objective.levelling import levelled_exactly, norm_fourth
 from certreg.objective.quartics import MONOMIALS
 from certreg.objective.springs import FARTHEST, FARTHEST_OF_FIVE, Springs
 from certreg.problem.moments import exact_moments
-from certreg.problem.moments_of_springs import spring_moments
 from certreg.problem.problem import RegistrationProblem
+from certreg.problem.stiffness import spring_moments
 
 QUATERNIONS = ((1, 0, 0, 0), (2, -1, 3, 5), (0, 1, 1, 0), (-7, 3, 0, 11))
 KINDS = {"plane": 1, "line": 2, "full": 3}

@@ -15,9 +15,8 @@ from test_reproduce import SCHEMA
 
 from certreg.campaign.table import records_bytes
 from certreg.objective.springs import Springs
-from certreg.paper import spring_maps as mapping
-from certreg.paper.spring_figures import counts_drawing, spring_drawings
-from certreg.paper.spring_maps import (
+from certreg.paper import equilibrium_maps as mapping
+from certreg.paper.equilibrium_maps import (
     SIZES,
     SPRING_CELLS,
     RunEnd,
@@ -32,8 +31,9 @@ from certreg.paper.spring_maps import (
     spring_rows,
     wilson,
 )
-from certreg.problem.moments_of_springs import spring_moments
+from certreg.paper.map_figures import counts_drawing, spring_drawings
 from certreg.problem.problem import RegistrationProblem
+from certreg.problem.stiffness import spring_moments
 from certreg.relaxation.optimum import find_optimum
 
 FEW = [cell for cell in SPRING_CELLS if cell.points in {4, 7, 20} and cell.noise in {0.1, 1.0}]

@@ -12,8 +12,8 @@ import pytest
 from springs_certified import moved_springs
 
 from certreg.objective.springs import Springs
-from certreg.problem.moments_of_springs import spring_moments
 from certreg.problem.problem import RegistrationProblem
+from certreg.problem.stiffness import spring_moments
 from certreg.registration.any_certification import certify
 from certreg.registration.assessment import assess
 from certreg.registration.weak_shifts import HARDLY, weak_shift_words, weak_shifts

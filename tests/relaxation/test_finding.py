@@ -27,7 +27,7 @@ from certreg.native.paths import critical_point_near
 from certreg.objective.levelling import levelled_exactly, norm_fourth
 from certreg.objective.quartics import MONOMIALS
 from certreg.objective.springs import Springs
-from certreg.problem.moments_of_springs import spring_moments
+from certreg.problem.stiffness import spring_moments
 from certreg.relaxation import optimum as optimum_module
 from certreg.relaxation import refining
 from certreg.relaxation.conic import RelaxationStatus

@@ -16,7 +16,7 @@ from commands import checked
 from strategies import random_rotation
 
 from certreg.campaign.pairs import PAIR_COLUMNS
-from certreg.geometry.orthogonality import why_no_rotation
+from certreg.geometry.pose_matrix import why_no_rotation
 from certreg.problem.problem import RegistrationProblem
 from certreg.registration.any_certification import certify
 from certreg.registration.assessment import assess

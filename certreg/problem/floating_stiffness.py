@@ -20,7 +20,7 @@ from certreg.problem.arrays import row_blocks
 from certreg.problem.exact_sums import UPPER
 from certreg.problem.floating_sums import total
 from certreg.problem.moments import near_mean
-from certreg.problem.spring_sums import COORDINATES
+from certreg.problem.stiffness import COORDINATES
 from certreg.problem.terms import Pairs
 from certreg.results import Brief
 
