@@ -122,7 +122,6 @@ ANY_PROBLEM = {  # names of what stands in problems, or may stand in the files o
     "certreg.certificate.similarity",
     "certreg.geometry.similarity",
     "certreg.io.springs",
-    "certreg.problem.factors",
     "certreg.problem.spring_rows",
     "certreg.problem.springs",
 }
