@@ -27,7 +27,7 @@ from certreg.campaign.listing import (
 from certreg.campaign.runner import contents
 from certreg.campaign.store import Manifest, current_versions, digest_of
 from certreg.campaign.table import COLUMNS, PARQUET, SUMMARY, Block, Column, write_table
-from certreg.campaign.task import Task, TaskResult
+from certreg.campaign.workers import Task, TaskResult
 from certreg.errors import CertregError
 from certreg.io.atomic import written_atomically
 from certreg.io.labels import Match

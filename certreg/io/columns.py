@@ -2,6 +2,10 @@
 
 Easting is x, northing is y, a height is z, wherever they stand: a table in the order N, E, H is no
 left-handed cloud. Two columns that could both be x are refused.
+
+Tables separated by semicolons are as spreadsheets write them where the comma is decimal. `1,234` is
+one and a quarter in one country and a thousand in another. So commas in numbers are read as decimal
+only where some number of the file shows that they are: `1,5` groups no thousands.
 """
 
 from __future__ import annotations

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from certreg._loading import late
 from certreg.io.labels import text_of_field
-from certreg.io.npy import read_array
 from certreg.io.streams import count, refused
 from certreg.io.text import read_numbers, read_rows
 from certreg.problem.arrays import first_row
@@ -19,10 +19,20 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from certreg.io import npy
     from certreg.io.pairing import Pair
     from certreg.io.streams import Place
 
     Rows = list[tuple[Place, list[str]]]
+else:  # for arrays in files
+    npy = late("certreg.io.npy")
+
+
+def numbers_of(path: Path) -> NDArray[np.float64]:
+    """What a file holds: an array in .npy, or text with one number a line."""
+    if path.suffix.lower() == ".npy":
+        return npy.read_array(path)
+    return np.array(read_numbers(path), dtype=np.float64)
 
 
 def read_bounds(path: Path, pair: Pair) -> NDArray[np.float64]:
@@ -31,9 +41,7 @@ def read_bounds(path: Path, pair: Pair) -> NDArray[np.float64]:
     Raises InvalidFileError where the file cannot be read, holds another number of them or one that
     bounds nothing.
     """
-    npy = path.suffix.lower() == ".npy"
-    numbers = read_array(path) if npy else np.array(read_numbers(path), dtype=np.float64)
-    n = pair.sizes[0]
+    numbers, n = numbers_of(path), pair.sizes[0]
     if numbers.shape != (n,):
         held = f"{len(numbers)} bounds" if numbers.ndim == 1 else f"an array {numbers.shape}"
         raise refused(

@@ -262,9 +262,10 @@ def _of_cloud(stream: BinaryIO, file: Path, kind: str) -> SpringTable:
     held = {PCL.get(name, name): name for name in read.further}
     names = columns_of(held, kind)
     if names is None:
-        wanted = " or ".join(",".join(one) for one in SPRING_COLUMNS[kind])
         raise refused(
-            file, f"has no {kind} for its points: add {wanted}", column=SPRING_COLUMNS[kind][0][0]
+            file,
+            f"has no {kind} for its points: add {_wanted(kind)}",
+            column=SPRING_COLUMNS[kind][0][0],
         )
     columns = [np.asarray(read.further[held[name]]) for name in names]
     return SpringTable(
@@ -279,8 +280,9 @@ def _of_text(stream: BinaryIO, file: Path, kind: str) -> SpringTable:
     place, titles, rows = titled_rows(stream, file)
     names = columns_of(titles, kind)
     if names is None:
-        wanted = " or ".join(",".join(one) for one in SPRING_COLUMNS[kind])
-        words = f"the header ({shown(', '.join(titles))}) names no {kind}: add columns {wanted}"
+        words = (
+            f"the header ({shown(', '.join(titles))}) names no {kind}: add columns {_wanted(kind)}"
+        )
         raise place.refusal(words, column=SPRING_COLUMNS[kind][0][0], value=titles)
     plain = [title.strip().lower() for title in titles]
     chosen = [plain.index(name) for name in names]
@@ -299,6 +301,10 @@ def _of_text(stream: BinaryIO, file: Path, kind: str) -> SpringTable:
         labels=None if label is None else tuple(labels),
         columns=names,
     )
+
+
+def _wanted(kind: str) -> str:
+    return " or ".join(",".join(names) for names in SPRING_COLUMNS[kind])
 
 
 def _cells(place: Place, texts: list[str], names: tuple[str, ...]) -> list[float]:

@@ -137,6 +137,18 @@ def _require_size(file: Path, size: int, limit: int) -> None:
         raise refused(file, f"{size} bytes are too many: is it a cloud?", value=size, limit=limit)
 
 
+def require_held(file: Path, declared: int, held: int) -> None:
+    """That a file holds as many bytes of data as its header declares."""
+    if declared != held:
+        raise refused(
+            file,
+            f"the header declares {declared} bytes of data, the file holds {held}: "
+            "it is truncated or corrupt; save it again",
+            value=held,
+            limit=declared,
+        )
+
+
 def lines(stream: BinaryIO, file: Path, first: int = 1) -> Iterator[str]:
     """The lines of UTF-8 text, each and all of bounded length; the first is line `first`."""
     size = 0

@@ -57,11 +57,10 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from typing import BinaryIO
 
-    from certreg.io import atoms, obj, xyz
+    from certreg.io import atoms, obj
 else:  # each for files of one ending
     atoms = late("certreg.io.atoms")
     obj = late("certreg.io.obj")
-    xyz = late("certreg.io.xyz")
 
 TABLE_FORMATS = (".csv", ".txt")  # of numbers, too: weights, pairs
 TEXT_FORMATS = (*TABLE_FORMATS, ".xyz", ".asc", ".pts", ".obj", ".pdb")
@@ -110,9 +109,9 @@ def parse_points(stream: BinaryIO, file: Path, *, noise: bool = True) -> Points:
         found = atoms.parse_pdb(content, file)
         return Points(found.coordinates, found.labels, (), found.labels, notes=found.notes)
     if suffix == ".xyz":
-        declared, content = xyz.chemical(content)
+        declared, content = atoms.chemical(content)
         if declared is not None:
-            coordinates, width = xyz.chemical_points(content, file, declared)
+            coordinates, width = atoms.chemical_points(content, file, declared)
             return Points(coordinates, None, tuple(f"column {k}" for k in range(5, width + 1)))
     if suffix == ".csv":
         first, content = _first_row(content)

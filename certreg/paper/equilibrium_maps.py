@@ -27,7 +27,7 @@ import numpy as np
 from certreg.campaign.runner import contents
 from certreg.campaign.store import Manifest, current_versions
 from certreg.campaign.table import Block, Column, write_table
-from certreg.campaign.task import TaskResult
+from certreg.campaign.workers import TaskResult
 from certreg.dynamics.simulation import simulate
 from certreg.equilibrium.paths import PathsOutcome, critical_lines
 from certreg.equilibrium.quartics import FloatingQuartic

@@ -40,7 +40,6 @@ from hypothesis import strategies as st
 
 import certreg
 from certreg.campaign import runner, store
-from certreg.campaign.arithmetic import arithmetic
 from certreg.campaign.pairs import PAIR_COLUMNS
 from certreg.campaign.runner import completed, in_order, perform
 from certreg.campaign.store import (
@@ -49,12 +48,12 @@ from certreg.campaign.store import (
     SHARDS,
     Manifest,
     Shards,
+    arithmetic,
     current_versions,
     occupied,
 )
 from certreg.campaign.table import Column, write_table
-from certreg.campaign.task import Task, TaskResult
-from certreg.campaign.workers import LocalWorkers, workers_at
+from certreg.campaign.workers import LocalWorkers, Task, TaskResult, workers_at
 from certreg.cli import reproducing
 from certreg.cli.reproducing import LARGEST_RUNS
 from certreg.equilibrium.batch import solve_many
