@@ -36,6 +36,7 @@ from certreg.problem.stiffness import spring_moments
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
+
 DAMPING = 2.0  # not stated in the paper: with it, a run takes some 1200 steps
 SINGLE, BATCHED, SCIPY = 1000.0, 6000.0, 5000.0  # times faster
 THREADS = 1.6  # times faster on two cores than on one; the rest is for a machine that is shared
@@ -213,12 +214,10 @@ def _bodies(count: int) -> Bodies:
         damping=DAMPING,
     )
     repeat = count // 64
-    return Bodies(
-        records=np.tile(some.records, repeat),
-        basins=np.tile(some.basins, repeat),
-        starts=np.tile(some.starts, repeat),
-        length_exponents=np.tile(some.length_exponents, repeat),
-    )
+    names = ("records", "basins", "starts", "length_exponents")
+    tiled: dict[str, Any] = {name: np.tile(getattr(some, name), repeat) for name in names}
+    points = {name: np.tile(getattr(some, name), (repeat, 1)) for name in ("centres", "origins")}
+    return replace(some, **tiled, **points)
 
 
 def _many(integrator: Integrator, count: int | None = None) -> Batch:

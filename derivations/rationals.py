@@ -20,7 +20,6 @@ from certreg.objective.classification import Classification, classify
 from certreg.objective.springs import Springs
 from certreg.problem.moments import exact_moments
 from certreg.problem.problem import RegistrationProblem
-from certreg.problem.stiffness import spring_moments
 
 Number = int | Fraction
 Vector = tuple[Any, ...]
@@ -132,7 +131,7 @@ class ExactPlanes:
         source, target, normals = (
             np.array(rows, float) for rows in (self.source, self.target, self.normals)
         )
-        return Springs(spring_moments(RegistrationProblem(source, target, normals=normals)))
+        return Springs.of(RegistrationProblem(source, target, normals=normals))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

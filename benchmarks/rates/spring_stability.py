@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 
     from certreg.dynamics.springs import SprungBody
 
+
 DAMPING = 1.3
 INSTANCES, LEAST = 130, 5_000  # of each family; equilibria in all
 SIZES = {"plane": 7, "line": 5, "aniso": 4, "gicp": 10, "lidar": 10, "mixed": 6, "wall": 20}
@@ -69,7 +70,7 @@ def counted(instances: int, families: tuple[str, ...] = tuple(SIZES)) -> Tally:
 
 def _count(problem: RegistrationProblem, rng: np.random.Generator, tally: Tally) -> None:
     moments = spring_moments(problem)
-    objective = Springs(moments)
+    objective = Springs.of(problem)
     body = list_body(objective, critical_lines(objective.floating_quartic()[0])).body
     if body is None:
         tally.unlisted += 1

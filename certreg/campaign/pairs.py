@@ -37,8 +37,7 @@ from certreg.io.springs import SpringSource
 from certreg.io.streams import number
 from certreg.problem.motion import Scale
 from certreg.problem.support import Cell, Loss, require_supported
-from certreg.registration.any_certification import certify
-from certreg.registration.certification import optimally_damped
+from certreg.registration.certification import certify
 from certreg.registration.consensus import ConsensusRegistration
 from certreg.registration.exit_codes import (
     MISUSED,
@@ -50,6 +49,7 @@ from certreg.registration.exit_codes import (
     code_of_registration,
     worst,
 )
+from certreg.registration.simulation import optimally_damped
 from certreg.registration.truncated import TruncatedRegistration
 from certreg.report.consensus_folder import wrong_pairs_document
 from certreg.report.document import ERROR_SCHEMA, error_document, result_document
@@ -62,6 +62,7 @@ if TYPE_CHECKING:
     from certreg.campaign.listing import Listing, PairRow
     from certreg.io.pairing import Pair
     from certreg.problem.problem import RegistrationProblem
+
 
 FILES = (*NEEDED, "weights", "pairs", *SPRING_FILES)
 SHARD_PAIRS = 16  # at most: a second of work

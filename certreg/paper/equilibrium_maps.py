@@ -35,7 +35,6 @@ from certreg.objective.springs import Springs
 from certreg.paper.monte_carlo import RandomCampaign, packed, unpacked
 from certreg.problem.problem import RegistrationProblem
 from certreg.problem.random_instances import gaussian_instances
-from certreg.problem.stiffness import spring_moments
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -44,6 +43,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.paper.observations import StageProgress
+
 
 SPRING_INSTANCES = 100  # in each cell: a share is known to 0.1
 SPRINGS_FILE = "springs.csv"
@@ -169,7 +169,7 @@ def _directions(rng: np.random.Generator, n: int) -> NDArray[np.float64]:
 
 def observed(problem: RegistrationProblem) -> SpringObservation:
     """The equilibria of an instance, counted, and where the run from its start ends."""
-    objective = Springs(spring_moments(problem))
+    objective = Springs.of(problem)
     quartic = objective.floating_quartic()[0]
     lines = critical_lines(quartic)
     if lines.outcome is not PathsOutcome.FOUND:

@@ -34,7 +34,7 @@ from certreg.problem.random_instances import (
     PAPER_SIGMA,
     gaussian_instances,
 )
-from certreg.registration.any_certification import certify
+from certreg.registration.certification import certify
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Container, Iterator
@@ -45,6 +45,7 @@ if TYPE_CHECKING:
     from certreg.equilibrium.batch import Solutions
     from certreg.problem.random_instances import Instances
     from certreg.registration.result import Registration
+
 
 Arrays = dict[str, "NDArray[Any]"]
 

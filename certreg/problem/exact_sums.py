@@ -26,6 +26,7 @@ import numpy as np
 from certreg._loading import found_late
 from certreg.native.kernels import MissingLibraryError
 from certreg.native.library import loaded_library
+from certreg.native.sums import fixed_point_fits, sums_by_exponent, sums_in_fixed_point
 from certreg.problem.arrays import row_blocks
 from certreg.problem.lifting import lift
 
@@ -34,9 +35,11 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from certreg.native.library import FixedSums, Library
+    from certreg.native.library import Library
+    from certreg.native.sums import IntegerSums
     from certreg.problem.problem import RegistrationProblem
     from certreg.problem.terms import Pairs
+
 
 FIXED_POINTS = 512  # from here on fixed point: below, its own set-up takes longer
 FEW_POINTS = 16  # below, Python's own integers take no longer than a call of compiled code
@@ -208,7 +211,7 @@ def _compiled() -> Library | None:
     """The compiled library; None where there is none, or it has no integers of 128 bits."""
     try:
         compiled = loaded_library()
-        compiled.exact_sums(np.ones((1, 3)), np.ones((1, 3)), np.ones(1))
+        sums_by_exponent(compiled, np.ones((1, 3)), np.ones((1, 3)), np.ones(1))
     except MissingLibraryError:
         return None
     return compiled
@@ -217,7 +220,7 @@ def _compiled() -> Library | None:
 def _fits(compiled: Library, problem: RegistrationProblem) -> bool:
     """Whether the first block fits into fixed point."""
     block = problem.block(next(iter(row_blocks(problem.n))))
-    return compiled.fixed_point_fits(block.source, block.target, _unequal(block.weights))
+    return fixed_point_fits(compiled, block.source, block.target, _unequal(block.weights))
 
 
 def _unequal(weights: NDArray[np.float64]) -> NDArray[np.float64] | None:
@@ -226,30 +229,26 @@ def _unequal(weights: NDArray[np.float64]) -> NDArray[np.float64] | None:
 
 
 def _by_exponent(compiled: Library, block: Pairs) -> Sums:
-    raw = compiled.exact_sums(block.source, block.target, block.weights)
-    return Sums.stated(raw.integers, raw.places, raw.lowest)
+    raw = sums_by_exponent(compiled, block.source, block.target, block.weights)
+    return Sums.stated(raw.integers, raw.units, raw.lowest)
 
 
 def _by_fixed_point(compiled: Library, block: Pairs) -> Sums:
     weights = _unequal(block.weights)
-    raw = compiled.fixed_sums(block.source, block.target, weights)
+    raw = sums_in_fixed_point(compiled, block.source, block.target, weights)
     if raw is None:
         return _by_limbs(block)
-    a, b, c = (
-        None if bit is None else unit + bit for unit, bit in zip(raw.units, raw.lowest, strict=True)
-    )
     integers = _without_biases(raw)
     if weights is not None:
-        return Sums.stated(integers, raw.units, (a, b, c))
+        return Sums.stated(integers, raw.units, raw.lowest)
     one = lift(block.weights[:1])
     (weight,), unit = one.integers, one.exponent
     many = (len(block.weights), *integers[1:])
-    return Sums.stated(
-        [weight * k for k in many], (*raw.units[:2], unit), (a, b, unit if weight else None)
-    )
+    lowest = (*raw.lowest[:2], unit if weight else None)
+    return Sums.stated([weight * k for k in many], (*raw.units[:2], unit), lowest)
 
 
-def _without_biases(raw: FixedSums) -> list[int]:
+def _without_biases(raw: IntegerSums) -> list[int]:
     """Sums of W, W X, ... from those of W, W (X + p), ...
 
     With P = 2^p and Q = 2^q, sum W X = sum W (X + P) - P sum W, and for the products

@@ -18,7 +18,7 @@ from operator import mul
 from typing import TYPE_CHECKING, ClassVar
 
 from certreg.native.library import library_if_any, loaded_library
-from certreg.native.spring_sums import springs_by_exponent, springs_by_limbs
+from certreg.native.sums import springs_by_exponent, springs_by_limbs
 from certreg.problem.exact_sums import UPPER, Summation, SumMethod, Sums
 from certreg.problem.lifting import lift
 from certreg.results import Brief
@@ -27,9 +27,9 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from certreg.geometry.so3 import Matrix3, Vector3
-    from certreg.native.spring_sums import SpringIntegers
     from certreg.problem.problem import RegistrationProblem
     from certreg.problem.terms import Pairs
+
 
 LIMB_POINTS = 1024  # from here on limbs: below, they take longer than exponents
 PIECE = 256  # points of one attempt where the numbers of a block are of too many sizes for limbs
@@ -67,13 +67,14 @@ EMPTY = SpringSums(
 
 def _by_exponent(block: Pairs) -> SpringSums:
     library = loaded_library()
-    return _named(springs_by_exponent(library, block.source, block.target, block.springs))
+    raw = springs_by_exponent(library, block.source, block.target, block.springs)
+    return SpringSums.stated(raw.integers, raw.units, raw.lowest)
 
 
 def _by_limbs(block: Pairs) -> SpringSums:
     raw = springs_by_limbs(loaded_library(), block.source, block.target, block.springs)
     if raw is not None:
-        return _named(raw)
+        return SpringSums.stated(raw.integers, raw.units, raw.lowest)
     count = len(block.source)
     if count <= PIECE:
         return _by_integers(block)
@@ -84,11 +85,6 @@ def _by_limbs(block: Pairs) -> SpringSums:
 def _fits(block: Pairs) -> bool:
     library = loaded_library()
     return springs_by_limbs(library, block.source, block.target, block.springs) is not None
-
-
-def _named(raw: SpringIntegers) -> SpringSums:
-    a, b, c = raw.lowest
-    return SpringSums.stated(raw.integers, raw.units, (a, b, None if c is None else 2 * c))
 
 
 def _by_integers(block: Pairs) -> SpringSums:
@@ -152,6 +148,7 @@ SPRUNG = Summation(
 )
 
 Six = tuple[int, int, int, int, int, int]
+FIRST_OF_SOURCE, FIRST_OF_TARGET = slice(6, 24), slice(60, 63)  # sums of first order, of 73
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -184,12 +181,18 @@ class SpringMoments(Brief):
 
 def spring_moments(problem: RegistrationProblem) -> SpringMoments:
     """The moments of a problem of general springs, in integers: no rounding anywhere."""
-    return spring_moments_of(SPRUNG.of(problem), problem.n)
+    still = not problem.motion.translations
+    return spring_moments_of(SPRUNG.of(problem), problem.n, about_origin=still)
 
 
-def spring_moments_of(sums: Sums, n: int) -> SpringMoments:
-    """The moments that exact sums over n points make."""
-    numbers = sums.integers
+def spring_moments_of(sums: Sums, n: int, *, about_origin: bool = False) -> SpringMoments:
+    """The moments that exact sums over n points make.
+
+    about_origin: with the sums of first order taken for 0, as where there is no translation.
+    """
+    numbers = list(sums.integers)
+    if about_origin:
+        numbers[FIRST_OF_SOURCE], numbers[FIRST_OF_TARGET] = [0] * 18, [0] * 3
     sixes = [_six(numbers[k : k + 6]) for k in range(24, 60, 6)]
     return SpringMoments(
         n=n,

@@ -11,7 +11,6 @@ import numpy as np
 from certreg.geometry.so3 import dot, rotation_matrix, squared_norm
 from certreg.objective.springs import Springs
 from certreg.problem.problem import RegistrationProblem
-from certreg.problem.stiffness import spring_moments
 from certreg.verify import CheckedSprings
 
 from ..algebra import Square, combination, contraction, facts, identity, nonnegative
@@ -139,7 +138,7 @@ def _problem(factors: Sequence[Sequence[int]]) -> RegistrationProblem:
 
 
 def _objective(factors: Sequence[Sequence[int]]) -> Springs:
-    return Springs(spring_moments(_problem(factors)))
+    return Springs.of(_problem(factors))
 
 
 def _told(

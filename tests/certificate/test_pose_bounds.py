@@ -27,7 +27,6 @@ from certreg.objective.springs import Springs
 from certreg.problem.moments import exact_moments
 from certreg.problem.motion import Scale
 from certreg.problem.problem import RegistrationProblem
-from certreg.problem.stiffness import spring_moments
 from certreg.results import Limits
 
 LITTLE = Fraction(1, 10**30)  # far below the spacing of the doubles
@@ -111,7 +110,7 @@ def springs() -> tuple[RegistrationProblem, Springs]:
     x, y = instance().source, instance().target
     factors = np.tile(np.diag([1.0, 2.0, 3.0]), (6, 1, 1))
     problem = RegistrationProblem(x, y, factors=factors)
-    return problem, Springs(spring_moments(problem))
+    return problem, Springs.of(problem)
 
 
 def test_the_energy_of_general_springs_is_the_sum_of_their_squares():

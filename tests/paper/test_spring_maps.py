@@ -33,7 +33,6 @@ from certreg.paper.equilibrium_maps import (
 )
 from certreg.paper.map_figures import counts_drawing, spring_drawings
 from certreg.problem.problem import RegistrationProblem
-from certreg.problem.stiffness import spring_moments
 from certreg.relaxation.optimum import find_optimum
 
 FEW = [cell for cell in SPRING_CELLS if cell.points in {4, 7, 20} and cell.noise in {0.1, 1.0}]
@@ -107,7 +106,7 @@ def test_one_wall_is_not_counted():
 def test_the_minima_are_those_that_the_search_for_the_optimum_knows():
     cell = SpringCell(family="plane", points=6, noise=0.1)
     problem = spring_problem(generator(cell, 0, 1), cell)
-    found = find_optimum(Springs(spring_moments(problem)))
+    found = find_optimum(Springs.of(problem))
 
     assert observed(problem).stable >= len(found.minima) >= 1
 

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from certreg.native.library import library_if_any, loaded_library
-from certreg.native.spring_sums import springs_by_exponent, springs_by_limbs
+from certreg.native.sums import springs_by_exponent, springs_by_limbs
 from certreg.problem.arrays import row_blocks
 from certreg.problem.exact_sums import SumMethod, fastest_method, second_method, sums_by
 from certreg.problem.problem import RegistrationProblem
