@@ -30,11 +30,12 @@ from certreg.native.layout import plain as doubles
 from certreg.native.loops import Batch, Integrator
 from certreg.objective.isotropic import Isotropic
 from certreg.problem.moments import ExactMoments, exact_moments
-from certreg.problem.moments_of_springs import spring_moments
 from certreg.problem.problem import RegistrationProblem
+from certreg.problem.stiffness import spring_moments
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
+
 
 DAMPING = 2.0  # not stated in the paper: with it, a run takes some 1200 steps
 SINGLE, BATCHED, SCIPY = 1000.0, 6000.0, 5000.0  # times faster

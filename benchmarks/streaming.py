@@ -25,7 +25,7 @@ from certreg.geometry.so3 import davenport_matrix
 from certreg.native.kernels import FLAGS
 from certreg.native.library import loaded_library
 from certreg.problem.exact_sums import SumMethod, fastest_method, sums_by
-from certreg.problem.floating_springs import floating_spring_moments
+from certreg.problem.floating_stiffness import floating_spring_moments
 from certreg.problem.floating_sums import CloudPair, compiled, floating_sums
 from certreg.problem.moments import exact_moments
 from certreg.problem.problem import RegistrationProblem

@@ -311,7 +311,7 @@ PROVED = (
     _of("dynamics/basin", "certified_basin basin_gaps", "dynamics/test_basin_edges"),
     _of("dynamics/body", "clearly_thick", "dynamics/test_basin_edges"),
     _of("registration/breathing", "never_collapses", "dynamics/test_basin_edges"),
-    _of("problem/breaking", "ExactSprings.broken_energy", "equilibrium/test_breaking_springs"),
+    _of("problem/lifting", "ExactSprings.broken_energy", "equilibrium/test_breaking_springs"),
     _of("problem/bounds", "_require_telling", "problem/test_truncated_problem"),
     _of("problem/bounds", "_require_narrow", "problem/test_bounds"),
     _of("problem/moments", "rounding_of davenport_error", "problem/test_moments"),

@@ -17,12 +17,17 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
 
 from certreg import __version__
-from certreg.campaign.listing import NEEDED, SPRING_FILES
-from certreg.campaign.row_bounds import asked_of_bounds, bounds_file, fault_of_bounds
+from certreg.campaign.listing import (
+    NEEDED,
+    SPRING_FILES,
+    asked_of_bounds,
+    bounds_file,
+    fault_of_bounds,
+)
 from certreg.campaign.runner import contents
 from certreg.campaign.store import Manifest, current_versions, digest_of
 from certreg.campaign.table import COLUMNS, PARQUET, SUMMARY, Block, Column, write_table
-from certreg.campaign.task import Task, TaskResult
+from certreg.campaign.workers import Task, TaskResult
 from certreg.errors import CertregError
 from certreg.io.atomic import written_atomically
 from certreg.io.labels import Match
@@ -57,6 +62,7 @@ if TYPE_CHECKING:
     from certreg.campaign.listing import Listing, PairRow
     from certreg.io.pairing import Pair
     from certreg.problem.problem import RegistrationProblem
+
 
 FILES = (*NEEDED, "weights", "pairs", *SPRING_FILES)
 SHARD_PAIRS = 16  # at most: a second of work

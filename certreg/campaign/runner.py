@@ -19,7 +19,7 @@ from certreg.campaign.store import (
     current_versions,
     digest_of,
 )
-from certreg.campaign.task import Task, TaskResult
+from certreg.campaign.workers import Task, TaskResult
 from certreg.errors import (
     CampaignError,
     CertregError,

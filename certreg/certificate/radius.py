@@ -39,7 +39,7 @@ from certreg.problem.moments import trace
 
 if TYPE_CHECKING:
     from certreg.problem.moments import ExactMoments
-    from certreg.problem.moments_of_springs import SpringMoments
+    from certreg.problem.stiffness import SpringMoments
 
 RADIUS_BITS = 24  # of mantissa: short numbers, at most 2^-23 of them lost
 SAFE_BITS = 40

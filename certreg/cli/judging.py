@@ -16,12 +16,12 @@ from certreg.cli.writing import WritingCommand, require_apart
 from certreg.cli.wrong_pairs import consensus_options
 from certreg.errors import InvalidFileError
 from certreg.geometry.given import GivenPose
-from certreg.geometry.orthogonality import why_no_rotation
+from certreg.geometry.pose_matrix import why_no_rotation
 from certreg.geometry.similarity import Similarity
 from certreg.io.atomic import write_atomically
 from certreg.io.clouds import read_cloud
-from certreg.io.inliers import read_inliers
 from certreg.io.poses import read_result_pose
+from certreg.io.row_values import read_inliers
 from certreg.io.written_clouds import write_cloud
 from certreg.problem.bounds import bounded
 from certreg.problem.support import Loss

@@ -6,7 +6,7 @@ import shlex
 import sys
 from importlib.resources import files
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -38,14 +38,10 @@ from certreg.report.markup import printable
 from certreg.verify import shown
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from certreg.cli.wrong_pairs import WrongPairs
     from certreg.io.pairing import Pair
     from certreg.problem.problem import RegistrationProblem
-    from certreg.registration.consensus import ConsensusRegistration
     from certreg.registration.exit_codes import FitDemands
-    from certreg.registration.truncated import TruncatedRegistration
     from certreg.report import consensus_folder, document, folder, summary
 else:
     consensus_folder = late("certreg.report.consensus_folder")
@@ -109,7 +105,7 @@ def certify(
         raise click.UsageError(message)
     about = {"certreg": __version__, **pair.about}
     asked: dict[str, Any] = {} if wrong is None else wrong.asked(pair)
-    registration = certified(
+    result: Any = certified(
         problem,
         relaxation=solver or not no_relaxation,
         simulation=not no_simulation and (integrator or True),
@@ -119,23 +115,24 @@ def certify(
         robustness_angle=robustness_angle,
         **asked,
     )
-    if wrong is not None:
-        chosen = cast("ConsensusRegistration | TruncatedRegistration", registration)
-        return _told_of_consensus(chosen, pair.notes, demands, out, as_json=as_json)
-    path = None if out is None else folder.write_folder(registration, out, notes=pair.notes)
+    path, whole = None, wrong is None
+    if out is not None:
+        write = folder.write_folder if whole else consensus_folder.write_wrong_pairs
+        path = write(result, out, notes=pair.notes)
     if as_json:
-        click.echo(
-            document.dumps(
-                document.result_document(registration, path and str(path), notes=pair.notes)
-            )
-        )
+        stated = document.result_document if whole else consensus_folder.wrong_pairs_document
+        click.echo(document.dumps(stated(result, path and str(path), notes=pair.notes)))
     else:
-        click.echo(registration.summary())
+        click.echo(result.summary())
         if path is not None:
             _tell_files(path)
-    for words in demands.unmet(registration):
+    fit = result if whole else result.fit
+    warned = bool((result.fit if whole else result).warnings)
+    code = code_of_registration(result) if whole else result.exit_code
+    unmet = demands.unmet_by(fit.rmse, warned=warned)
+    for words in unmet:
         click.echo(f"certreg: {words}: exit code 4", err=True)
-    return code_of_registration(registration, demands)
+    return worst([code, NOT_CERTIFIED] if unmet else [code])
 
 
 def _tell_files(certificate: Path) -> None:
@@ -144,31 +141,6 @@ def _tell_files(certificate: Path) -> None:
     click.echo(f"\nCertificate: {place}  (re-check it: certreg verify {shlex.quote(place)})")
     if page.exists():
         click.echo(f"Report: {printable(page)}  (open it in a browser)")
-
-
-def _told_of_consensus(
-    result: ConsensusRegistration | TruncatedRegistration,
-    notes: Sequence[str],
-    demands: FitDemands,
-    out: Path | None,
-    *,
-    as_json: bool,
-) -> int:
-    """Writes and prints a registration with wrong pairs; the exit code."""
-    path = None if out is None else consensus_folder.write_wrong_pairs(result, out, notes=notes)
-    if as_json:
-        place = None if path is None else str(path)
-        click.echo(
-            document.dumps(consensus_folder.wrong_pairs_document(result, place, notes=notes))
-        )
-    else:
-        click.echo(result.summary())
-        if path is not None:
-            _tell_files(path)
-    unmet = demands.unmet_by(result.fit.rmse, warned=bool(result.warnings))
-    for words in unmet:
-        click.echo(f"certreg: {words}: exit code 4", err=True)
-    return worst([result.exit_code, NOT_CERTIFIED] if unmet else [result.exit_code])
 
 
 @click.command(epilog="Exit code 0 when every problem came out as told, else 1.")

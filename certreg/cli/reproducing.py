@@ -17,14 +17,20 @@ from certreg.cli.campaigns import resumable
 from certreg.cli.options import FOLDER
 from certreg.cli.progress import Progress, Stages
 from certreg.paper.documents import texts
+from certreg.paper.equilibrium_maps import (
+    SPRING_INSTANCES,
+    RunEnd,
+    SpringCampaign,
+    SpringCounts,
+    spring_counts,
+    write_spring_results,
+)
 from certreg.paper.figures import paper_drawings
+from certreg.paper.map_figures import spring_drawings
 from certreg.paper.monte_carlo import EXCEPTIONS, MonteCarlo, write_instance_results
 from certreg.paper.observations import Setup
 from certreg.paper.page import make_folder, write_reproduction
 from certreg.paper.parameter_sweeps import all_sweeps
-from certreg.paper.spring_campaign import SpringCampaign, write_spring_results
-from certreg.paper.spring_figures import spring_drawings
-from certreg.paper.spring_maps import SPRING_INSTANCES, RunEnd, SpringCounts, spring_counts
 from certreg.paper.sweep_figures import sweep_drawings
 from certreg.paper.verdicts import reproduce as reproduced
 from certreg.registration.exit_codes import DONE, REFUSED

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, cast
 import click
 
 from certreg.errors import InvalidFileError
-from certreg.io.standard_input import is_standard_input
+from certreg.io.streams import is_standard_input
 from certreg.report.markup import printable
 
 if TYPE_CHECKING:

@@ -23,13 +23,13 @@ from certreg.report.markup import printable
 if TYPE_CHECKING:
     from collections.abc import Callable, Generator
 
-    from certreg.io import bounds as io_bounds
+    from certreg.io import row_values as io_bounds
     from certreg.io.pairing import Pair
     from certreg.problem import bounds as problem_bounds
     from certreg.problem import effort as problem_effort
 else:
     # These load NumPy, and are loaded where they are needed.
-    io_bounds = late("certreg.io.bounds")
+    io_bounds = late("certreg.io.row_values")
     problem_bounds = late("certreg.problem.bounds")
     problem_effort = late("certreg.problem.effort")
 

@@ -9,13 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.dynamics.body import (
-    SpringStatus,
-    ValleyBody,
-    exponent_of,
-    require_rank,
-    require_thick,
-)
+from certreg.dynamics.body import SpringStatus, ValleyBody, exponent_of, require_rank, require_thick
 from certreg.dynamics.states import CUBE, NO_TURN_QUATERNION, state_of
 from certreg.equilibrium.stability import TRANSLATION_STIFFNESS
 from certreg.errors import DegenerateProblemError
@@ -34,7 +28,8 @@ if TYPE_CHECKING:
 
     from certreg.native.layout import Records
     from certreg.objective.springs import Springs
-    from certreg.problem.moments_of_springs import SpringMoments
+    from certreg.problem.stiffness import SpringMoments
+
 
 FULL = tuple(UPPER.index((min(a, b), max(a, b))) for a, b in product(range(3), repeat=2))
 DIAGONAL = (0, 3, 5)  # among the six entries of a symmetric matrix
@@ -106,7 +101,7 @@ class SprungBody(ValleyBody):
 class CentredSums:
     """The 73 sums about the source's centre of mass and an origin of the target, in fractions.
 
-    As in `certreg.problem.moments_of_springs.SpringMoments`, in the user's unit. scatter: six rows
+    As in `certreg.problem.stiffness.SpringMoments`, in the user's unit. scatter: six rows
     of six.
     """
 

@@ -35,7 +35,7 @@ from certreg.exact.dyadic import power_of_two
 from certreg.geometry.so3 import dot, rotation_matrix, squared_norm
 from certreg.native.bit_rows import rows_of
 from certreg.objective.isotropic import Isotropic
-from certreg.problem.breaking import exact_springs
+from certreg.problem.lifting import exact_springs
 from certreg.results import Brief
 
 if TYPE_CHECKING:
@@ -45,7 +45,7 @@ if TYPE_CHECKING:
     from certreg.equilibrium.eigenlines import Eigenline
     from certreg.exact.spaces import IntegerQuaternion
     from certreg.geometry.so3 import Vector3
-    from certreg.problem.breaking import ExactSprings
+    from certreg.problem.lifting import ExactSprings
     from certreg.problem.problem import RegistrationProblem
     from certreg.results import ComponentKind
 

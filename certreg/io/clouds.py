@@ -10,8 +10,7 @@ import numpy as np
 
 from certreg._loading import found_late, late
 from certreg.io.optional import unknown_format
-from certreg.io.standard_input import is_standard_input, standard_input
-from certreg.io.streams import reading, refused
+from certreg.io.streams import is_standard_input, reading, refused, standard_input
 from certreg.io.text import TEXT_FORMATS, parse_points
 from certreg.problem.arrays import first_row, remedy_of_shape
 from certreg.results import Brief
@@ -23,8 +22,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.io import npy
-    from certreg.io.parsed import Parsed
-    from certreg.io.row_numbers import RowNumbers
+    from certreg.io.parsed import Parsed, RowNumbers
 
     Parser = Callable[[BinaryIO, Path], Parsed]
 else:  # for arrays in files

@@ -13,7 +13,7 @@ import numpy as np
 
 from certreg.errors import InvalidFileError
 from certreg.io.atomic import write_atomically
-from certreg.io.streams import held_bytes, large_file, reading, refused
+from certreg.io.streams import held_bytes, large_file, reading, refused, require_held
 from certreg.problem.arrays import as_doubles, mapped_file, row_blocks
 from certreg.verify import shown
 
@@ -62,14 +62,7 @@ def parse_npy(stream: BinaryIO, file: Path) -> NDArray[Any]:
         mapped = large_file(stream, file) if is_float(header.dtype) else None
         first = stream.tell()
         held = held_bytes(stream, file) if mapped is None else len(mapped) - first
-        if declared != held:
-            raise refused(
-                file,
-                f"the header declares {declared} bytes of data, the file holds "
-                f"{held}: it is truncated or corrupt; save it again",
-                value=held,
-                limit=declared,
-            )
+        require_held(file, declared, held)
         if mapped is not None:
             order = "F" if header.fortran else "C"
             return np.ndarray(header.shape, header.dtype, mapped, first, order=order)

@@ -11,6 +11,7 @@ import numpy as np
 from certreg._loading import late
 from certreg.errors import InvalidFileError
 from certreg.io.clouds import read_cloud
+from certreg.io.columns import notes_on
 from certreg.io.labels import (
     Match,
     are_short,
@@ -20,10 +21,8 @@ from certreg.io.labels import (
     rows_by_label,
     unused_labels_note,
 )
-from certreg.io.row_numbers import RowNumbers
-from certreg.io.standard_input import is_standard_input
-from certreg.io.streams import refused
-from certreg.io.text import notes_on
+from certreg.io.parsed import RowNumbers
+from certreg.io.streams import is_standard_input, refused
 from certreg.results import Brief
 from certreg.verify import shown
 

@@ -26,6 +26,7 @@ from certreg.io.streams import (
     held_bytes,
     in_column,
     refused,
+    require_held,
     rows_of_words,
     typed_number,
 )
@@ -82,7 +83,7 @@ def parse_pcd(stream: BinaryIO, file: Path, further: frozenset[str] = frozenset(
     if declared.data == "ascii":
         columns = _from_text(stream, file, declared, len(top) + 1)
     elif declared.data == "binary":
-        _require_size(file, declared.size, held_bytes(stream, file))
+        require_held(file, declared.size, held_bytes(stream, file))
         columns = _of_rows(stream.read(declared.size), declared)
     else:
         columns = _of_blocks(_unpacked(stream, file, declared), declared)
@@ -203,17 +204,6 @@ def _from_text(
     return {name: np.array(column) for name, column in columns.items()}
 
 
-def _require_size(file: Path, declared: int, held: int) -> None:
-    if declared != held:
-        raise refused(
-            file,
-            f"the header declares {declared} bytes of data, the file holds {held}: "
-            "it is truncated or corrupt; save it again",
-            value=held,
-            limit=declared,
-        )
-
-
 def _of_rows(data: bytes, declared: Header) -> dict[str, NDArray[Any]]:
     """The columns that are read, of rows one behind the other."""
     starts, at = dict[str, int](), 0
@@ -245,8 +235,8 @@ def _unpacked(stream: BinaryIO, file: Path, declared: Header) -> bytes:
     held = held_bytes(stream, file)
     sizes = stream.read(SIZES.size)
     packed, unpacked = SIZES.unpack(sizes) if len(sizes) == SIZES.size else (0, 0)
-    _require_size(file, packed + SIZES.size, held)
-    _require_size(file, declared.size, unpacked)
+    require_held(file, packed + SIZES.size, held)
+    require_held(file, declared.size, unpacked)
     small = unpacked <= MAX_UNPACKED_BYTES
     data = decompress(stream.read(packed), unpacked) if small else None
     if data is None:

@@ -21,8 +21,7 @@ from certreg.io.atomic import write_atomically
 from certreg.io.columns import LABEL, NOISE
 from certreg.io.labels import IDENTIFIERS
 from certreg.io.npy import points_of_columns, side_by_side
-from certreg.io.parsed import Parsed
-from certreg.io.row_numbers import RowNumbers
+from certreg.io.parsed import Parsed, RowNumbers
 from certreg.io.streams import (
     COUNT,
     MAX_BINARY_BYTES,

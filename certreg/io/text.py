@@ -23,15 +23,22 @@ from typing import TYPE_CHECKING
 from certreg._loading import late
 from certreg.errors import InvalidFileError, InvalidProblemError
 from certreg.exact.dyadic import weight_of_sigma
-from certreg.io.columns import Columns, axes_of, columns_in_order, named_columns
+from certreg.io.columns import (
+    Columns,
+    DecimalCommas,
+    axes_of,
+    columns_in_order,
+    named_columns,
+    noise_of_columns,
+    notes_on,
+    separated_by_semicolons,
+)
 from certreg.io.labels import (
     require_same_order,
     rows_by_label,
     text_of_field,
     unused_labels_note,
 )
-from certreg.io.noise import noise_of_columns
-from certreg.io.semicolons import DecimalCommas, separated_by_semicolons
 from certreg.io.streams import (
     COUNT,
     NO_NUMBER,
@@ -50,11 +57,10 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from typing import BinaryIO
 
-    from certreg.io import obj, pdb, xyz
+    from certreg.io import atoms, obj
 else:  # each for files of one ending
+    atoms = late("certreg.io.atoms")
     obj = late("certreg.io.obj")
-    pdb = late("certreg.io.pdb")
-    xyz = late("certreg.io.xyz")
 
 TABLE_FORMATS = (".csv", ".txt")  # of numbers, too: weights, pairs
 TEXT_FORMATS = (*TABLE_FORMATS, ".xyz", ".asc", ".pts", ".obj", ".pdb")
@@ -100,12 +106,12 @@ def parse_points(stream: BinaryIO, file: Path, *, noise: bool = True) -> Points:
     if suffix == ".obj":
         return Points(*obj.parse_obj(content, file))
     if suffix == ".pdb":
-        atoms = pdb.parse_pdb(content, file)
-        return Points(atoms.coordinates, atoms.labels, (), atoms.labels, notes=atoms.notes)
+        found = atoms.parse_pdb(content, file)
+        return Points(found.coordinates, found.labels, (), found.labels, notes=found.notes)
     if suffix == ".xyz":
-        declared, content = xyz.chemical(content)
+        declared, content = atoms.chemical(content)
         if declared is not None:
-            coordinates, width = xyz.chemical_points(content, file, declared)
+            coordinates, width = atoms.chemical_points(content, file, declared)
             return Points(coordinates, None, tuple(f"column {k}" for k in range(5, width + 1)))
     if suffix == ".csv":
         first, content = _first_row(content)
@@ -370,15 +376,6 @@ def pair_by_label(source: Points, target: Points, files: tuple[Path, Path]) -> P
 
 def _of_rows(numbers: array[float] | None, rows: list[int]) -> array[float] | None:
     return None if numbers is None else array("d", map(numbers.__getitem__, rows))
-
-
-def notes_on(path: Path, notes: tuple[str, ...], ignored: tuple[str, ...]) -> list[str]:
-    """What the user should know of how a file was read, and of columns that were not."""
-    told = [f"{shown(path)}: {', '.join(notes)}"] if notes else []
-    if ignored:
-        hint = " (only `label` pairs rows)" if path.suffix.lower() == ".csv" else ""
-        told.append(f"{shown(path)}: not used: {shown(', '.join(ignored))}{hint}")
-    return told
 
 
 def read_clouds(

@@ -24,7 +24,7 @@ from certreg.objective.form import FULL, Form, Reduced, bordered
 from certreg.objective.polynomials import QUATERNION, PolynomialSystem, collected, exponents
 from certreg.objective.structure import Structure
 from certreg.problem.exact_sums import UPPER
-from certreg.problem.moments_of_springs import spring_moments
+from certreg.problem.stiffness import spring_moments
 from certreg.results import Brief
 
 if TYPE_CHECKING:
@@ -34,9 +34,9 @@ if TYPE_CHECKING:
 
     from certreg.geometry.constraints import SquareMatrix
     from certreg.geometry.so3 import Matrix4, T, Vector3, Vector4
-    from certreg.problem.moments_of_springs import SpringMoments
     from certreg.problem.motion import Motion
     from certreg.problem.problem import RegistrationProblem
+    from certreg.problem.stiffness import SpringMoments
 
 
 DIAGONAL = (0, 3, 5)  # among the six entries of a symmetric matrix

@@ -22,10 +22,10 @@ from certreg import __version__
 from certreg.campaign.runner import contents
 from certreg.campaign.store import CERTIFICATES, Manifest, current_versions
 from certreg.campaign.table import Block, Column, csv_bytes, write_table
-from certreg.campaign.task import Task, TaskResult
+from certreg.campaign.workers import Task, TaskResult
 from certreg.equilibrium.batch import solve_many
 from certreg.errors import InvalidProblemError
-from certreg.geometry.so3 import rotation_matrix
+from certreg.geometry.so3 import rotation_matrices
 from certreg.io.atomic import write_atomically
 from certreg.problem.problem import RegistrationProblem
 from certreg.problem.random_instances import (
@@ -45,6 +45,7 @@ if TYPE_CHECKING:
     from certreg.equilibrium.batch import Solutions
     from certreg.problem.random_instances import Instances
     from certreg.registration.result import Registration
+
 
 Arrays = dict[str, "NDArray[Any]"]
 
@@ -293,7 +294,7 @@ def _listed(arrays: Arrays) -> Iterator[list[Any]]:
 def _measured(solutions: Solutions, made: Instances, first: int) -> Arrays:
     """What is kept of each instance, by doubles."""
     best, count = solutions.quaternions[:, 0], len(made.sources)
-    rotations = np.moveaxis(np.array(rotation_matrix(list(best.T))), -1, 0)
+    rotations = rotation_matrices(best)
     chords = np.sqrt(((rotations - made.rotations) ** 2).sum(axis=(1, 2))) / np.sqrt(8.0)
     shifts = solutions.translations[:, 0] - made.translations
     cosines = np.abs((best[:, np.newaxis] * solutions.quaternions[:, 1:]).sum(axis=2)).max(axis=1)

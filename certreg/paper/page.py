@@ -22,8 +22,8 @@ from certreg.paper.documents import (
     setup_words,
     verdict_word,
 )
+from certreg.paper.equilibrium_maps import SPRINGS_FILE, spring_rows
 from certreg.paper.parameter_sweeps import SWEEPS_FILE, sweep_rows
-from certreg.paper.spring_maps import SPRINGS_FILE, spring_rows
 from certreg.paper.style import written
 from certreg.paper.terminal import plain
 from certreg.report.document import dumps
@@ -34,8 +34,8 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from certreg.paper.counterexamples import CertifiedCloud
+    from certreg.paper.equilibrium_maps import SpringCounts
     from certreg.paper.parameter_sweeps import Sweep
-    from certreg.paper.spring_maps import SpringCounts
     from certreg.paper.style import Drawing
     from certreg.paper.verdicts import ClaimVerdict, Reproduction
 

@@ -15,7 +15,7 @@ import numpy as np
 from certreg.dynamics.batch import Bodies, bodies_of, simulate_many
 from certreg.dynamics.integrators import SimulationSettings
 from certreg.equilibrium.batch import exactly, solve_many
-from certreg.geometry.so3 import rotation_matrix
+from certreg.geometry.so3 import rotation_matrices
 from certreg.native.layout import QUATERNION_STATE
 from certreg.native.loops import BASIN_SHARE, Integrator
 from certreg.paper.parameter_families import FAMILIES
@@ -213,7 +213,7 @@ def _lost(bodies: Bodies, solutions: Solutions) -> NDArray[np.bool_]:
     """Whether the paper's rule, slow is enough, stops further than 90 degrees from the optimum."""
     anywhere = replace(bodies, basins=np.repeat(NO_BASIN, len(bodies.records)))
     ends = simulate_many(anywhere, Integrator.EULER, settings=SIMULATION)
-    traces = np.einsum("kij,kij->k", ends.rotations, _rotations(solutions.quaternions[:, 0]))
+    traces = np.einsum("kij,kij->k", ends.rotations, rotation_matrices(solutions.quaternions[:, 0]))
     return np.asarray(traces < 1.0, dtype=np.bool_)
 
 
@@ -259,10 +259,6 @@ def _predicted_steps(
         reached = size * np.minimum(time, apart) / SIMULATION.speed_tolerance
         time = np.maximum(1.0, np.log(reached)) / rate
     return time / step
-
-
-def _rotations(quaternions: NDArray[np.float64]) -> NDArray[np.float64]:
-    return np.moveaxis(np.array(rotation_matrix(list(quaternions.T))), -1, 0)
 
 
 def sweep_rows(sweeps: Sequence[Sweep]) -> Iterator[dict[str, Any]]:

@@ -444,5 +444,5 @@ WEIGHTED = Summation(
 )
 SUMMATIONS = {  # by whether springs are matrices
     False: lambda: WEIGHTED,
-    True: found_late("certreg.problem.spring_sums", "SPRUNG"),
+    True: found_late("certreg.problem.stiffness", "SPRUNG"),
 }

@@ -14,7 +14,7 @@ import numpy as np
 from certreg._loading import cached_property
 from certreg.errors import InvalidProblemError
 from certreg.native.library import library_if_any
-from certreg.problem.floating_springs import (
+from certreg.problem.floating_stiffness import (
     LEAST_STIFFNESS,
     FloatingSpringMoments,
     floating_spring_moments,

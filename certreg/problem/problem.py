@@ -28,10 +28,9 @@ from certreg.problem.motion import (
 )
 from certreg.problem.row_labels import require_same_labels
 from certreg.problem.spring_rows import warn_of_unused
-from certreg.problem.springs import GivenSprings
+from certreg.problem.springs import GivenSprings, masses, weighed_springs
 from certreg.problem.support import PREFIXES, Cell, Loss, require_supported
 from certreg.problem.terms import NO_WEIGHTS, Pairs
-from certreg.problem.weighing import masses, weighed_springs
 from certreg.results import Brief
 
 if TYPE_CHECKING:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Unpack, cast
 from certreg.errors import InvalidProblemError
 from certreg.exact.dyadic import double_above, nearest_double, nearest_root
 from certreg.geometry.given import given_pose
-from certreg.geometry.orthogonality import why_no_rotation
+from certreg.geometry.pose_matrix import why_no_rotation
 from certreg.problem.bounds import bounded
 from certreg.problem.problem import RegistrationProblem
 from certreg.problem.support import Loss

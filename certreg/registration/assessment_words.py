@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from certreg.exact.decimals import at_most
 from certreg.exact.dyadic import nearest_root
-from certreg.geometry.orthogonality import UNNOTED_DEFECT, rotation_defect
+from certreg.geometry.pose_matrix import UNNOTED_DEFECT, rotation_defect
 from certreg.registration.ambiguity import DISTINGUISHABLE, ambiguous_words, narrow_words
 from certreg.registration.findings import GOOD, rules_out
 from certreg.registration.headlines import (

@@ -8,18 +8,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.dynamics.breaking import (
-    SHRINKING,
-    BreakingRun,
-    BreakingStatus,
-    run_breaking,
-)
+from certreg.dynamics.breaking import SHRINKING, BreakingRun, BreakingStatus, run_breaking
 from certreg.equilibrium.breaking import LEAST_SPRINGS, Labels, SpringSet, label_sets
 from certreg.errors import DegenerateProblemError, InvalidProblemError
 from certreg.exact.dyadic import nearest_double, power_of_two
 from certreg.native.loops import Integrator
 from certreg.problem.bounds import bounded
-from certreg.problem.breaking import exact_springs
+from certreg.problem.lifting import exact_springs
 from certreg.problem.problem import RegistrationProblem
 from certreg.problem.support import Loss
 from certreg.registration.closed_form import register
@@ -34,6 +29,7 @@ if TYPE_CHECKING:
     from certreg.equilibrium.breaking import RestPose
     from certreg.geometry.pose import Pose
     from certreg.geometry.similarity import Similarity
+
 
 FEW = 12  # springs, of which all sets are looked at: at most 4,000, ten seconds
 MOST_MOVES = 50  # of the body until no spring breaks or mends: three are usual

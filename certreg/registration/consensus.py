@@ -24,10 +24,10 @@ from certreg.certificate.producing_consensus import (
 from certreg.errors import InvalidProblemError, UndecidedError
 from certreg.exact.dyadic import double_above, double_below
 from certreg.geometry.similarity import Similarity
+from certreg.problem.arrays import apart
 from certreg.problem.bounds import LEAST_PAIRS
 from certreg.problem.effort import checked_effort
 from certreg.problem.motion import Scale
-from certreg.problem.row_lengths import apart
 from certreg.registration.consensus_words import (
     PairLabels,
     headline,

@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, cast
 import numpy as np
 
 from certreg.exact.decimals import as_given, at_least, at_most
-from certreg.problem.problem import RegistrationProblem
-from certreg.problem.row_lengths import diameter
+from certreg.problem.arrays import diameter
 from certreg.registration.headlines import is_loose
 from certreg.results import Optimality
 
@@ -22,6 +21,7 @@ if TYPE_CHECKING:
     from certreg.registration.result import Registration
     from certreg.registration.row_names import RowNames
     from certreg.registration.spring_result import SpringRegistration
+
 
 WORDS = {"i": "inlier", "o": "outlier", "?": "undecided"}
 NAMED_ROWS = 5  # of the undecided ones, in a sentence

@@ -11,7 +11,7 @@ from certreg.certificate.bounds import ExactPose, flat_energy, pose_bounds, pose
 from certreg.errors import UndecidedError
 from certreg.exact.dyadic import nearest_double, nearest_root
 from certreg.exact.eigenbasis import integer_eigenbasis
-from certreg.geometry.orthogonality import ROTATION_TOLERANCE
+from certreg.geometry.pose_matrix import ROTATION_TOLERANCE
 from certreg.geometry.similarity import Similarity
 from certreg.geometry.so3 import davenport_matrix, rotation_matrix, squared_norm
 from certreg.problem.lifting import lift

@@ -9,11 +9,12 @@ import numpy as np
 from certreg.certificate.consistency import consistent_pairs
 from certreg.exact.decimals import at_least
 from certreg.native.cliques import triangles
+from certreg.problem.arrays import lengths
 from certreg.problem.bounds import LEAST_PAIRS
-from certreg.problem.row_lengths import lengths
 
 if TYPE_CHECKING:
     from certreg.problem.problem import RegistrationProblem
+
 
 ROUNDING = 2.0**-48  # of the sum of two lengths: their difference errs by less
 

@@ -18,7 +18,7 @@ import numpy as np
 
 from certreg.certificate.bounds import ExactPose
 from certreg.exact.dyadic import nearest_root
-from certreg.geometry.orthogonality import ROTATION_TOLERANCE, why_no_rotation
+from certreg.geometry.pose_matrix import ROTATION_TOLERANCE, why_no_rotation
 from certreg.geometry.so3 import quaternion_from_matrix, rotation_matrix
 from certreg.registration.findings import (
     GOOD,

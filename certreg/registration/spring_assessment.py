@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from certreg.exact.decimals import at_most
 from certreg.exact.dyadic import double_above, nearest_double, nearest_root
-from certreg.geometry.orthogonality import why_no_rotation
+from certreg.geometry.pose_matrix import why_no_rotation
 from certreg.registration.assessed import Assessment
 from certreg.registration.assessment_words import note_on
 from certreg.registration.findings import GOOD, rules_out

@@ -17,9 +17,9 @@ from certreg.exact.decimals import at_least, at_most
 from certreg.exact.dyadic import double_above
 from certreg.geometry.pose import Pose
 from certreg.geometry.so3 import rotation_matrix
+from certreg.problem.arrays import apart
 from certreg.problem.effort import checked_effort
 from certreg.problem.problem import RegistrationProblem
-from certreg.problem.row_lengths import apart
 from certreg.registration.consensus_words import others_words, repeated_rows, repeated_words
 from certreg.registration.exit_codes import DONE, NOT_CERTIFIED, NOT_UNIQUE
 from certreg.registration.nothing_met import nothing_turned

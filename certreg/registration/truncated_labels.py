@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from certreg.certificate.truncated import disproves_labels
-from certreg.problem.inliers import LEAST_DIRECTIONS, checked_inliers
+from certreg.problem.bounds import LEAST_DIRECTIONS, checked_inliers
 from certreg.registration.consensus_words import within_words
 from certreg.registration.exit_codes import DONE, NOT_CERTIFIED, REFUSED
 from certreg.registration.kept_pairs import NAMED_ROWS, LabelsVerdict

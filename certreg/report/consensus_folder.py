@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 from certreg.errors import InvalidFileError
 from certreg.io.atomic import remedy_of, write_together
-from certreg.io.inliers import PAIR_COLUMNS
 from certreg.io.labels import csv_field
+from certreg.io.row_values import PAIR_COLUMNS
 from certreg.registration.truncated import TruncatedRegistration
 from certreg.report.consensus_fields import consensus_document
 from certreg.report.document import dumps, pose_document

@@ -22,7 +22,7 @@ from certreg.campaign.pairs import ERROR_SCHEMA, PairCampaign
 from certreg.campaign.runner import Observer, completed, run
 from certreg.campaign.store import Manifest, digest_of, occupied
 from certreg.campaign.table import Column, write_table
-from certreg.campaign.task import Task, TaskResult
+from certreg.campaign.workers import Task, TaskResult
 from certreg.errors import CampaignError, InvalidFileError
 from certreg.registration.certification import certify
 from certreg.results import Absent

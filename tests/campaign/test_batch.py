@@ -28,7 +28,7 @@ from certreg.problem.posing import PosedPairs
 from certreg.results import Limits
 
 if TYPE_CHECKING:
-    from certreg.campaign.task import TaskResult
+    from certreg.campaign.workers import TaskResult
 
 SCHEMAS = Path(package.__file__).parent / "report" / "schemas"
 TURN = [1, 2, 0]

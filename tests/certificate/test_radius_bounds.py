@@ -18,8 +18,8 @@ from certreg.certificate.radius import (
     sines,
 )
 from certreg.exact.dyadic import Dyadic
-from certreg.problem.moments_of_springs import spring_moments
 from certreg.problem.problem import RegistrationProblem
+from certreg.problem.stiffness import spring_moments
 
 WIDER = 1 + Fraction(1, 2**21)  # of what is rounded to 24 bits
 PLACES = 10**60

@@ -22,8 +22,8 @@ from certreg.native.loops import Batch, Ending, Integrator, Rules
 from certreg.objective.isotropic import Isotropic
 from certreg.objective.springs import Springs
 from certreg.problem.moments import exact_moments
-from certreg.problem.moments_of_springs import spring_moments
 from certreg.problem.problem import RegistrationProblem
+from certreg.problem.stiffness import spring_moments
 
 STEPS = (Integrator.MIDPOINT, Integrator.SPLITTING)
 RULES = Rules(speed_tolerance=1e-6, rest_share=1e-7, first_perturbation=1e-3, max_steps=20_000)

@@ -26,7 +26,7 @@ from certreg.errors import InvalidProblemError, UndecidedError
 from certreg.geometry.so3 import rotation_matrix
 from certreg.objective.isotropic import Isotropic
 from certreg.problem.bounds import bounded
-from certreg.problem.breaking import exact_springs
+from certreg.problem.lifting import exact_springs
 from certreg.problem.problem import RegistrationProblem
 from certreg.problem.support import Loss
 from certreg.results import ComponentKind
@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from numpy.typing import NDArray
+
 
 ENOUGH = 10_000  # sets
 CLEAR = 1e-7  # in the unit of the clouds: far above the rounding of doubles

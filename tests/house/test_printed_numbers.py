@@ -76,7 +76,7 @@ ALLOWED = {  # what the last digit of a number to the nearest is worth, and wher
         report/words.py {here / best:.3g}
         report/words.py {math.degrees(worst.angle_to_optimum):.4g}
         report/words.py {ran[name]:.3g}
-        io/pose_values.py {norm:.6g}
+        io/poses.py {norm:.6g}
         io/pairing.py {here:.16g}
         io/pairing.py {there:.16g}
         io/text.py {column[0]:.0f}

@@ -11,10 +11,10 @@ import pytest
 from commands import certreg as run
 from commands import write_csv
 
-from certreg.io.inliers import PAIR_COLUMNS, read_inliers
 from certreg.io.labels import csv_field
 from certreg.io.pairing import Pairing
 from certreg.io.problems import read_problem
+from certreg.io.row_values import PAIR_COLUMNS, read_inliers
 
 if TYPE_CHECKING:
     from pathlib import Path

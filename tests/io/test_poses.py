@@ -16,7 +16,7 @@ from strategies import random_problem
 import certreg
 from certreg.certificate.producing import count_certificate, produce
 from certreg.errors import InvalidFileError
-from certreg.geometry.orthogonality import ROTATION_TOLERANCE
+from certreg.geometry.pose_matrix import ROTATION_TOLERANCE
 from certreg.io.poses import MAX_POSE_BYTES, parse_line, parse_pose
 from certreg.objective.isotropic import Isotropic
 from certreg.problem.moments import exact_moments

@@ -16,10 +16,9 @@ from certreg.objective import quartics as forms
 from certreg.objective.isotropic import Isotropic
 from certreg.objective.quartics import quartic_of_form
 from certreg.objective.springs import Springs
-from certreg.problem.moments_of_springs import spring_moments_of
 from certreg.problem.motion import Motion
 from certreg.problem.problem import RegistrationProblem
-from certreg.problem.spring_sums import SPRUNG
+from certreg.problem.stiffness import SPRUNG, spring_moments_of
 
 if TYPE_CHECKING:
     from certreg.objective.form import Form

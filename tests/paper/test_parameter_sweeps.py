@@ -155,9 +155,9 @@ def test_the_papers_rule_stops_at_a_saddle_and_certreg_does_not():
 def test_lost_is_what_stops_more_than_90_degrees_from_the_optimum(monkeypatch):
     made = gaussian_instances(np.random.default_rng(2), count=5)
     solutions = solve_many(made.sources, made.targets)
-    best = sweeping._rotations(solutions.quaternions[:, 0])
+    best = sweeping.rotation_matrices(solutions.quaternions[:, 0])
     angles = np.radians([0.0, 89.9, 90.1, 119.0, 179.0])
-    turns = sweeping._rotations(
+    turns = sweeping.rotation_matrices(
         np.column_stack([np.cos(angles / 2), np.sin(angles / 2), 0 * angles, 0 * angles])
     )
     ends = SimpleNamespace(rotations=turns @ best)

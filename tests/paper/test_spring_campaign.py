@@ -19,21 +19,19 @@ from certreg.campaign.table import SUMMARY, records_bytes
 from certreg.cli import reproducing
 from certreg.cli.reproducing import LARGEST_RUNS
 from certreg.errors import InvalidFileError, InvalidProblemError
-from certreg.paper import spring_campaign
-from certreg.paper.spring_campaign import (
-    SPRING_COLUMNS,
-    SpringCampaign,
-    write_spring_results,
-)
-from certreg.paper.spring_maps import (
+from certreg.paper import equilibrium_maps
+from certreg.paper.equilibrium_maps import (
     SPRING_CELLS,
+    SPRING_COLUMNS,
     SPRING_INSTANCES,
     RunEnd,
+    SpringCampaign,
     SpringCell,
     SpringCounts,
     SpringObservation,
     measured,
     spring_rows,
+    write_spring_results,
 )
 
 if TYPE_CHECKING:
@@ -126,7 +124,7 @@ def test_every_number_of_an_observation_is_kept(tmp_path, monkeypatch):
     )
     expected = SpringCounts(cell=CELLS[0], seen=seen)
     again = iter(expected.seen)
-    monkeypatch.setattr(spring_campaign, "observed", lambda _: next(again))
+    monkeypatch.setattr(equilibrium_maps, "observed", lambda _: next(again))
     kind = SpringCampaign(instances=3, cells=CELLS[:1])
     finish(kind, tmp_path)
 

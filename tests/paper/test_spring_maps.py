@@ -15,9 +15,8 @@ from test_reproduce import SCHEMA
 
 from certreg.campaign.table import records_bytes
 from certreg.objective.springs import Springs
-from certreg.paper import spring_maps as mapping
-from certreg.paper.spring_figures import counts_drawing, spring_drawings
-from certreg.paper.spring_maps import (
+from certreg.paper import equilibrium_maps as mapping
+from certreg.paper.equilibrium_maps import (
     SIZES,
     SPRING_CELLS,
     RunEnd,
@@ -32,6 +31,7 @@ from certreg.paper.spring_maps import (
     spring_rows,
     wilson,
 )
+from certreg.paper.map_figures import counts_drawing, spring_drawings
 from certreg.problem.problem import RegistrationProblem
 from certreg.relaxation.optimum import find_optimum
 

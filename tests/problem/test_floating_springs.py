@@ -8,8 +8,8 @@ import pytest
 from certreg.exact.dyadic import power_of_two
 from certreg.native.library import library_if_any
 from certreg.objective.springs import Springs
-from certreg.problem import floating_springs
-from certreg.problem.floating_springs import floating_spring_moments
+from certreg.problem import floating_stiffness
+from certreg.problem.floating_stiffness import floating_spring_moments
 from certreg.problem.problem import RegistrationProblem
 
 ROUNDING = 1e-12  # of the largest entry of the form; 1000 points
@@ -48,7 +48,7 @@ def test_the_form_is_near_the_exact_one(problem):
 
 def test_numpy_finds_the_same(monkeypatch):
     want = floating_spring_moments(problem_of()).sums
-    monkeypatch.setattr(floating_springs, "library_if_any", lambda: None)
+    monkeypatch.setattr(floating_stiffness, "library_if_any", lambda: None)
 
     np.testing.assert_allclose(floating_spring_moments(problem_of()).sums, want, rtol=1e-9)
 
@@ -67,9 +67,9 @@ def test_a_few_first_points_far_from_the_rest_do_not_matter():
 @pytest.mark.skipif(library_if_any() is None, reason="nothing is compiled")
 def test_one_pass_is_enough_for_most(monkeypatch):
     passes = []
-    summed = floating_springs._summed
+    summed = floating_stiffness._summed
     monkeypatch.setattr(
-        floating_springs, "_summed", lambda *given: passes.append(1) or summed(*given)
+        floating_stiffness, "_summed", lambda *given: passes.append(1) or summed(*given)
     )
     floating_spring_moments(problem_of(offset=1e3))
 

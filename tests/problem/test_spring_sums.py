@@ -12,8 +12,8 @@ from certreg.native.library import library_if_any, loaded_library
 from certreg.native.sums import springs_by_exponent, springs_by_limbs
 from certreg.problem.arrays import row_blocks
 from certreg.problem.exact_sums import SumMethod, fastest_method, second_method, sums_by
-from certreg.problem.moments_of_springs import spring_moments
 from certreg.problem.problem import RegistrationProblem
+from certreg.problem.stiffness import spring_moments
 
 COMPILED = (SumMethod.BY_EXPONENT, SumMethod.LIMBS)
 EXPONENTS = st.integers(-1074, 1023)

@@ -16,7 +16,7 @@ from commands import strict_json, write_csv
 from jsonschema import Draft202012Validator
 
 import certreg
-from certreg.problem.row_lengths import diameter
+from certreg.problem.arrays import diameter
 from certreg.registration.misfits import FitCode
 from certreg.registration.pair_warnings import WIDE, few_warning, poor_warning, reason_against
 from certreg.report.cards import AMBER, GREEN

@@ -16,7 +16,7 @@ from commands import checked
 from strategies import random_rotation
 
 from certreg.campaign.pairs import PAIR_COLUMNS
-from certreg.geometry.orthogonality import why_no_rotation
+from certreg.geometry.pose_matrix import why_no_rotation
 from certreg.problem.problem import RegistrationProblem
 from certreg.registration.assessment import assess
 from certreg.registration.certification import certify
@@ -32,6 +32,7 @@ from certreg.verify import check
 
 if TYPE_CHECKING:
     from certreg.registration.result import Registration
+
 
 RNG = np.random.default_rng(11)
 CLOUD = RNG.standard_normal((12, 3))

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.paper.spring_maps import FAMILY_WORDS, RunEnd, wilson
+from certreg.paper.equilibrium_maps import FAMILY_WORDS, RunEnd, wilson
 from certreg.paper.style import (
     BLACK,
     BLUE,
@@ -23,7 +23,7 @@ from certreg.paper.style import (
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from certreg.paper.spring_maps import SpringCounts
+    from certreg.paper.equilibrium_maps import SpringCounts
 
 LINES = ((VERMILLION, "o"), (ORANGE, "^"), (GREEN, "s"), (BLUE, "D"), (BLACK, "v"))
 ISOTROPIC = 4  # equilibria of one weight for each pair, in general

@@ -19,8 +19,8 @@ from certreg.native.library import library_if_any
 from certreg.problem.arrays import row_blocks
 from certreg.problem.exact_sums import UPPER
 from certreg.problem.floating_sums import total
-from certreg.problem.moments import near_mean
-from certreg.problem.spring_sums import COORDINATES
+from certreg.problem.moments import LARGEST_LEVER, LEAST_SUM, MOST_SUM, PASSES, near_mean
+from certreg.problem.stiffness import COORDINATES
 from certreg.problem.terms import Pairs
 from certreg.results import Brief
 
@@ -31,9 +31,6 @@ if TYPE_CHECKING:
 
     from certreg.problem.problem import RegistrationProblem
 
-LARGEST_LEVER = 1.0  # squared distance of origin and mean, over the mean squared radius
-PASSES = 4  # origins: each is the mean as the one before it sees it; two are rare
-LEAST_SUM, MOST_SUM = 2.0**-400, 2.0**400  # of squares: products of two neither vanish nor overflow
 LEAST_STIFFNESS = 1e-13  # of the largest eigenvalue of S: below, a direction counts as free
 FULL = tuple(UPPER.index((min(a, b), max(a, b))) for a, b in product(range(3), repeat=2))
 TRACE = (0, 3, 5)  # the diagonal among the six entries

@@ -1,22 +1,68 @@
-"""A file of labels: 0 or 1, outlier or inlier, for each row of the source, or a table of pairs."""
+"""Files with a value for each row of the source: bounds on residuals, labels of inliers."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import numpy as np
+
+from certreg._loading import late
 from certreg.io.labels import text_of_field
 from certreg.io.streams import count, refused
-from certreg.io.text import read_rows
-from certreg.problem.inliers import INLIER_WORDS
+from certreg.io.text import read_numbers, read_rows
+from certreg.problem.arrays import first_row
+from certreg.problem.bounds import INLIER_WORDS
 from certreg.verify import shown
 
 if TYPE_CHECKING:
     from pathlib import Path
 
+    from numpy.typing import NDArray
+
+    from certreg.io import npy
     from certreg.io.pairing import Pair
     from certreg.io.streams import Place
 
     Rows = list[tuple[Place, list[str]]]
+else:  # for arrays in files
+    npy = late("certreg.io.npy")
+
+
+def numbers_of(path: Path) -> NDArray[np.float64]:
+    """What a file holds: an array in .npy, or text with one number a line."""
+    if path.suffix.lower() == ".npy":
+        return npy.read_array(path)
+    return np.array(read_numbers(path), dtype=np.float64)
+
+
+def read_bounds(path: Path, pair: Pair) -> NDArray[np.float64]:
+    """The bounds of the pairs, from .npy or from text with one number a line.
+
+    Raises InvalidFileError where the file cannot be read, holds another number of them or one that
+    bounds nothing.
+    """
+    numbers, n = numbers_of(path), pair.sizes[0]
+    if numbers.shape != (n,):
+        held = f"{len(numbers)} bounds" if numbers.ndim == 1 else f"an array {numbers.shape}"
+        raise refused(
+            path,
+            f"holds {held}, the source has {n} rows: give one bound for each of them",
+            value=numbers.shape,
+            limit=n,
+        )
+    row = first_row(numbers, lambda block: ~((block > 0) & np.isfinite(block)))
+    if row is not None:
+        value = numbers[row].item()
+        raise refused(
+            path,
+            f"bound {row} (counting from 0) is {value}: a bound must be finite and "
+            "> 0, in the unit of the clouds",
+            row=row,
+            value=value,
+            limit=0.0,
+        )
+    return numbers if pair.source_rows is None else numbers[pair.source_rows]
+
 
 ROW, LABEL, PROVED = "row", "label", "proved"
 PAIR_COLUMNS = (ROW, LABEL, "residual", "bound", PROVED)
