@@ -60,7 +60,6 @@ MOST_PIECES = 400  # that are kept, at effort 1
 MOST_OPEN, FEW_OPEN = 16, 4
 MOST_BITS = 1 << 30  # of the graphs of all pieces, as in the checker
 NARROW = 1.0 / 16.0  # of the least bound: what the ends of a piece that is not cut differ by
-FACTOR_BITS = 60  # of the scale of a witness: its rounding is far below that of its points
 OUTWARDS = 1e-6  # of a bound on scales: doubles err by far less
 END_BITS = 4  # more than it takes to tell the ends of a piece apart
 

@@ -86,16 +86,6 @@ def plain(records: NDArray[Any]) -> NDArray[np.float64]:
     return doubles.reshape(*records.shape, width(records.dtype))
 
 
-def parts_of(numbers: Sequence[Number], record: RecordType) -> dict[str, Sequence[Number]]:
-    """The parts of a record by name, each flat, of as many numbers of any kind."""
-    parts: dict[str, Sequence[Number]] = {}
-    end = 0
-    for name in record.names or ():
-        start, end = end, end + width(record[name])
-        parts[name] = numbers[start:end]
-    return parts
-
-
 def width(record: np.dtype[Any]) -> int:
     """How many doubles a record has."""
     return record.itemsize // DOUBLE.itemsize
