@@ -213,12 +213,10 @@ def _bodies(count: int) -> Bodies:
         damping=DAMPING,
     )
     repeat = count // 64
-    return Bodies(
-        records=np.tile(some.records, repeat),
-        basins=np.tile(some.basins, repeat),
-        starts=np.tile(some.starts, repeat),
-        length_exponents=np.tile(some.length_exponents, repeat),
-    )
+    names = ("records", "basins", "starts", "length_exponents")
+    tiled: dict[str, Any] = {name: np.tile(getattr(some, name), repeat) for name in names}
+    points = {name: np.tile(getattr(some, name), (repeat, 1)) for name in ("centres", "origins")}
+    return replace(some, **tiled, **points)
 
 
 def _many(integrator: Integrator, count: int | None = None) -> Batch:

@@ -25,11 +25,11 @@ from certreg.certificate.producing_springs import springs_list_certificate
 from certreg.equilibrium.paths import critical_lines
 from certreg.objective.quartics import MONOMIALS
 from certreg.objective.springs import Springs
-from certreg.problem.moments_of_springs import spring_moments
 from certreg.problem.problem import RegistrationProblem
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
+
 
 Document = dict[str, Any]
 Quaternion = tuple[int, ...]
@@ -48,7 +48,7 @@ class Listed:
 
     def __init__(self, problem: RegistrationProblem) -> None:
         """As it is produced."""
-        self.problem, self.objective = problem, Springs(spring_moments(problem))
+        self.problem, self.objective = problem, Springs.of(problem)
         lines = critical_lines(self.objective.floating_quartic()[0])
         self.certificate: Any = springs_list_certificate(problem, self.objective, lines)
         self.document: Document = json.loads(self.certificate.to_json())

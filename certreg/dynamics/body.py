@@ -19,7 +19,7 @@ breathes: a point stands at s R x + c, and the size s is a state:
     Sxx p' = s omega^T J omega - 2 s Sxx + 2 tr(R^T C) - mu Sxx p.
 
 Nothing is evaluated here: the functions are generated from the derivations
-(certreg/native/generated), and run compiled or in Python (certreg/native).
+(certreg/native/generated) and run compiled; those of the first body also in Python.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ import numpy as np
 
 from certreg.dynamics.integrators import own_steps
 from certreg.errors import DegenerateProblemError
-from certreg.native.engine import current_engine
+from certreg.native.engine import compiled_engine, current_engine
 from certreg.native.layout import BASIN, named, symmetric
 from certreg.native.loops import Integrator, Kind
 from certreg.problem.support import Cell, Verb, require_supported
@@ -49,6 +49,8 @@ if TYPE_CHECKING:
     from certreg.dynamics.integrators import SimulationSettings
     from certreg.dynamics.status import Status
     from certreg.native.layout import Records, RecordType
+    from certreg.native.loops import Engine
+
 
 SMALLEST_INERTIA = 1e-14  # of the clouds' spread: below, rounding is larger than J itself
 CLEARLY_THICK = 1e-10  # far above that and all rounding
@@ -154,7 +156,10 @@ class AnyBody(Brief, ABC):
 
     def _evaluated(self, name: str, state: NDArray[Any]) -> tuple[NDArray[np.float64], ...]:
         full = f"{self.KIND.value}{name}"
-        return current_engine().evaluate(full, self._taken(state), self.record)
+        return self._engine().evaluate(full, self._taken(state), self.record)
+
+    def _engine(self) -> Engine:
+        return current_engine()
 
     def _taken(self, state: NDArray[Any]) -> NDArray[Any]:
         """A state as the generated functions take it."""
@@ -174,8 +179,11 @@ class ValleyBody(AnyBody):
     def steps(
         self, integrator: Integrator, starts: Records, settings: SimulationSettings
     ) -> Records:
-        """The step (1,). Raises InvalidProblemError for integrators that do not move it."""
+        """The step (1,). Raises as `steps_of`."""
         return steps_of(integrator, (self,), starts, settings)
+
+    def _engine(self) -> Engine:
+        return compiled_engine()
 
 
 def steps_of(
@@ -186,10 +194,12 @@ def steps_of(
 ) -> Records:
     """The steps (count,), records `integrator.step`: the bodies' own, or the user's where stable.
 
-    Raises InvalidProblemError for an integrator that does not move such bodies.
+    Raises InvalidProblemError for an integrator that does not move such bodies, MissingLibraryError
+    where nothing is compiled.
     """
     for cell in {body.CELL for body in bodies}:
         require_supported(cell, Verb(integrator.value))
+    compiled_engine()
     stiffest = [body.stiffest(start) for body, start in zip(bodies, starts, strict=True)]
     damping = np.array([body.damping for body in bodies])
     return own_steps(integrator, np.array(stiffest), damping, settings.step)

@@ -28,9 +28,9 @@ from certreg.dynamics.integrators import (
     DEFAULT_SETTINGS,
     integrate,
     spring_ratios,
+    spring_ratios_of_one,
     step_parameters,
 )
-from certreg.dynamics.pencil import spring_ratios_of_one
 from certreg.dynamics.rigid import body_on_weights, core_of
 from certreg.dynamics.trajectory import Course, Trajectory
 from certreg.equilibrium.presentation import unit_double
@@ -58,9 +58,10 @@ if TYPE_CHECKING:
     from certreg.dynamics.integrators import SimulationSettings
     from certreg.native.layout import Records
     from certreg.objective.springs import Springs
-else:  # of a free scale, and of general springs
+else:
     breathing = late("certreg.dynamics.breathing")
     springs = late("certreg.dynamics.springs")
+
 
 Run = TypeVar("Run")
 

@@ -13,6 +13,7 @@ from certreg.native.kernels import MissingLibraryError
 from certreg.native.library import loaded_library
 
 if TYPE_CHECKING:
+    from certreg.native.library import Library
     from certreg.native.loops import Engine
 
 LOG = logging.getLogger(__name__)
@@ -30,3 +31,12 @@ def current_engine() -> Engine:
         return evaluator()
     LOG.info("%s", library.words)
     return library
+
+
+def compiled_engine() -> Library:
+    """The engine of bodies that Python does not move. Raises MissingLibraryError."""
+    try:
+        return loaded_library()
+    except MissingLibraryError as error:
+        words = "the motion on general springs, or with a free scale, needs the compiled library"
+        raise MissingLibraryError(f"{words}: {error}") from error

@@ -27,6 +27,7 @@ from certreg.native.tape import Tape, tapes_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+    from pathlib import Path
 
     from numpy.typing import NDArray
 
@@ -35,12 +36,11 @@ if TYPE_CHECKING:
     from certreg.native.stationary import ManyClouds, StationaryPoses
 
 Array = Any  # NDArray[np.float64]
-SOURCES = [GENERATED / f"{kind}dynamics.c" for kind in ("", "breathing_", "spring_")]
 
 
 @dataclass(frozen=True, slots=True)
 class Evaluator:
-    """The generated functions, each a tape."""
+    """The generated functions of a rigid body, each a tape."""
 
     calls: dict[str, _Call]
 
@@ -98,6 +98,12 @@ class _Call:
 
 @cache
 def evaluator() -> Evaluator:
-    """The evaluator of this process, of all generated functions."""
-    tapes = {name: tape for source in SOURCES for name, tape in tapes_of(source.read_text("utf-8"))}
-    return Evaluator({name: _Call(name, tapes[name], shape) for name, shape in generated().items()})
+    """The evaluator of this process, of the body on springs of one weight per pair."""
+    return Evaluator(calls_of(GENERATED / "dynamics.c"))
+
+
+def calls_of(*sources: Path) -> dict[str, _Call]:
+    """The functions of generated C, by name."""
+    shapes = generated()
+    tapes = (tape for source in sources for tape in tapes_of(source.read_text("utf-8")))
+    return {name: _Call(name, tape, shapes[name]) for name, tape in tapes}

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import json
 from array import array
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +21,6 @@ if TYPE_CHECKING:
 
 RecordType = np.dtype[np.void]
 Records = NDArray[np.void]
-Number = TypeVar("Number")
 DOUBLE = np.dtype(np.float64)
 UPPER = np.array((0, 1, 2, 1, 3, 4, 2, 4, 5))  # of the nine entries of a symmetric matrix
 

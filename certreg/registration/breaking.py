@@ -22,13 +22,12 @@ from certreg.relaxation.consensus_search import candidates
 from certreg.results import OUT_OF_RANGE, Brief, ComponentKind, Explained
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     from numpy.typing import ArrayLike
 
     from certreg.equilibrium.breaking import RestPose, SpringSet
     from certreg.geometry.pose import Pose
     from certreg.geometry.similarity import Similarity
+
 
 FEW = 12  # springs, of which all sets are looked at: at most 4,000, ten seconds
 MOST_MOVES = 50  # of the body until no spring breaks or mends: three are usual
@@ -180,35 +179,24 @@ def breaking_equilibria(
     stated = RegistrationProblem(source, target, weights=weights)
     problem = bounded(stated, max_residual, Loss.BREAKING)
     fewest = _fewest(problem, least)
-    counted = _Counted(label_sets(problem, fewest, most_sets))
-    found = sorted(
-        ((pose, of) for of in counted for pose in of.rest_poses()),
-        key=lambda pair: (pair[0].energy, pair[0].unbroken, pair[0].index),
-    )
+    count = 0
+    found: list[tuple[RestPose, SpringSet]] = []
+    for of in label_sets(problem, fewest, most_sets):
+        count += 1
+        found += [(pose, of) for pose in of.rest_poses()]
+    found.sort(key=lambda pair: (pair[0].energy, pair[0].unbroken, pair[0].index))
     proved = [pair for pair in found if pair[0].labels is Labels.PROVED]
     doubtful = [pair for pair in found if pair[0].labels is not Labels.PROVED]
     return BreakingEquilibria(
         problem=problem,
         least=fewest,
-        sets=counted.count,
+        sets=count,
         equilibria=tuple(equilibrium_of(*pair) for pair in proved),
         doubtful=tuple(equilibrium_of(*pair) for pair in doubtful),
         optimum_listed=_optimum_listed(
             problem, fewest, [pose for pose, _ in proved], [pose for pose, _ in doubtful]
         ),
     )
-
-
-class _Counted:
-    """Sets of springs, counted as they come."""
-
-    def __init__(self, sets: Iterator[SpringSet]) -> None:
-        self._sets, self.count = sets, 0
-
-    def __iter__(self) -> Iterator[SpringSet]:
-        for each in self._sets:
-            self.count += 1
-            yield each
 
 
 def equilibrium_of(pose: RestPose, of: SpringSet) -> BreakingEquilibrium:

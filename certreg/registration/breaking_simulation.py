@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from certreg.dynamics.breaking import SHRINKING, BreakingStatus, run_breaking
+from certreg.dynamics.breaking import SHRINKING, BreakingRun, BreakingStatus, run_breaking
 from certreg.equilibrium.breaking import Labels, SpringSet
 from certreg.errors import InvalidProblemError
 from certreg.native.loops import Integrator
@@ -13,57 +13,29 @@ from certreg.problem.bounds import bounded
 from certreg.problem.problem import RegistrationProblem
 from certreg.problem.support import Loss
 from certreg.registration.breaking import equilibrium_of
-from certreg.results import Brief
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import ArrayLike
 
-    from certreg.dynamics.breaking import BreakingRun, BreakingStage
     from certreg.dynamics.integrators import SimulationSettings
     from certreg.registration.breaking import BreakingEquilibrium
+
 
 LARGEST_SHRINKING = 1e6  # more breaks almost all springs at once
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class SimulatedBreaking(Brief):
-    """A simulation with springs that break.
+@dataclass(frozen=True, kw_only=True, eq=False)
+class SimulatedBreaking(BreakingRun):
+    """A simulation with springs that break, and what is proved of its end.
 
     Attributes
     ----------
-    problem
-        The springs and their bounds.
-    run
-        Stage by stage: the width of the bounds, which springs hold, energy and time.
     end
         The stable equilibrium on the springs that hold at the end, its labels proved or not; None
         where there is none: the run ended in another way, or its labels are proved to be others.
     """
 
-    problem: RegistrationProblem
-    run: BreakingRun
     end: BreakingEquilibrium | None
-
-    @property
-    def stages(self) -> tuple[BreakingStage, ...]:
-        """The stages, with ever narrower bounds."""
-        return self.run.stages
-
-    @property
-    def unbroken(self) -> tuple[int, ...]:
-        """The rows whose springs hold at the end, ascending."""
-        return tuple(self.stages[-1].held.nonzero()[0].tolist())
-
-    @property
-    def rotation(self) -> NDArray[np.float64]:
-        """(3, 3), of the end."""
-        return self.run.rotation
-
-    @property
-    def translation(self) -> NDArray[np.float64]:
-        """(3,), of the end, in the unit of the clouds."""
-        return self.run.translation
 
     @property
     def self_consistent(self) -> bool:
@@ -74,8 +46,8 @@ class SimulatedBreaking(Brief):
     def ending(self) -> str:
         """What it ended in, in a sentence."""
         count, n = self.stages[-1].count, self.problem.n
-        if self.run.status is not BreakingStatus.SETTLED:
-            return f"{self.run.status.value} {count} of {n} springs held then."
+        if self.status is not BreakingStatus.SETTLED:
+            return f"{self.status.value} {count} of {n} springs held then."
         if self.self_consistent:
             broken = f"the other {n - count} are broken" if n > count else "none is broken"
             return (
@@ -90,7 +62,7 @@ class SimulatedBreaking(Brief):
     def __repr__(self) -> str:
         last = self.stages[-1]
         return (
-            f"<SimulatedBreaking: {self.run.status.name} on {last.count} of {self.problem.n} "
+            f"<SimulatedBreaking: {self.status.name} on {last.count} of {self.problem.n} "
             f"springs after {last.steps} steps>"
         )
 
@@ -161,13 +133,13 @@ def simulate_breaking(  # noqa: PLR0913 - the data of a problem, then how it is 
         message = f"shrinking is {shrinking!r}: give a number above 1, up to 1e6; 1.4 is usual"
         raise InvalidProblemError(message, array="shrinking", value=shrinking, limit=1.0)
     run = run_breaking(problem, Integrator(integrator), shrinking=shrinking, settings=settings)
-    return SimulatedBreaking(problem=problem, run=run, end=_end(problem, run))
+    return SimulatedBreaking(**vars(run), end=_end(run))
 
 
-def _end(problem: RegistrationProblem, run: BreakingRun) -> BreakingEquilibrium | None:
+def _end(run: BreakingRun) -> BreakingEquilibrium | None:
     """The equilibrium of least energy on the springs that hold at the end."""
     if run.status is not BreakingStatus.SETTLED:
         return None
-    springs = SpringSet(problem, tuple(run.stages[-1].held.nonzero()[0].tolist()))
+    springs = SpringSet(run.problem, run.unbroken)
     poses = (pose for pose in springs.rest_poses() if pose.index == 0)
     return next((equilibrium_of(pose, springs) for pose in poses), None)

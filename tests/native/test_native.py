@@ -41,6 +41,7 @@ from certreg.problem.problem import RegistrationProblem
 if TYPE_CHECKING:
     from certreg.dynamics.trajectory import Trajectory
 
+
 ROOT = Path(__file__).parents[2]
 DATA = ROOT / "certreg" / "data"
 SURVEY = (str(DATA / "survey_source.csv"), str(DATA / "survey_target.csv"))
@@ -114,6 +115,35 @@ def test_python_is_warned_once():
     run = python(code, **WITHOUT)
 
     assert (run.stdout, run.stderr) == ("['SlowSimulationWarning']\n", "")
+
+
+@pytest.mark.slow
+def test_without_compiled_code_other_motions_are_refused_in_one_line_and_all_is_certified():
+    code = (
+        "import certreg, tempfile, numpy\n"
+        "x = numpy.random.default_rng(0).normal(size=(9, 3))\n"
+        "for options in ({'normals': x + 1.0}, {'scale': 'asymmetric'}):\n"
+        "    problem = certreg.RegistrationProblem(x, 1.1 * x, **options)\n"
+        "    try:\n"
+        "        certreg.simulate(problem)\n"
+        "    except certreg.CertregError as error:\n"
+        "        print(error)\n"
+        "    found = certreg.certify(problem)\n"
+        "    with tempfile.TemporaryDirectory() as folder:\n"
+        "        found.report(folder + '/page.html')\n"
+        "    print(found.status.name)\n"
+        "print(found.solution.trajectory)\n"
+    )
+    run = python(code, **WITHOUT)
+    refused = (
+        "the motion on general springs, or with a free scale, needs the compiled library: "
+        "CERTREG_VARIANT is python\n"
+    )
+
+    assert (run.stdout.replace(refused, "no\n"), run.stderr) == (
+        f"no\nCERTIFIED\nno\nCERTIFIED\nAbsent(reason={refused.strip()!r})\n",
+        "",
+    )
 
 
 def test_other_warnings_stay_warnings(monkeypatch, data):

@@ -296,7 +296,7 @@ def test_a_run_that_does_not_settle_says_so():
     short = certreg.simulate_breaking(
         x, y, max_residual=0.06, settings=SimulationSettings(max_steps=1)
     )
-    assert short.run.status is BreakingStatus.OUT_OF_STEPS
+    assert short.status is BreakingStatus.OUT_OF_STEPS
     assert short.end is None
     assert short.ending == (
         "The steps ran out before the body was at rest. 20 of 20 springs held then."
@@ -304,7 +304,7 @@ def test_a_run_that_does_not_settle_says_so():
 
     rng = np.random.default_rng(0)
     loose = certreg.simulate_breaking(*rng.normal(size=(2, 6, 3)), max_residual=1e-3)
-    assert loose.run.status is BreakingStatus.LOOSE
+    assert loose.status is BreakingStatus.LOOSE
     assert loose.ending.startswith(f"{BreakingStatus.LOOSE.value} ")
     assert not loose.self_consistent
 
@@ -328,14 +328,11 @@ def test_a_run_does_not_end_at_a_rest_pose_from_which_the_energy_falls():
     """At the best rotation of the three the fourth holds, too; at another it is broken."""
     cloud = np.array([[0, 0, 0], [0, 0, 2], [4, 3, 1], [9, 9, 9.0]])
     problem = bounded(RegistrationProblem(cloud, cloud), 2.5, Loss.BREAKING)
-    held = np.array([True, True, True, False])
-    run: Any = SimpleNamespace(
-        status=BreakingStatus.SETTLED, stages=(SimpleNamespace(held=held, count=3),)
-    )
+    run: Any = SimpleNamespace(status=BreakingStatus.SETTLED, problem=problem, unbroken=(0, 1, 2))
     found = list(SpringSet(problem, (0, 1, 2)).rest_poses())
 
     assert [(pose.index, pose.labels) for pose in found] == [(1, Labels.PROVED)]
-    assert _end(problem, run) is None
+    assert _end(run) is None
 
 
 @pytest.mark.parametrize("shrinking", [1.0, float("nan"), 1e7])

@@ -11,7 +11,7 @@ from answers import answered
 from commands import checked
 
 from certreg.registration import exit_codes as codes
-from certreg.registration.any_certification import certify
+from certreg.registration.certification import certify
 from certreg.registration.examples import STORIES, differences, stated
 from certreg.registration.exit_codes import worst
 from certreg.registration.headlines import HEADLINES

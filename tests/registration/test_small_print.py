@@ -24,9 +24,9 @@ from certreg.problem.problem import RegistrationProblem
 from certreg.registration import misfits
 from certreg.registration.agreement import agreement, require_sound_trajectory
 from certreg.registration.ambiguity import narrow_words
-from certreg.registration.any_certification import certify
 from certreg.registration.assessment import NO_SLIP, NOT_TRIED, judged
 from certreg.registration.assessment_words import words_of_pose
+from certreg.registration.certification import certify
 from certreg.registration.closed_form import register
 from certreg.registration.covariance import effective_rows
 from certreg.registration.exit_codes import worst

@@ -123,7 +123,7 @@ def test_of_many_stages_some_are_shown_and_that_is_said(run, monkeypatch):
 
 def test_where_nothing_moved_there_is_no_picture():
     run = certreg.simulate_breaking(twin_motions.SOURCE, twin_motions.TARGET, max_residual=1.0)
-    still = replace(run, run=replace(run.run, stages=(replace(run.stages[0], time=0.0),)))
+    still = replace(run, stages=(replace(run.stages[0], time=0.0),))
 
     assert breaking_course(still).picture is None
     assert "<svg" not in breaking_fragment(still)

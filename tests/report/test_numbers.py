@@ -17,8 +17,8 @@ from certreg.dynamics.status import SimulationStatus
 from certreg.exact.decimals import at_least, at_most
 from certreg.problem.problem import RegistrationProblem
 from certreg.registration.agreement import Agreement
-from certreg.registration.any_certification import certify
 from certreg.registration.assessment import assess
+from certreg.registration.certification import certify
 from certreg.registration.enumeration import enumerated
 from certreg.registration.headlines import interval_words
 from certreg.report import thinning
