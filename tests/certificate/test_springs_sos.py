@@ -51,7 +51,7 @@ def answer(doc, clouds=None):
 
 def sums_of(problem):
     return checker.spring_moments(
-        problem.data_bytes()[len(checker.SpringsStatement.prefix) + 8 :], problem.n
+        problem.data_bytes()[len(checker.SpringsStatement.prefixes[0]) + 8 :], problem.n
     )
 
 
