@@ -364,7 +364,7 @@ def settled(checker: Any, width: Fraction, claims: dict[str, Any]) -> bool:
     """Of w^4 at x, where it is 0 -+ 30 width, and at w + x, where it is 1/4 -+ 15 width."""
     springs = checker.CheckedSprings([1] + [0] * 34, Fraction(1), 0, Fraction(1), Fraction(1))
     stated = SimpleNamespace(
-        **{"unique": None, "sin2_half_angle": None, **claims},
+        **{"unique": None, "sin2_half_angle": None, "rotation_only": None, **claims},
         pose=(0, 1, 0, 0),
         chart=(1, 0, 0, 0),
         gap=Fraction(9),

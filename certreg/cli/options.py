@@ -36,7 +36,7 @@ else:
     io_pairing = late("certreg.io.pairing")
     io_problems = late("certreg.io.problems")
     io_springs = late("certreg.io.springs")
-    simulation = late("certreg.registration.certification")
+    simulation = late("certreg.registration.simulation")
     exit_codes = late("certreg.registration.exit_codes")
     motion = late("certreg.problem.motion")
     support = late("certreg.problem.support")
