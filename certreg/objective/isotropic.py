@@ -29,7 +29,6 @@ from certreg.geometry.so3 import (
 from certreg.native.eigenbasis import FIXED_BITS, fixed_eigenbasis
 from certreg.objective.classification import classify, with_pattern
 from certreg.objective.form import Form, Reduced, bordered
-from certreg.objective.polynomials import multiplier_system
 from certreg.objective.scaling import Scaling
 from certreg.objective.structure import Structure
 from certreg.problem.exact_sums import UPPER
@@ -43,7 +42,6 @@ if TYPE_CHECKING:
     from certreg.geometry.constraints import SquareMatrix
     from certreg.geometry.so3 import Matrix4, T, Vector3, Vector4
     from certreg.objective.classification import Classification, Pattern
-    from certreg.objective.polynomials import PolynomialSystem
     from certreg.problem.moments import ExactMoments
     from certreg.problem.problem import RegistrationProblem
 
@@ -264,10 +262,6 @@ class Isotropic(Brief):
             for end, moved in zip(moments.target_sum, rotated, strict=True)
         ]
         return entries, 1 << max(common, 0), moments.mass * norm * over << max(-common, 0)
-
-    def equilibrium_system(self, chart: Sequence[int]) -> PolynomialSystem:
-        """K q = l q and chart . q = 1 in (w, x, y, z, l): four paths."""
-        return multiplier_system(self.davenport, chart)
 
     # --- energies of single poses, exactly
 

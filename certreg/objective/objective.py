@@ -27,7 +27,6 @@ if TYPE_CHECKING:
     from certreg.geometry.so3 import Matrix4, T, Vector3, Vector4
     from certreg.objective.form import Form, Reduced
     from certreg.objective.isotropic import Isotropic
-    from certreg.objective.polynomials import PolynomialSystem
     from certreg.objective.springs import Springs
     from certreg.problem.problem import RegistrationProblem
 
@@ -85,14 +84,6 @@ class Objective(Protocol):
         """The translation of least energy at the rotation R(q), exactly.
 
         One of them where `free_translations` are left.
-        """
-        ...
-
-    def equilibrium_system(self, chart: Sequence[int]) -> PolynomialSystem:
-        """Equations for the critical quaternions with chart . q = 1, as many as unknowns.
-
-        What is tracked and proved: each solution is one up to sign and length. Those with
-        chart . q = 0 are missed.
         """
         ...
 

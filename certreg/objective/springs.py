@@ -21,7 +21,6 @@ from certreg.geometry.constraints import homogeneous
 from certreg.geometry.so3 import dot, quadratic_form, rotation_matrix, squared_norm
 from certreg.objective import quartics
 from certreg.objective.form import FULL, Form, Reduced, bordered
-from certreg.objective.polynomials import QUATERNION, PolynomialSystem, collected, exponents
 from certreg.objective.structure import Structure
 from certreg.problem.exact_sums import UPPER
 from certreg.problem.stiffness import spring_moments
@@ -225,21 +224,6 @@ class Springs(Brief):
         weight = power_of_two(self.moments.weight_exponent)
         return quadratic_form(self.joint_form.stiffness, offset) * weight
 
-    def equilibrium_system(self, chart: Sequence[int]) -> PolynomialSystem:
-        """dF/dq = l q and chart . q = 1 in (w, x, y, z, l); then l q.q = 4 F(q)."""
-        rows: list[dict[tuple[int, ...], int]] = []
-        for k in range(4):
-            terms = [(exponents((k, 4), 5), -1)]
-            for monomial, coefficient in zip(quartics.MONOMIALS, self.quartic, strict=True):
-                left = list(monomial)
-                if k in left:
-                    left.remove(k)
-                    terms.append((exponents(left, 5), monomial.count(k) * coefficient))
-            rows.append(collected(terms))
-        norm = [(exponents((k,), 5), c) for k, c in enumerate(chart)]
-        rows.append(collected([*norm, ((0,) * 5, -1)]))
-        return PolynomialSystem(variables=(*QUATERNION, "l"), polynomials=tuple(rows))
-
     # --- what is known of it exactly
 
     @cached_property
@@ -306,11 +290,6 @@ class Springs(Brief):
         return rational_root_above(FARTHEST * linear) + rational_root_above(FARTHEST_OF_FIVE * even)
 
     # --- doubles
-
-    def floating_form(self) -> tuple[NDArray[np.float64], Fraction]:
-        """Q in doubles of at most 1, each rounded once, and what 1 is worth as an energy."""
-        entries, unit = self._rounded([entry for row in self.form() for entry in row])
-        return entries.reshape(10, 10), unit
 
     def floating_quartic(self) -> tuple[NDArray[np.float64], Fraction]:
         """The 35 coefficients in doubles of at most 1, each rounded once, and what 1 is worth."""

@@ -24,9 +24,11 @@ def problem_of(n=1000, *, scale=1.0, stiff=1.0, offset=0.0, seed=3):
 def worst_entry(problem):
     """The largest difference of both forms, over the largest entry of the exact one."""
     found = floating_spring_moments(problem)
-    exact, unit = Springs.of(problem).floating_form()
+    objective = Springs.of(problem)
+    one = max(abs(entry) for row in objective.form() for entry in row)
+    exact = np.array([[entry / one for entry in row] for row in objective.form()])
     own = power_of_two(found.weight_exponent + 2 * found.length_exponent)
-    worth = float(unit / own)
+    worth = float(objective.unit * one / own)
     return np.abs(found.form / worth - exact).max() / np.abs(exact).max()
 
 

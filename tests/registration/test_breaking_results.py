@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
+import twin_motions
 from wrong_pairs import wrong_pairs
 
 import certreg
@@ -20,7 +21,6 @@ from certreg.problem.problem import RegistrationProblem
 from certreg.problem.support import Loss
 from certreg.registration import breaking
 from certreg.registration.breaking import _end, _fewest, _optimum_listed
-from certreg.registration.examples import TWIN_MOTIONS as TWINS
 from certreg.results import OUT_OF_RANGE, ComponentKind
 
 if TYPE_CHECKING:
@@ -68,9 +68,9 @@ def test_where_no_pose_is_found_three_are_looked_for(monkeypatch: pytest.MonkeyP
 
 
 def test_twin_motions_have_two_stable_equilibria_and_the_better_one_is_the_optimum():
-    found = certreg.breaking_equilibria(TWINS.source, TWINS.target, max_residual=TWINS.max_residual)
+    found = certreg.breaking_equilibria(twin_motions.SOURCE, twin_motions.TARGET, max_residual=1.0)
 
-    assert [(each.unbroken, each.energy) for each in found.stable] == list(TWINS.stable)
+    assert [(each.unbroken, each.energy) for each in found.stable] == twin_motions.STABLE
     assert found.complete
     assert found.optimum_listed
     first, second = found.stable
@@ -226,7 +226,9 @@ def test_the_optimum_is_listed_unless_a_doubtful_pose_may_be_a_minimum(labels: L
 @pytest.mark.parametrize("least", [2, 8])
 def test_a_number_of_springs_that_hold_no_pose_is_refused(least):
     with pytest.raises(InvalidProblemError) as refused:
-        certreg.breaking_equilibria(TWINS.source, TWINS.target, max_residual=1.0, least=least)
+        certreg.breaking_equilibria(
+            twin_motions.SOURCE, twin_motions.TARGET, max_residual=1.0, least=least
+        )
     assert str(refused.value) == (
         f"least is {least}: give a number of springs from 3 to 7; fewer hold the body in no pose, "
         "it turns about their line"
@@ -278,7 +280,7 @@ def test_the_same_arguments_give_the_same_run():
 
 def test_the_body_may_end_in_the_worse_of_two_stable_equilibria():
     """Released at the pose of the three shifted points, with bounds that hardly shrink the rest."""
-    x, y = np.array(TWINS.source, float), np.array(TWINS.target, float) - [4, 0, 0]
+    x, y = np.array(twin_motions.SOURCE, float), np.array(twin_motions.TARGET, float) - [4, 0, 0]
     weights = [1, 1, 1, 1, 4, 4, 4]
     found = certreg.breaking_equilibria(x, y, max_residual=1.0, weights=weights)
     light = [certreg.simulate_breaking(x, y, max_residual=1.0, weights=w) for w in (None, weights)]
@@ -335,6 +337,8 @@ def test_a_run_does_not_end_at_a_rest_pose_from_which_the_energy_falls():
 @pytest.mark.parametrize("shrinking", [1.0, float("nan"), 1e7])
 def test_bounds_that_do_not_shrink_are_refused(shrinking):
     with pytest.raises(InvalidProblemError) as refused:
-        certreg.simulate_breaking(TWINS.source, TWINS.target, max_residual=1.0, shrinking=shrinking)
+        certreg.simulate_breaking(
+            twin_motions.SOURCE, twin_motions.TARGET, max_residual=1.0, shrinking=shrinking
+        )
     told = f"shrinking is {shrinking}: give a number above 1, up to 1e6; 1.4 is usual"
     assert str(refused.value) == told
