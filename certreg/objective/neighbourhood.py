@@ -108,9 +108,7 @@ class Neighbourhood(Brief):
     def shifts(self) -> tuple[Integers, int]:
         """How the best translation moves: (3, k) integers over a number."""
         up, down = power_of_two(self.form.length_exponent).as_integer_ratio()
-        response = np.array(self.form.response, dtype=object)[:, 1:] * (
-            self.motion.translations > 0
-        )
+        response = np.array(self.form.response, dtype=object)[:, 1:]
         return up * (response @ self.tangents.T), self.form.determinant * down * self.over
 
     def moves(self, point: Sequence[Fraction]) -> NDArray[np.float64]:

@@ -246,7 +246,7 @@ class RegistrationProblem(Brief):
     @property
     def degrees_of_freedom(self) -> int:
         """Of the residuals, all parameters of the pose counted; below zero of too few pairs."""
-        return self.observations - self.motion.parameters
+        return self.motion.degrees(self.observations)
 
     def damped(self, damping: float) -> RegistrationProblem:
         """The same problem with another damping.

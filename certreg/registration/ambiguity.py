@@ -48,7 +48,7 @@ def equilibria_at(
     fit: gives that of the optimum; asked only where the noise of right pairs decides.
     """
     found = equilibrium_set(critical, objective, problem.damping)
-    tested = not (problem.scaled or problem.rotation_only)  # of these no fit is, either
+    tested = problem.motion.rigid  # of others no fit is, either
     if not (tested and found.narrow) or not _rules_out_next(problem, objective):
         return found
     doubted = any(code is not FitCode.CHI2 for code in fit().codes)
@@ -84,7 +84,7 @@ def _rules_out_next(problem: RegistrationProblem, objective: Isotropic) -> bool:
 
     The noise is the given sigma, or what the residuals are; False means not ruled out.
     """
-    sums, degrees = FitSums(objective), 3 * independent_rows(problem) - problem.motion.parameters
+    sums, degrees = FitSums(objective), problem.motion.degrees(3 * independent_rows(problem))
     least, more = sums.energy, 2 * objective.eigenvalue_difference(0, 1)
     if degrees <= 0 or least + more <= sums.rounding:
         return False

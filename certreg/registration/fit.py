@@ -122,7 +122,7 @@ def fit_of(
     pose: the optimum in doubles, as it is reported. covariance: its own.
     """
     sums = FitSums(objective)
-    if problem.scaled or problem.rotation_only:
+    if not problem.motion.rigid:
         return _of_model(problem, sums, pose, covariance, names)
     rows = row_fit(problem, objective, pose)
     chi2 = _chi2(problem, sums, covariance)
@@ -216,7 +216,7 @@ def silent_tests(problem: RegistrationProblem, objective: Isotropic) -> tuple[Fi
     left = float(min(share, 1 / share)) if share else 0.0
     best = max(sums.explained or 0, sums.mirrored_explained or 0)
     told = left <= MOST_LEFT and best >= MIRROR_EXPLAINED
-    degrees = 3 * rows - problem.motion.parameters
+    degrees = problem.motion.degrees(3 * rows)
     told = told and log_ratio_below(left, degrees) <= math.log(LEVEL)
     silent = {FitCode.OUTLIER_ROWS: rows <= LEAST_ROWS, FitCode.MIRRORED: not told}
     return tuple(code for code, is_silent in silent.items() if is_silent)

@@ -51,6 +51,7 @@ from certreg.results import Brief
 
 if TYPE_CHECKING:
     from certreg.objective.isotropic import Isotropic
+    from certreg.problem.motion import Motion
     from certreg.registration.outlying import OtherPairing, RowFit
     from certreg.registration.row_names import RowNames
 
@@ -368,7 +369,7 @@ def _mirrored_words(sums: FitSums, rows: RowFit) -> str | None:
 
 def _slip_words(rows: RowFit) -> str | None:
     other = rows.other_pairing
-    if other is None or not _fits_better(other, rows.parameters):
+    if other is None or not _fits_better(other, rows.motion):
         return None
     of = "" if other.first is None else f" of the first {other.first} rows"
     gone = _gone(other.left, of)
@@ -385,9 +386,9 @@ def _shuffled_words(sums: FitSums, rows: RowFit) -> str | None:
     )
 
 
-def _fits_better(other: OtherPairing, parameters: int) -> bool:
+def _fits_better(other: OtherPairing, motion: Motion) -> bool:
     """Whether another pairing fits better than chance allows if the given one is right."""
-    degrees = 3 * other.rows - parameters
+    degrees = motion.degrees(3 * other.rows)
     if degrees <= 0 or other.left > MOST_LEFT:
         return False
     return log_ratio_below(other.left, degrees) + math.log(PAIRINGS) <= math.log(LEVEL)

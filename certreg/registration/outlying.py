@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from certreg.geometry.pose import Pose
     from certreg.geometry.similarity import Similarity
     from certreg.objective.isotropic import Isotropic
+    from certreg.problem.motion import Motion
     from certreg.problem.problem import RegistrationProblem
 
 SAMPLE_ROWS = 4096  # medians to two per cent; all rows where there are no more
@@ -65,7 +66,7 @@ class RowFit:
 
     rows: how many have weight. effective_rows: (sum w)^2 / sum w^2; independent_rows: those that
         carry the objective, `rows` where their noise was given, else `effective_rows`.
-    parameters: of the motion. worst: the largest residuals at the optimum, largest first.
+    motion: that was fitted. worst: the largest residuals at the optimum, largest first.
     largest_over_median: of the residuals at the optimum; None where the median is zero.
     far: rows more than FAR medians away from a pose that most rows agree on, the worst first, at
         most LISTED; far_rows: how many there are. tied: whether as many rows agree on another pose,
@@ -78,7 +79,7 @@ class RowFit:
     rows: int
     effective_rows: float
     independent_rows: float
-    parameters: int
+    motion: Motion
     worst: tuple[Residual, ...]
     largest_over_median: float | None
     far: tuple[int, ...]
@@ -90,7 +91,7 @@ class RowFit:
 
     def degrees(self, more: int = 0) -> float:
         """Of freedom, with so many more parameters, or observations left out."""
-        return 3 * self.independent_rows - self.parameters - more
+        return self.motion.degrees(3 * self.independent_rows) - more
 
 
 def row_fit(
@@ -134,7 +135,7 @@ def _row_fit(
         rows=count.rows,
         effective_rows=effective_rows(problem),
         independent_rows=independent_rows(problem),
-        parameters=problem.motion.parameters,
+        motion=problem.motion,
         worst=_residuals(problem, pose, count.worst),
         largest_over_median=count.worst[0].distance / median if median > 0.0 else None,
         far=tuple(one.row for one in count.far),

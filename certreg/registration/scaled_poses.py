@@ -170,5 +170,5 @@ def unit_of(registration: Registration) -> str | None:
         return None
     alignment = objective.alignment(objective.optimum)
     explained = alignment**2 / (scaling.source * scaling.target)
-    degrees = 3 * independent_rows(problem) - problem.motion.parameters
+    degrees = problem.motion.degrees(3 * independent_rows(problem))
     return unit_words(alignment / scaling.source, explained, degrees)

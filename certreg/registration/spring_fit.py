@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from certreg.registration.spring_rows import ResidualSums
 
 UNTESTED = Absent("scale and share of the spread are told of springs alike in every way alone")
-TURN = 3  # parameters of a pose that may be left open
 
 
 def spring_fit(
@@ -80,7 +79,7 @@ def _chi2(
     if not problem.noise_given:
         return NO_NOISE
     value = nearest_double(least)
-    degrees = problem.degrees_of_freedom + (0 if determined else problem.motion.parameters)
+    degrees = problem.degrees_of_freedom if determined else problem.observations
     if degrees <= 0:
         return NO_FREEDOM
     if value is None:

@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from certreg.registration.assessed import Assessment
     from certreg.registration.findings import JudgedEnergies, SigmaDistance
 
+TURN = 3  # degrees of freedom of a rotation alone
+
 
 def assessment_summary(assessment: Assessment) -> str:
     """The result of `assess`, readable."""
@@ -80,7 +82,7 @@ def _sigma_lines(distance: SigmaDistance | Absent) -> list[str]:
     if isinstance(distance, Absent):
         told = isinstance(distance, TooLarge) or distance == FIT_WARNED
         return [f"  sigma distance     not known: {distance.reason}"] if told else []
-    jointly = "rotation and translation jointly" if distance.dof == 6 else "of the rotation"
+    jointly = "rotation and translation jointly" if distance.dof > TURN else "of the rotation"
     p = f"{distance.p:.2g}" if distance.p else "below 1e-300"
     return [
         f"  sigma distance     {distance.value:.4g} standard deviations, {jointly}",

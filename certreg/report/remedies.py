@@ -51,8 +51,8 @@ def remedies(registration: Registration) -> list[str]:
     problem = registration.problem
     told = [one.remedy for one in registration.fit.warnings]
     if registration.equilibria.nearly_ambiguous:
-        other = problem.scaled or problem.rotation_only  # of these no noise rules a pose out
-        helpful = not (other or problem.noise_given or told)  # nor where pairs are wrong
+        rigid = problem.motion.rigid  # of other motions no noise rules a pose out
+        helpful = rigid and not (problem.noise_given or told)  # nor where pairs are wrong
         told.append(f"{GIVE_SIGMA if helpful else ''}{TELL_APART}")
     elif registration.equilibria.classification.unique and is_loose(registration):
         told.append(FIX_TURN)

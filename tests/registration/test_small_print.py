@@ -20,6 +20,7 @@ from certreg.exact.decimals import at_least, at_most
 from certreg.geometry.given import given_pose
 from certreg.geometry.so3 import davenport_matrix
 from certreg.problem import arrays
+from certreg.problem.motion import Motion
 from certreg.problem.problem import RegistrationProblem
 from certreg.registration import misfits
 from certreg.registration.agreement import agreement, require_sound_trajectory
@@ -221,7 +222,7 @@ def test_another_pairing_fits_better_by_what_its_rows_allow(rows: int):
     degrees = 3 * rows - 6
 
     def better(left: float) -> bool:
-        return misfits._fits_better(OtherPairing(words="", rows=rows, left=left), 6)
+        return misfits._fits_better(OtherPairing(words="", rows=rows, left=left), Motion())
 
     last = threshold(better, 1e-12, 0.499)
     bounds = [
