@@ -251,7 +251,7 @@ class SpringRegistration(AnyRegistration):
 
     @property
     def degrees_of_freedom(self) -> int:
-        """Of the residuals, all six parameters of the pose counted."""
+        """Of the residuals, all parameters of the pose counted."""
         return self.problem.degrees_of_freedom
 
     def residual_blocks(self) -> Iterator[ResidualBlock]:
