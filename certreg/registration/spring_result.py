@@ -14,9 +14,9 @@ from certreg.problem.lifting import lift
 from certreg.registration.any_registration import UNDECIDED, AnyRegistration, AnySolution, Method
 from certreg.registration.covariance import FLAT, NOT_UNIQUE, OF_SPRINGS, covariance_at
 from certreg.registration.curvature import soft_axes
+from certreg.registration.fit import spring_fit
 from certreg.registration.freedom import Freedom
 from certreg.registration.outlying import LISTED
-from certreg.registration.spring_fit import spring_fit
 from certreg.registration.spring_rows import ResidualSums, blocks_at, source_centre
 from certreg.registration.weak_shifts import WeakShift, weak_shifts
 from certreg.results import Absent
@@ -251,7 +251,7 @@ class SpringRegistration(AnyRegistration):
 
     @property
     def degrees_of_freedom(self) -> int:
-        """Of the residuals, all six parameters of the pose counted."""
+        """Of the residuals, all parameters of the pose counted."""
         return self.problem.degrees_of_freedom
 
     def residual_blocks(self) -> Iterator[ResidualBlock]:

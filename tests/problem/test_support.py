@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import ast
 import itertools
+import re
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
+from syntax import nodes
 
 import certreg
 from certreg.errors import InvalidProblemError
@@ -248,3 +252,22 @@ def test_parameters_are_counted_by_the_motion_alone(
     assert right.keys() == wrong.keys()
     assert [name for name in right if right[name] == wrong[name]] == []
     assert right["degrees"] == wrong["degrees"] + 1
+
+
+def test_nobody_else_subtracts_parameters() -> None:
+    """No 3 n - 6 and no 3 n - 7: what is left of observations is said by the motion."""
+    package = Path(certreg.__file__).parent
+    wings = ("problem", "registration", "report")
+    files = [file for wing in wings for file in (package / wing).glob("*.py")]
+    found = [
+        f"{file.name}: {ast.unparse(node)}"
+        for file in files
+        if file.name != "motion.py"
+        for node in nodes(file.read_text("utf-8"))
+        if isinstance(node, ast.BinOp)
+        and isinstance(node.op, ast.Sub)
+        and re.search(r"^[67]$|\bparameters$", ast.unparse(node.right))
+    ]
+
+    assert len(files) > 100
+    assert found == []
