@@ -274,8 +274,7 @@ def piece(state: str, end: int | None) -> tuple[str, Piece]:
 def test_pairs_are_met_elsewhere_where_their_scales_are_in_no_open_range():
     def elsewhere(low: int, high: int, *pieces: tuple[str, Piece]) -> bool:
         body = SimpleNamespace(
-            scale_lower=Dyadic(mantissa=low, exponent=0),
-            scale_upper=Dyadic(mantissa=high, exponent=0),
+            scales=(Fraction(low), Fraction(high)),
             pieces=[piece for _, piece in pieces],
             states="".join(state for state, _ in pieces),
         )
