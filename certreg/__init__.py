@@ -35,17 +35,17 @@ if TYPE_CHECKING:
     from certreg.io.problems import read_problem as read_problem
     from certreg.problem.gicp import gicp_information as gicp_information
     from certreg.problem.problem import RegistrationProblem as RegistrationProblem
-    from certreg.registration.any_certification import certify as certify
     from certreg.registration.assessed import Assessment as Assessment
     from certreg.registration.assessment import assess as assess
     from certreg.registration.breaking import breaking_equilibria as breaking_equilibria
     from certreg.registration.breaking import simulate_breaking as simulate_breaking
-    from certreg.registration.certification import simulate as simulate
+    from certreg.registration.certification import certify as certify
     from certreg.registration.closed_form import register as register
     from certreg.registration.enumeration import equilibria as equilibria
     from certreg.registration.findings import AssessmentSettings as AssessmentSettings
     from certreg.registration.many import certify_many as certify_many
     from certreg.registration.result import Registration as Registration
+    from certreg.registration.simulation import simulate as simulate
     from certreg.results import Verdict as Verdict
 
 __version__ = "0.1.0"
@@ -110,16 +110,16 @@ __getattr__ = lazy_face(
         "io.problems": ("read_problem",),
         "problem.gicp": ("gicp_information",),
         "problem.problem": ("RegistrationProblem",),
-        "registration.any_certification": ("certify",),
         "registration.assessed": ("Assessment",),
         "registration.assessment": ("assess",),
         "registration.breaking": ("breaking_equilibria", "simulate_breaking"),
-        "registration.certification": ("simulate",),
+        "registration.certification": ("certify",),
         "registration.closed_form": ("register",),
         "registration.enumeration": ("equilibria",),
         "registration.findings": ("AssessmentSettings",),
         "registration.many": ("certify_many",),
         "registration.result": ("Registration",),
+        "registration.simulation": ("simulate",),
         "results": ("Verdict",),
     },
 )

@@ -100,17 +100,17 @@ class Presenter(Protocol):
         ...
 
 
-_FINDERS: list[Callable[[], Presenter]] = []  # one: what `certreg/__init__.py` said
+_PRESENTERS: list[Callable[[], Presenter]] = []  # one: what `certreg/__init__.py` said
 
 
 def present_by(find: Callable[[], Presenter]) -> None:
     """Say who shows results. How they are shown is not known up here; `report`, below, knows it."""
-    _FINDERS[:] = [find]
+    _PRESENTERS[:] = [find]
 
 
 def presenter() -> Presenter:
     """Who shows results."""
-    return _FINDERS[0]()
+    return _PRESENTERS[0]()
 
 
 class Shown(Brief):

@@ -544,7 +544,7 @@ SPRINGS = mutants(
     ("(1, 3, 4), (2, 4, 5))", "(1, 3, 4), (2, 3, 5))"),
     ("-sum(map(mul, forces[k], left))", "sum(map(mul, forces[k], left))"),
     ('require(weight > 0, "all', 'require(weight >= 0, "all'),
-    ("free + (p == 0)", "free + (p != 0)"),
+    ("free + (moves and p == 0)", "free + (moves and p != 0)"),
     ("(p * a - h[i] * b) // last for", "(p * a - h[i] * b) for"),
     ("_dyadic(1, e) / last, free", "_dyadic(1, e), free"),
     ("weight * _dyadic(1, e) / 3", "weight * _dyadic(1, e)"),

@@ -25,11 +25,11 @@ from certreg.certificate.producing_springs import springs_list_certificate
 from certreg.equilibrium.paths import critical_lines
 from certreg.objective.quartics import MONOMIALS
 from certreg.objective.springs import Springs
-from certreg.problem.moments_of_springs import spring_moments
 from certreg.problem.problem import RegistrationProblem
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
+
 
 Document = dict[str, Any]
 Quaternion = tuple[int, ...]
@@ -48,7 +48,7 @@ class Listed:
 
     def __init__(self, problem: RegistrationProblem) -> None:
         """As it is produced."""
-        self.problem, self.objective = problem, Springs(spring_moments(problem))
+        self.problem, self.objective = problem, Springs.of(problem)
         lines = critical_lines(self.objective.floating_quartic()[0])
         self.certificate: Any = springs_list_certificate(problem, self.objective, lines)
         self.document: Document = json.loads(self.certificate.to_json())
@@ -364,7 +364,7 @@ def settled(checker: Any, width: Fraction, claims: dict[str, Any]) -> bool:
     """Of w^4 at x, where it is 0 -+ 30 width, and at w + x, where it is 1/4 -+ 15 width."""
     springs = checker.CheckedSprings([1] + [0] * 34, Fraction(1), 0, Fraction(1), Fraction(1))
     stated = SimpleNamespace(
-        **{"unique": None, "sin2_half_angle": None, **claims},
+        **{"unique": None, "sin2_half_angle": None, "rotation_only": None, **claims},
         pose=(0, 1, 0, 0),
         chart=(1, 0, 0, 0),
         gap=Fraction(9),

@@ -569,8 +569,8 @@ MUTANTS = (
     Mutant(
         "free shifts counted where there are none",
         CHECKER,
-        "free + (p == 0)",
-        "free + (p != 0)",
+        "free + (moves and p == 0)",
+        "free + (moves and p != 0)",
         ("spring_translation",),
     ),
     Mutant(

@@ -260,6 +260,7 @@ def direct_questions() -> Iterator[tuple[str, Callable[[Any], object], str]]:
         gap=Fraction(9),
         sin2_half_angle=None,
         unique=True,
+        rotation_only=None,
         symmetry=None,
         n=1,
         digest="",

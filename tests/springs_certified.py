@@ -11,7 +11,6 @@ from spring_families import Cell, instance, statement
 from certreg import simulate
 from certreg.certificate.producing_springs import springs_certificate
 from certreg.objective.springs import Springs
-from certreg.problem.moments_of_springs import spring_moments
 from certreg.problem.problem import RegistrationProblem
 from certreg.registration.valley import SimulatedSprings
 from certreg.relaxation.optimum import find_optimum
@@ -28,7 +27,7 @@ class Certified:
 
 def certificate_of(problem: RegistrationProblem) -> Any:
     """By a sum of squares."""
-    objective = Springs(spring_moments(problem))
+    objective = Springs.of(problem)
     return springs_certificate(problem, objective, find_optimum(objective))
 
 
@@ -36,7 +35,7 @@ def certificate_of(problem: RegistrationProblem) -> Any:
 def certified(family: str, n: int, noise: float, seed: int = 0) -> Certified:
     """A problem of a family, and its certificate."""
     problem = RegistrationProblem(**statement(instance(Cell(family, n, noise), seed)))
-    return Certified(problem, Springs(spring_moments(problem)), certificate_of(problem))
+    return Certified(problem, Springs.of(problem), certificate_of(problem))
 
 
 def moved_springs(problem: RegistrationProblem, integrator: str | None = None) -> SimulatedSprings:

@@ -27,8 +27,8 @@ from strategies import ZOO, random_rotation
 
 from certreg.errors import OutOfRangeError
 from certreg.problem.problem import RegistrationProblem
-from certreg.registration.any_certification import certify
 from certreg.registration.assessment import assess
+from certreg.registration.certification import certify
 from certreg.report.document import assessment_document, result_document
 from certreg.report.judged_pose import assessment_summary
 from certreg.report.page import Report
@@ -40,6 +40,7 @@ if TYPE_CHECKING:
 
     from certreg.registration.assessment import Assessment
     from certreg.registration.result import Registration
+
 
 PROBLEMS = 5000
 BITS = 3000  # of a ball: singular values and angles 100 decades apart are told

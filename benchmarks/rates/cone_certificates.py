@@ -30,13 +30,13 @@ from certreg.certificate.squares import sos_body
 from certreg.exact.dyadic import Dyadic
 from certreg.geometry.so3 import dot, squared_norm
 from certreg.objective.springs import Springs
-from certreg.problem.moments_of_springs import spring_moments
 from certreg.problem.problem import RegistrationProblem
 from certreg.relaxation.optimum import find_optimum
 
 if TYPE_CHECKING:
     from certreg.certificate.springs_cones import SpringsConesBody
     from certreg.exact.spaces import IntegerQuaternion
+
 
 checker = import_module("certreg.verify")
 INSTANCES = 100
@@ -74,7 +74,7 @@ def document_of(problem: RegistrationProblem, body: SpringsConesBody) -> dict[st
 
 def proved(problem: RegistrationProblem) -> Proved:
     """What cones prove of a problem."""
-    objective = Springs(spring_moments(problem))
+    objective = Springs.of(problem)
     found = find_optimum(objective)
     squares = sos_body(objective, found)
     begun = time.process_time()

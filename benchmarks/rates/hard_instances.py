@@ -16,7 +16,7 @@ import numpy as np
 from strategies import random_rotation
 
 from certreg.problem.problem import RegistrationProblem
-from certreg.registration.any_certification import certify
+from certreg.registration.certification import certify
 from certreg.registration.exit_codes import DONE, NOT_UNIQUE, code_of_registration
 from certreg.report.summary import registration_summary
 from certreg.results import Absent, Optimality

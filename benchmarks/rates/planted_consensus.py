@@ -25,10 +25,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from certreg.certificate.assuming import Assuming
-from certreg.certificate.consistency import consistent_pairs
+from certreg.certificate.consistency import ConsistentPairs, consistent_pairs
 from certreg.certificate.parting import Parting
 from certreg.certificate.producing_consensus import ConsensusProver, consensus_certificate
-from certreg.certificate.refuting import PointRows
 from certreg.certificate.thinning import Graph, GraphThinning
 from certreg.native.bit_rows import mask_of
 from certreg.problem.losses import Consensus
@@ -40,6 +39,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.native.bit_rows import BitRows
+
 
 INSTANCES = 100_000
 TOLD = 2_000  # instances between two lines
@@ -168,7 +168,7 @@ def faults(seed: int) -> Iterator[str]:
         yield f"{seed}: two planted pairs are no neighbours"
     K = max(3, len(case.rows) - int(rng.integers(3)))
     few = rng.permutation(list(case.rows))[: int(rng.integers(1, K + 1))].tolist()
-    graph = Graph(near, PointRows.of(problem), 0.3, rigid=True)
+    graph = Graph(near, ConsistentPairs(problem).points(), 0.3, rigid=True)
     thinning = GraphThinning(graph, all_rows, K, mask_of(few))
     thinning.run()
     assuming, parting = Assuming(thinning), Parting(thinning)

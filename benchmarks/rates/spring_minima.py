@@ -27,7 +27,6 @@ from certreg.equilibrium.paths import PathsOutcome, critical_lines
 from certreg.equilibrium.quartics import FloatingQuartic, descended
 from certreg.geometry.so3 import squared_norm
 from certreg.objective.springs import Springs
-from certreg.problem.moments_of_springs import spring_moments
 from certreg.relaxation.optimum import find_optimum
 
 INSTANCES = 500
@@ -62,7 +61,7 @@ def outcome_of(cell: Any, seed: int) -> Outcome:
     """What became of one instance of a cell."""
     made = spring_families.instance(cell, seed)
     problem = RegistrationProblem(**spring_families.statement(made))
-    objective = Springs(spring_moments(problem))
+    objective = Springs.of(problem)
     assert objective.quartic  # made before the clock starts
     begun = time.process_time()
     found = find_optimum(objective)

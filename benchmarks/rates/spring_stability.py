@@ -69,7 +69,7 @@ def counted(instances: int, families: tuple[str, ...] = tuple(SIZES)) -> Tally:
 
 def _count(problem: RegistrationProblem, rng: np.random.Generator, tally: Tally) -> None:
     moments = spring_moments(problem)
-    objective = Springs(moments)
+    objective = Springs.of(problem)
     body = list_body(objective, critical_lines(objective.floating_quartic()[0])).body
     if body is None:
         tally.unlisted += 1

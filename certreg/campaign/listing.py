@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from certreg.errors import InvalidFileError
-from certreg.io.streams import Place, reading
+from certreg.io.streams import Place, reading, refused
 from certreg.io.text import parse_rows
 from certreg.verify import shown
 
@@ -84,18 +84,24 @@ class Listing:
 def read_listing(path: Path) -> Listing:
     """The list in a file. Raises InvalidFileError: file, place, remedy."""
     if path.suffix.lower() != ".csv":
-        message = f"{shown(path)}: a list of pairs is a .csv file with columns source and target"
-        raise InvalidFileError(message, path=path, value=path.suffix, limit=".csv")
+        raise refused(
+            path,
+            "a list of pairs is a .csv file with columns source and target",
+            value=path.suffix,
+            limit=".csv",
+        )
     with reading(path) as stream:
         content = stream.read(MAX_LIST_BYTES + 1)
     if len(content) > MAX_LIST_BYTES:
-        message = f"{shown(path)}: more than {MAX_LIST_BYTES} bytes: give several smaller lists"
-        raise InvalidFileError(message, path=path, limit=MAX_LIST_BYTES)
+        raise refused(
+            path,
+            f"more than {MAX_LIST_BYTES} bytes: give several smaller lists",
+            limit=MAX_LIST_BYTES,
+        )
     header, rows = _headed(path, content)
     count = sum(1 for _ in rows)
     if count == 0:
-        message = f"{shown(path)}: lists no pairs: add rows below the header"
-        raise InvalidFileError(message, path=path, value=0, limit=1)
+        raise refused(path, "lists no pairs: add rows below the header", value=0, limit=1)
     ignored = tuple(name for name in header if name not in COLUMNS)
     _require_unlike(path, header, ignored)
     return Listing(path=path.resolve(), content=content, count=count, ignored=ignored)
@@ -107,11 +113,13 @@ def _require_unlike(path: Path, header: list[str], ignored: tuple[str, ...]) -> 
     for name in ignored:
         meant = get_close_matches(name, absent, n=1, cutoff=LIKENESS)
         if meant:
-            message = (
-                f"{shown(path)}: column '{shown(name)}' is not known: did you mean '{meant[0]}'? "
-                "Rename it, or give it another name if it is not to be read"
+            raise refused(
+                path,
+                f"column '{shown(name)}' is not known: did you mean '{meant[0]}'? "
+                "Rename it, or give it another name if it is not to be read",
+                column=name,
+                limit=meant[0],
             )
-            raise InvalidFileError(message, path=path, column=name, limit=meant[0])
 
 
 def _headed(path: Path, content: bytes) -> tuple[list[str], Iterator[tuple[Place, list[str]]]]:

@@ -32,8 +32,7 @@ from certreg.io.springs import SpringSource
 from certreg.io.streams import number
 from certreg.problem.motion import Scale
 from certreg.problem.support import Cell, Loss, require_supported
-from certreg.registration.any_certification import certify
-from certreg.registration.certification import optimally_damped
+from certreg.registration.certification import certify
 from certreg.registration.consensus import ConsensusRegistration
 from certreg.registration.exit_codes import (
     MISUSED,
@@ -45,6 +44,7 @@ from certreg.registration.exit_codes import (
     code_of_registration,
     worst,
 )
+from certreg.registration.simulation import optimally_damped
 from certreg.registration.truncated import TruncatedRegistration
 from certreg.report.consensus_folder import wrong_pairs_document
 from certreg.report.document import ERROR_SCHEMA, error_document, result_document

@@ -29,7 +29,7 @@ from certreg._loading import library
 from certreg.campaign.arithmetic import arithmetic
 from certreg.errors import CampaignError, InvalidFileError
 from certreg.io.atomic import TEMPORARY, write_atomically
-from certreg.io.streams import require_ending
+from certreg.io.streams import refused, require_ending
 from certreg.verify import shown
 
 if TYPE_CHECKING:
@@ -99,11 +99,9 @@ def require_same(path: Path, manifest: Manifest) -> None:
             content = stream.read(MAX_MANIFEST_BYTES)
         kept: dict[str, Any] = flat(json.loads(content))
     except OSError as error:
-        message = f"{shown(path)}: cannot be read ({error.strerror}): choose another folder"
-        raise InvalidFileError(message, path=path) from error
+        raise refused(path, f"cannot be read ({error.strerror}): choose another folder") from error
     except (ValueError, AttributeError, RecursionError) as error:
-        message = f"{shown(path)}: is no manifest of a campaign: choose another folder"
-        raise InvalidFileError(message, path=path) from error
+        raise refused(path, "is no manifest of a campaign: choose another folder") from error
     wanted = flat(json.loads(manifest.to_json()))
     for key in sorted(kept.keys() | wanted.keys()):
         if kept.get(key) != wanted.get(key):
@@ -114,9 +112,12 @@ def require_same(path: Path, manifest: Manifest) -> None:
                 else f"only {'it' if key in kept else 'this version'} knows {shown(key)}: choose "
                 "another folder, or go on with the version of certreg that began it"
             )
-            message = f"{shown(path)}: another campaign stands there: {differs}"
-            raise InvalidFileError(
-                message, path=path, column=key, value=kept.get(key), limit=wanted.get(key)
+            raise refused(
+                path,
+                f"another campaign stands there: {differs}",
+                column=key,
+                value=kept.get(key),
+                limit=wanted.get(key),
             )
 
 
@@ -151,8 +152,7 @@ def _prepare(folder: Path, manifest: Manifest) -> None:
     if MANIFEST in names:
         require_same(folder / MANIFEST, manifest)
     elif any(not name.startswith(TEMPORARY) for name in names):
-        message = f"{shown(folder)}: holds other files: choose a new folder, or empty it"
-        raise InvalidFileError(message, path=folder)
+        raise refused(folder, "holds other files: choose a new folder, or empty it")
     for place in (folder, folder / SHARDS, folder / CERTIFICATES):
         place.mkdir(exist_ok=True)
         for left_over in place.glob(f"{TEMPORARY}*"):

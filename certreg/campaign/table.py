@@ -59,6 +59,12 @@ def csv_bytes(rows: Iterable[Iterable[Any]]) -> bytes:
     return "".join(",".join(map(_field, row)) + "\n" for row in rows).encode()
 
 
+def records_bytes(rows: Iterable[dict[str, Any]]) -> bytes:
+    """Rows of the same fields as CSV with a header; nothing where a value is None."""
+    listed = list(rows)
+    return csv_bytes([listed[0], *(row.values() for row in listed)])
+
+
 def _field(value: Any) -> str:
     if isinstance(value, str):
         return csv_field(value)

@@ -241,16 +241,11 @@ def _verdict(outcome: Outcome) -> CertificateVerdict:
 
 
 def _clouds(problem: RegistrationProblem) -> Clouds:
-    if problem.factors is None:
-        points = problem.block(slice(None))
-        own = points.weights
-    else:
-        points = problem.spring_block(slice(None))
-        own = points.factors
+    points = problem.points
     return Clouds(
         source=array("d", points.source.tobytes()),
         target=array("d", points.target.tobytes()),
-        weights=array("d", own.tobytes()),
+        weights=array("d", points.springs.tobytes()),
         model=problem.motion.options,
     )
 

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
     from certreg.problem.problem import RegistrationProblem
 
+
 FORMAT = "certreg-certificate/1"
 FILE = json.JSONEncoder(sort_keys=True, allow_nan=False, indent=1)
 CERTIFICATE = "certificate.json"  # of a folder that certify --out wrote
@@ -52,7 +53,7 @@ BODIES = {  # by their kind: module of this wing, and class
     "springs-list": ("springs_list", "SpringsListBody"),
     "consensus": ("consensus", "ConsensusBody"),
     "truncated-rotation": ("truncated", "TruncatedRotationBody"),
-    "consensus-similarity": ("scaled_consensus", "ConsensusSimilarityBody"),
+    "consensus-similarity": ("consensus", "ConsensusSimilarityBody"),
 }
 KINDS = {  # each is loaded where a certificate is of it
     kind: found_late(f"certreg.certificate.{module}", body)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shlex
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -14,10 +14,14 @@ from certreg.cli.writing import WritingCommand
 from certreg.dynamics.trajectory import Record
 from certreg.io.atomic import require_vacant, write_atomically, write_together
 from certreg.registration.breathing import scaled_equilibria
-from certreg.registration.certification import simulate as run
-from certreg.registration.enumeration import certified_count, enumerated, equilibrium_poses
+from certreg.registration.enumeration import (
+    certified_count,
+    certified_list,
+    enumerated,
+    equilibrium_poses,
+)
 from certreg.registration.exit_codes import DONE, NOT_CERTIFIED, NOT_UNIQUE
-from certreg.registration.spring_enumeration import certified_list, enumerated_springs
+from certreg.registration.simulation import simulate as run
 from certreg.report.breathing import scaled_enumeration_summary
 from certreg.report.document import dumps, equilibria_document, scaled_document
 from certreg.report.markup import printable
@@ -30,7 +34,8 @@ if TYPE_CHECKING:
     from certreg.io.pairing import Pair
     from certreg.problem.problem import RegistrationProblem
     from certreg.registration.enumeration import Enumeration
-    from certreg.registration.spring_enumeration import SpringEnumeration
+    from certreg.registration.spring_equilibria import SpringEquilibria
+
 
 LIST_CODES = """
 \b
@@ -107,7 +112,7 @@ def _spring_equilibria(
     as_json: bool,
 ) -> int:
     """The same of general springs: 4 where the list is in doubt, or which of it is the best."""
-    enumeration = enumerated_springs(problem, method)
+    enumeration = enumerated(problem, method)
     if out is not None:
         _write_list(problem, enumeration, out)
     if poses is not None:
@@ -121,7 +126,9 @@ def _spring_equilibria(
     return DONE if enumeration.equilibria.unique else NOT_CERTIFIED
 
 
-def _write_list(problem: RegistrationProblem, enumeration: SpringEnumeration, out: Path) -> None:
+def _write_list(
+    problem: RegistrationProblem, enumeration: Enumeration[SpringEquilibria], out: Path
+) -> None:
     """A certificate that these are all, checked, or the reason for none."""
     certificate, place = certified_list(problem, enumeration.objective), printable(out)
     if certificate is None:
@@ -139,7 +146,7 @@ def _tell_certificate(subject: str, place: str) -> None:
     click.echo(f"note: certificate of the {subject}: {place} (certreg verify {typed})", err=True)
 
 
-def _write_poses(enumeration: Enumeration | SpringEnumeration, folder: Path) -> None:
+def _write_poses(enumeration: Enumeration[Any], folder: Path) -> None:
     """One file of four rows for each equilibrium, in the order of the list."""
     poses, place = equilibrium_poses(enumeration), printable(folder)
     if not poses:

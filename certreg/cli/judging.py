@@ -25,8 +25,8 @@ from certreg.io.poses import read_result_pose
 from certreg.io.written_clouds import write_cloud
 from certreg.problem.bounds import bounded
 from certreg.problem.support import Loss
-from certreg.registration.any_certification import certify
 from certreg.registration.assessment import judged
+from certreg.registration.certification import certify
 from certreg.registration.exit_codes import DONE, NOT_CERTIFIED, REFUSED
 from certreg.registration.findings import GOOD
 from certreg.registration.headlines import NO_ROTATION

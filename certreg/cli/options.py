@@ -29,14 +29,14 @@ if TYPE_CHECKING:
     from certreg.io.pairing import Pairing
     from certreg.io.springs import SpringSource
     from certreg.problem import motion, support
-    from certreg.registration import certification, exit_codes
+    from certreg.registration import exit_codes, simulation
 else:
     # These load NumPy, and are loaded where they are needed: `certreg verify` does without.
     labels = late("certreg.io.labels")
     io_pairing = late("certreg.io.pairing")
     io_problems = late("certreg.io.problems")
     io_springs = late("certreg.io.springs")
-    certification = late("certreg.registration.certification")
+    simulation = late("certreg.registration.simulation")
     exit_codes = late("certreg.registration.exit_codes")
     motion = late("certreg.problem.motion")
     support = late("certreg.problem.support")
@@ -282,7 +282,7 @@ def cloud_options(command: Callable[..., Any]) -> Callable[..., Any]:
         )
         stated = stated.modelled(**model)
         if damping == OPTIMAL and options.get("max_residual") is None:
-            stated = certification.optimally_damped(stated)  # else that of the pairs within
+            stated = simulation.optimally_damped(stated)  # else that of the pairs within
         for note in pair.notes:
             click.echo(f"note: {note}", err=True)
         with _patience(f"working on {stated.n} correspondences"):

@@ -23,7 +23,7 @@ from certreg.cli.options import (
 )
 from certreg.cli.writing import WritingCommand
 from certreg.cli.wrong_pairs import consensus_options
-from certreg.registration.any_certification import certify as certified
+from certreg.registration.certification import certify as certified
 from certreg.registration.examples import STORIES, differences, tell
 from certreg.registration.exit_codes import (
     DONE,

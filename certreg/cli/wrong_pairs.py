@@ -35,7 +35,7 @@ else:
 
 
 SEARCH = "certreg.registration.consensus"  # the logger that tells what was found
-PROOF = "certreg.certificate.producing_scaled"  # that tells how far a proof is, again and again
+PROOF = "certreg.certificate.producing_consensus"  # that tells how far a proof is, again and again
 PATIENCE = 1.0  # seconds before anything is said
 AGAIN = 5.0  # seconds between two words of a proof
 

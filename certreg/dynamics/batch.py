@@ -40,7 +40,6 @@ from certreg.errors import DegenerateProblemError
 from certreg.native.layout import BASIN, BODY, QUATERNION_STATE, symmetric
 from certreg.native.loops import Batch, Ending, Integrator
 from certreg.objective.springs import Springs
-from certreg.problem.moments_of_springs import spring_moments
 from certreg.problem.motion import DEFAULT_DAMPING, checked_damping
 from certreg.results import Brief
 
@@ -251,7 +250,7 @@ def bodies_on_springs(  # noqa: PLR0913 - each is one question, and has its usua
     bodies: list[SprungBody] = []
     for k in range(given.count):
         try:
-            bodies.append(body_on_springs(Springs(spring_moments(given.problem(k))), damping))
+            bodies.append(body_on_springs(Springs.of(given.problem(k)), damping))
         except DegenerateProblemError as error:
             message = f"instance {k}: {error}"
             raise DegenerateProblemError(

@@ -27,7 +27,6 @@ from certreg.objective.quartics import quartic_of_form
 from certreg.objective.springs import Springs
 from certreg.problem.effort import checked_threads
 from certreg.problem.many_springs import many_spring_moments, stated_many
-from certreg.problem.moments_of_springs import spring_moments
 from certreg.problem.springs import GivenSprings
 from certreg.results import Brief, Guarantee
 
@@ -40,6 +39,7 @@ if TYPE_CHECKING:
     from certreg.equilibrium.line_set import LineSet
     from certreg.equilibrium.paths import GatheredEnds
     from certreg.problem.many_springs import ManySpringMoments, ManySprings
+
 
 Array = Any  # NDArray[np.float64]
 PORTION = 64  # problems that a thread takes at a time: 64 ms, and 7 MB for the ends
@@ -274,7 +274,7 @@ def _proved(
     places = {int(k): place for place, k in enumerate(varied)}
     lists: list[LineSet] = []
     for k, outcome in enumerate(outcomes):
-        objective, found = Springs(spring_moments(given.problem(k))), None
+        objective, found = Springs.of(given.problem(k)), None
         if ends is not None and outcome is PathsOutcome.FOUND:
             place = places[k]
             lines = CriticalLines(
@@ -294,7 +294,7 @@ def _with_proved(rows: _Rows, lists: tuple[LineSet, ...], given: ManySprings) ->
     """The rows with those of complete lists in the place of theirs."""
     parts = [_picked(rows, ~np.array([one.complete for one in lists])[rows.problem])]
     parts += [
-        _of_list(found, k, Springs(spring_moments(given.problem(k))))
+        _of_list(found, k, Springs.of(given.problem(k)))
         for k, found in enumerate(lists)
         if found.complete
     ]

@@ -9,8 +9,7 @@ from __future__ import annotations
 from array import array
 from typing import TYPE_CHECKING, NamedTuple
 
-from certreg.errors import InvalidFileError
-from certreg.io.streams import number
+from certreg.io.streams import number, refused
 from certreg.verify import shown
 
 if TYPE_CHECKING:
@@ -71,8 +70,9 @@ def carbon_alphas(atoms: Iterable[Atom], file: Path) -> CarbonAlphas:
         if before is None or occupancy > before[0]:
             kept[atom.label] = occupancy, position
     if not kept:
-        message = f"{shown(file)}: no Cα atoms: give a protein, or save the points as .csv"
-        raise InvalidFileError(message, path=file, value=0, limit=1)
+        raise refused(
+            file, "no Cα atoms: give a protein, or save the points as .csv", value=0, limit=1
+        )
     notes = [f"{len(kept)} Cα atoms, {others} other atoms not used"]
     if len(models) > 1:
         notes.append(f"the first of {len(models)} models (save another one alone to read it)")

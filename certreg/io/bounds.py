@@ -6,11 +6,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.errors import InvalidFileError
 from certreg.io.npy import read_array
+from certreg.io.streams import refused
 from certreg.io.text import read_numbers
-from certreg.problem.blocks import first_row
-from certreg.verify import shown
+from certreg.problem.arrays import first_row
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -31,16 +30,21 @@ def read_bounds(path: Path, pair: Pair) -> NDArray[np.float64]:
     n = pair.sizes[0]
     if numbers.shape != (n,):
         held = f"{len(numbers)} bounds" if numbers.ndim == 1 else f"an array {numbers.shape}"
-        message = (
-            f"{shown(path)}: holds {held}, the source has {n} rows: give one bound for each of them"
+        raise refused(
+            path,
+            f"holds {held}, the source has {n} rows: give one bound for each of them",
+            value=numbers.shape,
+            limit=n,
         )
-        raise InvalidFileError(message, path=path, value=numbers.shape, limit=n)
     row = first_row(numbers, lambda block: ~((block > 0) & np.isfinite(block)))
     if row is not None:
         value = numbers[row].item()
-        message = (
-            f"{shown(path)}: bound {row} (counting from 0) is {value}: a bound must be finite and "
-            "> 0, in the unit of the clouds"
+        raise refused(
+            path,
+            f"bound {row} (counting from 0) is {value}: a bound must be finite and "
+            "> 0, in the unit of the clouds",
+            row=row,
+            value=value,
+            limit=0.0,
         )
-        raise InvalidFileError(message, path=path, row=row, value=value, limit=0.0)
     return numbers if pair.source_rows is None else numbers[pair.source_rows]

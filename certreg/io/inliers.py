@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from certreg.errors import InvalidFileError
 from certreg.io.labels import text_of_field
-from certreg.io.streams import count
+from certreg.io.streams import count, refused
 from certreg.io.text import read_rows
 from certreg.problem.inliers import INLIER_WORDS
 from certreg.verify import shown
@@ -75,5 +74,6 @@ def _is_inlier(place: Place, word: str) -> bool:
 
 def _require_count(held: int, n: int, there: str, path: Path) -> None:
     if held != n:
-        message = f"{shown(path)}: holds {held} labels, {there}: give one for each of them"
-        raise InvalidFileError(message, path=path, value=held, limit=n)
+        raise refused(
+            path, f"holds {held} labels, {there}: give one for each of them", value=held, limit=n
+        )

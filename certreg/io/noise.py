@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Generic, NamedTuple, Protocol, TypeVar
 
-from certreg.errors import InvalidFileError
+from certreg.io.streams import refused
 from certreg.verify import shown
 
 if TYPE_CHECKING:
@@ -56,8 +56,9 @@ def noise_of_columns(
         return ColumnNoise(None, None, ())
     if len(found) > 1:
         stated = " and ".join(f"{name} of {shown(file)}" for name, _, file in found)
-        message = f"{shown(found[1][2])}: columns {stated}: which one holds? {REMEDY}"
-        raise InvalidFileError(message, path=found[1][2], column=found[1][0])
+        raise refused(
+            found[1][2], f"columns {stated}: which one holds? {REMEDY}", column=found[1][0]
+        )
     ((name, numbers, file),) = found
     note = f"{shown(file)}: column {name} is used as "
     if name == "sigma":

@@ -22,6 +22,7 @@ from certreg.io.labels import (
 )
 from certreg.io.row_numbers import RowNumbers
 from certreg.io.standard_input import is_standard_input
+from certreg.io.streams import refused
 from certreg.io.text import notes_on
 from certreg.results import Brief
 from certreg.verify import shown
@@ -152,8 +153,9 @@ def pair_of(first: Cloud, second: Cloud, pairing: Pairing = BY_LABEL) -> Pair:
         rows, further = (timed.source, timed.target), (*further, timed.note)
     elif pairing.match is Match.COMMON:
         bare = first if first.labels is None else second
-        message = f"{shown(bare.path)}: has no labels to match: name a column label, or give pairs"
-        raise InvalidFileError(message, path=bare.path, column="label")
+        raise refused(
+            bare.path, "has no labels to match: name a column label, or give pairs", column="label"
+        )
     elif sizes[0] != sizes[1]:
         message = (
             f"{shown(first.path)} has {sizes[0]} points, {shown(second.path)} has {sizes[1]}: "

@@ -14,7 +14,7 @@ from certreg.io.noise import noise_of_columns
 from certreg.io.pairing import BY_LABEL, Pair, Pairing, read_pair
 from certreg.io.springs import NO_SPRINGS, read_springs
 from certreg.io.text import read_numbers
-from certreg.problem.blocks import first_row
+from certreg.problem.arrays import first_row
 from certreg.problem.problem import RegistrationProblem
 
 if TYPE_CHECKING:

@@ -13,13 +13,12 @@ from typing import TYPE_CHECKING, BinaryIO
 
 import numpy as np
 
-from certreg.errors import InvalidFileError
 from certreg.io.columns import LABEL
 from certreg.io.labels import text_of_field
 from certreg.io.npy import parse_npy
 from certreg.io.pcd import parse_pcd
 from certreg.io.ply import parse_ply
-from certreg.io.streams import number, reading
+from certreg.io.streams import number, reading, refused
 from certreg.io.text import titled_rows
 from certreg.problem.arrays import as_doubles
 from certreg.problem.spring_rows import SPRING_COLUMNS
@@ -61,8 +60,9 @@ def read_spring_table(path: Path, kind: str) -> SpringTable:
     suffix = path.suffix.lower()
     if suffix not in {".npy", *CLOUDS, *TABLES}:
         known = ", ".join(TABLES)
-        message = f"{shown(path)}: {kind} are read from {known} with a header, .npy, .ply or .pcd"
-        raise InvalidFileError(message, path=path, value=suffix)
+        raise refused(
+            path, f"{kind} are read from {known} with a header, .npy, .ply or .pcd", value=suffix
+        )
     with reading(path) as stream:
         if suffix == ".npy":
             return _of_array(stream, path)
@@ -81,13 +81,18 @@ def columns_of(titles: Iterable[str], kind: str) -> tuple[str, ...] | None:
 def _of_array(stream: BinaryIO, file: Path) -> SpringTable:
     rows = parse_npy(stream, file)
     if rows.ndim not in {2, 3}:
-        message = f"{shown(file)}: holds an array of shape {rows.shape}: save one row per point"
-        raise InvalidFileError(message, path=file, value=rows.shape)
+        raise refused(
+            file, f"holds an array of shape {rows.shape}: save one row per point", value=rows.shape
+        )
     doubles, kept = as_doubles(rows)
     if not kept.all():
         row = int(np.argwhere(~kept)[0][0])
-        message = f"{shown(file)}: row {row} (counting from 0) is held by no double: round it"
-        raise InvalidFileError(message, path=file, row=row, value=rows[row].tolist())
+        raise refused(
+            file,
+            f"row {row} (counting from 0) is held by no double: round it",
+            row=row,
+            value=rows[row].tolist(),
+        )
     return SpringTable(path=file, rows=doubles)
 
 
@@ -99,8 +104,9 @@ def _of_cloud(stream: BinaryIO, file: Path, kind: str) -> SpringTable:
     names = columns_of(held, kind)
     if names is None:
         wanted = " or ".join(",".join(one) for one in SPRING_COLUMNS[kind])
-        message = f"{shown(file)}: has no {kind} for its points: add {wanted}"
-        raise InvalidFileError(message, path=file, column=SPRING_COLUMNS[kind][0][0])
+        raise refused(
+            file, f"has no {kind} for its points: add {wanted}", column=SPRING_COLUMNS[kind][0][0]
+        )
     columns = [np.asarray(read.further[held[name]]) for name in names]
     return SpringTable(
         path=file,

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 from certreg._loading import late
 from certreg.errors import InvalidFileError, InvalidProblemError
 from certreg.io.standard_input import is_standard_input
+from certreg.io.streams import refused
 from certreg.problem.spring_rows import held_rows, require_not_of_source
 from certreg.results import Brief
 from certreg.verify import shown
@@ -74,11 +75,13 @@ def read_springs(
         pair = _using(pair, table.columns)
     for kind, path in springs.files.items():
         if kind in rows:
-            message = f"{shown(path)}: {kind} are given by columns of the target, too: give one"
-            raise InvalidFileError(message, path=path, column=kind)
+            raise refused(
+                path, f"{kind} are given by columns of the target, too: give one", column=kind
+            )
         if not is_standard_input(source) and _same_file(path, Path(source)):
-            message = f"{shown(path)}: is SOURCE: {kind} of the source are not used: {TURNS}"
-            raise InvalidFileError(message, path=path, column=kind)
+            raise refused(
+                path, f"is SOURCE: {kind} of the source are not used: {TURNS}", column=kind
+            )
         table = spring_tables.read_spring_table(path, kind)
         rows[kind] = _rows_of_pairs(table, kind, pair)
         if not is_standard_input(target) and _same_file(path, Path(target)):
@@ -121,11 +124,13 @@ def _rows_of_pairs(table: SpringTable, kind: str, pair: Pair) -> Any:
         return table.rows[_by_label(table, kind, labels)]
     n = pair.sizes[1]
     if len(table.rows) != n:
-        message = (
-            f"{shown(table.path)}: holds {len(table.rows)} rows of {kind}, the target has {n} "
-            "points: give one row per row of the target"
+        raise refused(
+            table.path,
+            f"holds {len(table.rows)} rows of {kind}, the target has {n} "
+            "points: give one row per row of the target",
+            value=len(table.rows),
+            limit=n,
         )
-        raise InvalidFileError(message, path=table.path, value=len(table.rows), limit=n)
     return table.rows if pair.target_rows is None else table.rows[pair.target_rows]
 
 
@@ -133,12 +138,17 @@ def _by_label(table: SpringTable, kind: str, labels: tuple[str, ...]) -> list[in
     rows: dict[str, int] = {}
     for row, label in enumerate(table.labels or ()):
         if rows.setdefault(label, row) != row:
-            message = f"{shown(table.path)}: label '{shown(label)}' comes twice: give each one row"
-            raise InvalidFileError(message, path=table.path, row=row, value=label)
+            raise refused(
+                table.path,
+                f"label '{shown(label)}' comes twice: give each one row",
+                row=row,
+                value=label,
+            )
     missing = next((label for label in labels if label not in rows), None)
     if missing is not None:
-        message = f"{shown(table.path)}: has no {kind} for the label '{shown(missing)}': add a row"
-        raise InvalidFileError(message, path=table.path, value=missing)
+        raise refused(
+            table.path, f"has no {kind} for the label '{shown(missing)}': add a row", value=missing
+        )
     return [rows[label] for label in labels]
 
 

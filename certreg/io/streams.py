@@ -13,7 +13,7 @@ from contextlib import contextmanager
 from functools import partial
 from math import inf, isfinite
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from certreg.errors import InvalidFileError
 from certreg.io.atomic import remedy_of
@@ -67,6 +67,11 @@ class Place(NamedTuple):
             value=value,
             limit=limit,
         )
+
+
+def refused(file: Path, words: str, **evidence: Any) -> InvalidFileError:
+    """The error that says what is wrong with a file; evidence: row, column, value, limit."""
+    return InvalidFileError(f"{shown(file)}: {words}", path=file, **evidence)
 
 
 class HeaderLine(NamedTuple):
@@ -127,8 +132,7 @@ def held_bytes(stream: BinaryIO, file: Path) -> int:
 
 def _require_size(file: Path, size: int, limit: int) -> None:
     if size > limit:
-        message = f"{shown(file)}: {size} bytes are too many: is it a cloud?"
-        raise InvalidFileError(message, path=file, value=size, limit=limit)
+        raise refused(file, f"{size} bytes are too many: is it a cloud?", value=size, limit=limit)
 
 
 def lines(stream: BinaryIO, file: Path, first: int = 1) -> Iterator[str]:
@@ -170,8 +174,12 @@ def header(stream: BinaryIO, file: Path, last: str) -> list[HeaderLine]:
         top.append(HeaderLine(Place(file, number), key, words))
         if key == last:
             return top
-    message = f"{shown(file)}: the header has no line '{last}', or is too long: is it truncated?"
-    raise InvalidFileError(message, path=file, column=last, limit=MAX_HEADER_BYTES)
+    raise refused(
+        file,
+        f"the header has no line '{last}', or is too long: is it truncated?",
+        column=last,
+        limit=MAX_HEADER_BYTES,
+    )
 
 
 def number(place: Place, text: str) -> float:

@@ -42,6 +42,7 @@ from certreg.io.streams import (
     lines,
     number,
     reading,
+    refused,
 )
 from certreg.verify import Clouds, shown
 
@@ -288,12 +289,13 @@ def _require_three(place: Place, fields: list[str]) -> None:
 def _require_no_count(column: array[float], file: Path) -> None:
     """That the first of more than three columns without a header does not count the rows."""
     if len(column) > 1 and column[0].is_integer() and all(b - a == 1 for a, b in pairwise(column)):
-        message = (
-            f"{shown(file)}: column 1 counts the rows ({column[0]:.0f}, {column[1]:.0f}, ...): is "
+        raise refused(
+            file,
+            f"column 1 counts the rows ({column[0]:.0f}, {column[1]:.0f}, ...): is "
             "it x, or does it number the points? Leave out that column or those behind z, or save "
-            "a .csv file with a header such as label,x,y,z"
+            "a .csv file with a header such as label,x,y,z",
+            column="1",
         )
-        raise InvalidFileError(message, path=file, column="1")
 
 
 def read_numbers(path: str | Path) -> array[float]:
@@ -414,8 +416,9 @@ def _one_of(formats: tuple[str, ...], path: str | Path) -> Path:
     file = Path(path)
     if file.suffix.lower() not in formats:
         known = " or ".join((", ".join(formats[:-1]), formats[-1]))
-        message = f"{shown(file)}: not a known format: give a {known} file"
-        raise InvalidFileError(message, path=file, value=file.suffix, limit=formats)
+        raise refused(
+            file, f"not a known format: give a {known} file", value=file.suffix, limit=formats
+        )
     return file
 
 

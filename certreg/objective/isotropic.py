@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from itertools import product
 from operator import mul
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 from certreg._loading import cached_property
 from certreg.exact.dyadic import power_of_two, quotient_or_zero
@@ -31,6 +31,7 @@ from certreg.objective.classification import classify, with_pattern
 from certreg.objective.form import Form, Reduced, bordered
 from certreg.objective.polynomials import multiplier_system
 from certreg.objective.scaling import Scaling
+from certreg.objective.structure import Structure
 from certreg.problem.exact_sums import UPPER
 from certreg.problem.moments import exact_moments, trace
 from certreg.results import Brief
@@ -45,6 +46,7 @@ if TYPE_CHECKING:
     from certreg.objective.polynomials import PolynomialSystem
     from certreg.problem.moments import ExactMoments
     from certreg.problem.problem import RegistrationProblem
+
 
 KEPT = 16  # alignments that are asked for again
 
@@ -61,6 +63,7 @@ class Isotropic(Brief):
 
     moments: ExactMoments
     scaling: Scaling | None = None
+    structure: ClassVar[Structure] = Structure.LINEAR
 
     @classmethod
     def of(cls, problem: RegistrationProblem) -> Isotropic:

@@ -6,22 +6,25 @@ in r = (1, vec R).
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import product
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 import numpy as np
 
 from certreg._loading import cached_property
-from certreg.exact.dyadic import power_of_two, rational_root_above
+from certreg.exact.dyadic import nearest_double, power_of_two, rational_root_above
 from certreg.exact.elimination import nullspace
 from certreg.geometry.constraints import homogeneous
 from certreg.geometry.so3 import dot, quadratic_form, rotation_matrix, squared_norm
 from certreg.objective import quartics
 from certreg.objective.form import FULL, Form, Reduced, bordered
 from certreg.objective.polynomials import QUATERNION, PolynomialSystem, collected, exponents
+from certreg.objective.structure import Structure
 from certreg.problem.exact_sums import UPPER
+from certreg.problem.moments_of_springs import spring_moments
 from certreg.results import Brief
 
 if TYPE_CHECKING:
@@ -32,6 +35,9 @@ if TYPE_CHECKING:
     from certreg.geometry.constraints import SquareMatrix
     from certreg.geometry.so3 import Matrix4, T, Vector3, Vector4
     from certreg.problem.moments_of_springs import SpringMoments
+    from certreg.problem.motion import Motion
+    from certreg.problem.problem import RegistrationProblem
+
 
 DIAGONAL = (0, 3, 5)  # among the six entries of a symmetric matrix
 FARTHEST = 8  # the largest |R - R'|^2 of two rotations, in the Frobenius norm
@@ -51,10 +57,19 @@ class MassMoments(Brief):
 class Springs(Brief):
     """The objective of the exact moments of springs that are matrices; see `Objective`.
 
-    For searches in doubles take `floating_quartic`: the integers here may be beyond the doubles.
+    motion: without a translation the moments are those about the origin. For searches in doubles
+    take `floating_quartic`: the integers here may be beyond the doubles.
     """
 
     moments: SpringMoments
+    motion: Motion
+    structure: ClassVar[Structure] = Structure.QUARTIC
+    scaling: ClassVar[None] = None  # no scale is free
+
+    @classmethod
+    def of(cls, problem: RegistrationProblem) -> Springs:
+        """The objective of a problem with general springs."""
+        return cls(spring_moments(problem), problem.motion)
 
     @cached_property
     def joint_form(self) -> Form:
@@ -68,10 +83,10 @@ class Springs(Brief):
             (m.source_exponent, m.target_exponent, m.weight_exponent),
         )
 
-    @property
+    @cached_property
     def reduced(self) -> Reduced:
-        """The energy with the best translation."""
-        return self.joint_form.reduced
+        """The energy with the best translation, if the motion has any."""
+        return self.joint_form.restricted(self.motion)
 
     @property
     def unit(self) -> Fraction:
@@ -80,8 +95,8 @@ class Springs(Brief):
 
     @cached_property
     def free_translations(self) -> tuple[Vector3[Fraction], ...]:
-        """A basis of the kernel of S: shifts that no spring resists, at any rotation."""
-        free = self.joint_form.free_translations
+        """A basis of the shifts of the motion that no spring resists, at any rotation."""
+        free = self.joint_form.free_translations(self.motion)
         return tuple((Fraction(a), Fraction(b), Fraction(c)) for a, b, c in free)
 
     # --- the objective
@@ -135,6 +150,19 @@ class Springs(Brief):
         norm = squared_norm(q)
         r = homogeneous(rotation_matrix(q), unit=norm)
         return self.reduced.best_translation(r, norm)
+
+    def best_scale(self, q: Sequence[int]) -> Fraction:
+        """1, as no scale is free."""
+        del q
+        return Fraction(1)
+
+    def rounded_translation(
+        self, q: Sequence[int], scale: Fraction | Literal[1] = 1
+    ) -> list[float]:
+        """The best translation, each entry rounded once; infinite where no double holds it."""
+        del scale
+        rounded = (nearest_double(entry) for entry in self.best_translation(q))
+        return [math.inf if entry is None else entry for entry in rounded]
 
     def image_slopes(self, point: Sequence[Fraction]) -> tuple[tuple[Fraction, ...], ...]:
         """M, 3x9, with R point + (best translation at R) = M vec R + const, R by columns.

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from certreg.dynamics.rigid import rigid_body
-from certreg.equilibrium.methods import method_named
+from certreg.equilibrium.methods import FINDERS
 from certreg.equilibrium.presentation import rotation_double, unit_double
 from certreg.geometry.so3 import rotation_matrix
 from certreg.objective.isotropic import Isotropic
@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 
     from certreg.dynamics.rigid import RigidBody
     from certreg.problem.problem import RegistrationProblem
+
 
 ZERO_EIGENVALUE = 1e-9  # of the largest: a computed zero is below, a true one far above
 
@@ -87,7 +88,7 @@ def equilibrium_run(problem: RegistrationProblem) -> EquilibriumRun:
     moving = rigid_body(moments, problem.damping, length_exponent=RAW_UNIT)
     particles = Particles.of(problem)
     objective = Isotropic(moments)
-    critical = method_named("groebner")(objective)
+    critical = FINDERS[objective.structure]["groebner"].method(objective)
     shape = objective.classified(critical.pattern)
     best = horn(moving.cross_covariance)
     poses = tuple(

@@ -12,6 +12,7 @@ import io
 import json
 import math
 import time
+from abc import ABC, abstractmethod
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -33,10 +34,10 @@ from certreg.problem.random_instances import (
     PAPER_SIGMA,
     gaussian_instances,
 )
-from certreg.registration.any_certification import certify
+from certreg.registration.certification import certify
 
 if TYPE_CHECKING:
-    from collections.abc import Container, Iterator
+    from collections.abc import Callable, Container, Iterator
     from pathlib import Path
 
     from numpy.typing import NDArray
@@ -69,8 +70,56 @@ EXTREMES = ("margin", "rotation_error_rad", "translation_error", "half_turn_erro
 EXCEPTION_COLUMNS = ("instance", "pattern", "unstable", "certificate")
 
 
+class RandomCampaign(ABC):
+    """A campaign over random instances, which are made of its manifest alone.
+
+    So whatever a shard says, it would say again. Shards are archives of arrays.
+    """
+
+    suffix = ".npz"
+
+    @abstractmethod
+    def manifest(self) -> Manifest:
+        """All of it. Raises InvalidProblemError where it is no campaign."""
+
+    @property
+    @abstractmethod
+    def work(self) -> Callable[..., TaskResult]:
+        """What computes a shard, of `manifest` and `shard`."""
+
+    def tasks(self, done: Container[int]) -> Iterator[Task]:
+        """Each shard that is not done."""
+        manifest = self.manifest()
+        for shard in range(manifest.shards):
+            if shard not in done:
+                arguments = {"manifest": manifest, "shard": shard}
+                yield Task(shard=shard, function=self.work, arguments=arguments)
+
+    def files(self, content: bytes) -> dict[str, str]:
+        """The certificates of a shard; none where nothing is proved."""
+        del content
+        return {}
+
+    def final(self, content: bytes) -> bool:
+        """Always."""
+        del content
+        return True
+
+    def changed(self, content: bytes) -> tuple[str, ...]:
+        """Nothing."""
+        del content
+        return ()
+
+    def _least(self, words: str, **least: int) -> None:
+        """Raises InvalidProblemError where one of the numbers is below its least."""
+        for name, limit in least.items():
+            given = getattr(self, name)
+            if given < limit:
+                raise InvalidProblemError(words, array=name, value=given, limit=limit)
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
-class MonteCarlo:
+class MonteCarlo(RandomCampaign):
     """Random instances of the paper's experiments: N points, noise sigma, damping mu; a seed."""
 
     count: int
@@ -79,20 +128,10 @@ class MonteCarlo:
     damping: float = PAPER_DAMPING
     seed: int = 0
 
-    @property
-    def suffix(self) -> str:
-        """Shards are archives of arrays."""
-        return ".npz"
-
     def manifest(self) -> Manifest:
         """All of it. Raises InvalidProblemError where it is no campaign."""
-        if self.count < 1 or self.points < 1 or self.seed < 0:
-            message = "give at least one instance of at least one point, and a seed >= 0"
-            least = {"count": 1, "points": 1, "seed": 0}
-            wrong = next(name for name in least if getattr(self, name) < least[name])
-            raise InvalidProblemError(
-                message, array=wrong, value=getattr(self, wrong), limit=least[wrong]
-            )
+        words = "give at least one instance of at least one point, and a seed >= 0"
+        self._least(words, count=1, points=1, seed=0)
         given = asdict(self)
         fair = max(LEAST_INSTANCES, self.count // SHARDS)
         most = min(SHARD_INSTANCES, SHARD_POINTS // self.points)
@@ -104,13 +143,10 @@ class MonteCarlo:
             versions=current_versions(),
         )
 
-    def tasks(self, done: Container[int]) -> Iterator[Task]:
-        """Each shard that is not done."""
-        manifest = self.manifest()
-        for shard in range(manifest.shards):
-            if shard not in done:
-                arguments = {"manifest": manifest, "shard": shard}
-                yield Task(shard=shard, function=solved, arguments=arguments)
+    @property
+    def work(self) -> Callable[..., TaskResult]:
+        """Instances solved, those that are exceptions certified."""
+        return solved
 
     def files(self, content: bytes) -> dict[str, str]:
         """The certificates of a shard's exceptions."""
@@ -121,16 +157,6 @@ class MonteCarlo:
             for k, digest in zip(arrays["exception"].tolist(), digests, strict=True)
             if digest.any()
         }
-
-    def final(self, content: bytes) -> bool:
-        """Whatever a shard says, it would say again."""
-        del content
-        return True
-
-    def changed(self, content: bytes) -> tuple[str, ...]:
-        """Random instances are made of the manifest alone."""
-        del content
-        return ()
 
 
 def pieces(manifest: Manifest, shard: int) -> Iterator[tuple[int, Instances]]:

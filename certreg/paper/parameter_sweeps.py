@@ -6,8 +6,6 @@ from the best saddle, and the margin of the eigenvalues, with what the linearise
 
 from __future__ import annotations
 
-import csv
-import io
 import math
 from dataclasses import dataclass, fields, replace
 from typing import TYPE_CHECKING, Any
@@ -291,16 +289,6 @@ def sweep_rows(sweeps: Sequence[Sweep]) -> Iterator[dict[str, Any]]:
             row["lost_by_the_papers_rule"] = int(each.lost.sum())
             row["four_equilibria"] = int(each.four.sum())
             yield row
-
-
-def sweep_table(sweeps: Sequence[Sweep]) -> bytes:
-    """The rows as CSV with a header; nothing where a number is None."""
-    text = io.StringIO()
-    listed = list(sweep_rows(sweeps))
-    writer = csv.DictWriter(text, list(listed[0]), lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(listed)
-    return text.getvalue().encode()
 
 
 def _finite(value: float) -> float | None:

@@ -15,9 +15,8 @@ import numpy as np
 from certreg.campaign.runner import contents
 from certreg.campaign.store import Manifest, current_versions
 from certreg.campaign.table import Block, Column, write_table
-from certreg.campaign.task import Task, TaskResult
-from certreg.errors import InvalidProblemError
-from certreg.paper.monte_carlo import packed, unpacked
+from certreg.campaign.task import TaskResult
+from certreg.paper.monte_carlo import RandomCampaign, packed, unpacked
 from certreg.paper.spring_maps import (
     SPRING_CELLS,
     SPRING_INSTANCES,
@@ -31,7 +30,7 @@ from certreg.paper.spring_maps import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Container, Iterator
+    from collections.abc import Callable, Iterator
     from pathlib import Path
 
 SHARD_ITEMS = 64  # a second of work
@@ -51,25 +50,17 @@ SPRING_COLUMNS = (
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class SpringCampaign:
+class SpringCampaign(RandomCampaign):
     """So many instances of each cell; a seed."""
 
     instances: int = SPRING_INSTANCES
     seed: int = 0
     cells: tuple[SpringCell, ...] = SPRING_CELLS
 
-    @property
-    def suffix(self) -> str:
-        """Shards are archives of arrays."""
-        return ".npz"
-
     def manifest(self) -> Manifest:
         """All of it. Raises InvalidProblemError where it is no campaign."""
-        for name, least in (("instances", 1), ("seed", 0)):
-            given = getattr(self, name)
-            if given < least:
-                message = "give at least one instance of each cell, and a seed >= 0"
-                raise InvalidProblemError(message, array=name, value=given, limit=least)
+        words = "give at least one instance of each cell, and a seed >= 0"
+        self._least(words, instances=1, seed=0)
         return Manifest(
             kind="springs",
             count=self.instances * len(self.cells),
@@ -82,28 +73,10 @@ class SpringCampaign:
             versions=current_versions(),
         )
 
-    def tasks(self, done: Container[int]) -> Iterator[Task]:
-        """Each shard that is not done."""
-        manifest = self.manifest()
-        for shard in range(manifest.shards):
-            if shard not in done:
-                arguments = {"manifest": manifest, "shard": shard}
-                yield Task(shard=shard, function=seen_of, arguments=arguments)
-
-    def files(self, content: bytes) -> dict[str, str]:
-        """None: counted, not proved."""
-        del content
-        return {}
-
-    def final(self, content: bytes) -> bool:
-        """Whatever a shard says, it would say again."""
-        del content
-        return True
-
-    def changed(self, content: bytes) -> tuple[str, ...]:
-        """Random instances are made of the manifest alone."""
-        del content
-        return ()
+    @property
+    def work(self) -> Callable[..., TaskResult]:
+        """Instances observed: counted, not proved."""
+        return seen_of
 
 
 def seen_of(*, manifest: Manifest, shard: int) -> TaskResult:

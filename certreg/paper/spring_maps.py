@@ -13,9 +13,7 @@ not proved. An instance whose paths did not all end apart is left out, and said 
 
 from __future__ import annotations
 
-import csv
 import enum
-import io
 import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -26,7 +24,6 @@ from certreg.dynamics.simulation import simulate
 from certreg.equilibrium.paths import PathsOutcome, critical_lines
 from certreg.equilibrium.quartics import FloatingQuartic
 from certreg.objective.springs import Springs
-from certreg.problem.moments_of_springs import spring_moments
 from certreg.problem.problem import RegistrationProblem
 from certreg.problem.random_instances import gaussian_instances
 
@@ -36,6 +33,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.paper.observations import StageProgress
+
 
 SPRING_INSTANCES = 100  # in each cell: a share is known to 0.1
 SPRINGS_FILE = "springs.csv"
@@ -161,7 +159,7 @@ def _directions(rng: np.random.Generator, n: int) -> NDArray[np.float64]:
 
 def observed(problem: RegistrationProblem) -> SpringObservation:
     """The equilibria of an instance, counted, and where the run from its start ends."""
-    objective = Springs(spring_moments(problem))
+    objective = Springs.of(problem)
     quartic = objective.floating_quartic()[0]
     lines = critical_lines(quartic)
     if lines.outcome is not PathsOutcome.FOUND:
@@ -245,13 +243,3 @@ def spring_rows(counts: Sequence[SpringCounts]) -> Iterator[dict[str, Any]]:
             "ended_wrong_high": ended[1],
             "unsettled": each.ended(RunEnd.UNSETTLED),
         }
-
-
-def spring_table(counts: Sequence[SpringCounts]) -> bytes:
-    """The rows as CSV with a header; nothing where a number is None."""
-    text = io.StringIO()
-    rows = list(spring_rows(counts))
-    writer = csv.DictWriter(text, list(rows[0]), lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(rows)
-    return text.getvalue().encode()

@@ -8,8 +8,7 @@ import numpy as np
 
 from certreg.errors import InvalidProblemError
 from certreg.exact.decimals import as_given, at_least, at_most
-from certreg.problem.arrays import finite_doubles, real_numbers
-from certreg.problem.blocks import first_row
+from certreg.problem.arrays import finite_doubles, first_row, real_numbers
 from certreg.problem.losses import Breaking, Consensus, Truncated
 from certreg.problem.row_lengths import diameter, lengths
 from certreg.problem.support import Loss, require_supported

@@ -17,11 +17,11 @@ import numpy as np
 from certreg._loading import cached_property
 from certreg.native.library import library_if_any
 from certreg.problem.arrays import row_blocks
-from certreg.problem.blocks import SpringBlock
 from certreg.problem.exact_sums import UPPER
 from certreg.problem.floating_sums import total
 from certreg.problem.moments import near_mean
 from certreg.problem.spring_sums import COORDINATES
+from certreg.problem.terms import Pairs
 from certreg.results import Brief
 
 if TYPE_CHECKING:
@@ -122,12 +122,12 @@ def _summed(
     return np.array([total(row) for row in table.tolist()])
 
 
-def _blocks(problem: RegistrationProblem) -> Iterator[SpringBlock]:
-    return map(problem.spring_block, row_blocks(problem.n))
+def _blocks(problem: RegistrationProblem) -> Iterator[Pairs]:
+    return map(problem.block, row_blocks(problem.n))
 
 
 def _of_block(
-    block: SpringBlock, origin: NDArray[np.float64], exponents: tuple[int, int]
+    block: Pairs, origin: NDArray[np.float64], exponents: tuple[int, int]
 ) -> NDArray[np.float64]:
     """(73, 2), values and what rounding left of them; (73, 1) where nothing is compiled."""
     if exponents != (0, 0):
@@ -136,30 +136,28 @@ def _of_block(
     if library is None:
         return summed_in_numpy(block, origin)[:, np.newaxis]
     sums = np.empty((len(COORDINATES), 2))
-    arrays = (block.source, block.target, block.factors, origin, sums)
+    arrays = (block.source, block.target, block.springs, origin, sums)
     pointers = [ctypes.c_void_p(array.ctypes.data) for array in arrays]
     library.handle.certreg_springs(ctypes.c_int64(len(block.source)), *pointers)
     return sums
 
 
-def _over(
-    block: SpringBlock, origin: NDArray[np.float64], exponents: tuple[int, int]
-) -> SpringBlock:
+def _over(block: Pairs, origin: NDArray[np.float64], exponents: tuple[int, int]) -> Pairs:
     """Deviations and factors over powers of two, without overflow: first halved, then the rest."""
     length, factor = exponents
     source, target = (
         np.ldexp(0.5 * side - 0.5 * part, 1 - length)
         for side, part in ((block.source, origin[:3]), (block.target, origin[3:]))
     )
-    return SpringBlock(source=source, target=target, factors=np.ldexp(block.factors, -factor))
+    return Pairs(source=source, target=target, springs=np.ldexp(block.springs, -factor))
 
 
-def summed_in_numpy(block: SpringBlock, origin: NDArray[np.float64]) -> NDArray[np.float64]:
+def summed_in_numpy(block: Pairs, origin: NDArray[np.float64]) -> NDArray[np.float64]:
     """(73,): the sums, where nothing is compiled."""
     with np.errstate(over="ignore", invalid="ignore", under="ignore"):
         x, y = block.source - origin[:3], block.target - origin[3:]
         L = np.zeros((len(x), 3, 3))
-        L[:, (0, 1, 1, 2, 2, 2), (0, 0, 1, 0, 1, 2)] = block.factors
+        L[:, (0, 1, 1, 2, 2, 2), (0, 0, 1, 0, 1, 2)] = block.springs
         W = L @ L.transpose(0, 2, 1)
         six = W.reshape(-1, 9)[:, (0, 1, 2, 4, 5, 8)]
         squares = np.stack([x[:, j] * x[:, k] for j, k in UPPER], axis=1)
@@ -188,7 +186,7 @@ def _exponents(problem: RegistrationProblem, origin: NDArray[np.float64]) -> tup
     for block in _blocks(problem):
         for side, part in ((block.source, origin[:3]), (block.target, origin[3:])):
             farthest = max(farthest, float(np.abs(0.5 * side - 0.5 * part).max()))
-        most = max(most, float(np.abs(block.factors).max()))
+        most = max(most, float(np.abs(block.springs).max()))
     return math.frexp(farthest)[1] + 1, math.frexp(most)[1]
 
 

@@ -207,7 +207,7 @@ def _compiled(given: ManySprings, origins: Array, library: Library) -> Array:
 
 
 def _plain(given: ManySprings, origins: Array) -> Array:
-    problems = (given.problem(k).spring_block(slice(0, given.points)) for k in range(given.count))
+    problems = (given.problem(k).block(slice(0, given.points)) for k in range(given.count))
     return np.array([summed_in_numpy(block, o) for block, o in zip(problems, origins, strict=True)])
 
 

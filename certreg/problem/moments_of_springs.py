@@ -10,17 +10,19 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from certreg.problem.spring_sums import spring_sums
+from certreg.problem.spring_sums import SPRUNG
 from certreg.results import Brief
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from certreg.geometry.so3 import Matrix3, Vector3
+    from certreg.problem.exact_sums import Sums
     from certreg.problem.problem import RegistrationProblem
-    from certreg.problem.spring_sums import SpringSums
+
 
 Six = tuple[int, int, int, int, int, int]
+FIRST_OF_SOURCE, FIRST_OF_TARGET = slice(6, 24), slice(60, 63)  # sums of first order, of 73
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -53,12 +55,18 @@ class SpringMoments(Brief):
 
 def spring_moments(problem: RegistrationProblem) -> SpringMoments:
     """The moments of a problem of general springs, in integers: no rounding anywhere."""
-    return spring_moments_of(spring_sums(problem), problem.n)
+    still = not problem.motion.translations
+    return spring_moments_of(SPRUNG.of(problem), problem.n, about_origin=still)
 
 
-def spring_moments_of(sums: SpringSums, n: int) -> SpringMoments:
-    """The moments that exact sums over n points make."""
-    numbers = sums.integers
+def spring_moments_of(sums: Sums, n: int, *, about_origin: bool = False) -> SpringMoments:
+    """The moments that exact sums over n points make.
+
+    about_origin: with the sums of first order taken for 0, as where there is no translation.
+    """
+    numbers = list(sums.integers)
+    if about_origin:
+        numbers[FIRST_OF_SOURCE], numbers[FIRST_OF_TARGET] = [0] * 18, [0] * 3
     sixes = [_six(numbers[k : k + 6]) for k in range(24, 60, 6)]
     return SpringMoments(
         n=n,

@@ -51,6 +51,10 @@ class Motion:
         """How many numbers of a pose are found: the only place where they are counted."""
         return 3 + self.translations + self.scaled
 
+    def parameters_given(self, *, translation: bool) -> int:
+        """Of a pose that is judged: those of the best translation for it do not count."""
+        return self.parameters - (0 if translation else self.translations)
+
     @property
     def options(self) -> str:
         """What to type for such a problem, as the checker says it."""

@@ -15,14 +15,14 @@ from typing import TYPE_CHECKING, ClassVar
 
 from certreg.native.library import library_if_any, loaded_library
 from certreg.native.sums import springs_by_exponent, springs_by_limbs
-from certreg.problem.blocks import SpringBlock
-from certreg.problem.exact_sums import THREADS, UPPER, SumMethod, Sums, over_blocks
+from certreg.problem.exact_sums import UPPER, Summation, SumMethod, Sums
 from certreg.problem.lifting import lift
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Sequence
 
     from certreg.problem.problem import RegistrationProblem
+    from certreg.problem.terms import Pairs
 
 
 LIMB_POINTS = 1024  # from here on limbs: below, they take longer than exponents
@@ -59,80 +59,30 @@ EMPTY = SpringSums(
 )
 
 
-def spring_sums(problem: RegistrationProblem) -> SpringSums:
-    """The sums over all points, by the fastest method here."""
-    return spring_sums_by(fastest_spring_method(problem), problem)
-
-
-def fastest_spring_method(problem: RegistrationProblem) -> SumMethod:
-    """The fastest method on this machine for such points."""
-    if library_if_any() is None or problem.n < FEW_POINTS:
-        return SumMethod.INTEGERS
-    limbs = problem.n >= LIMB_POINTS and _fits(problem.spring_block(slice(0, PIECE)))
-    return SumMethod.LIMBS if limbs else SumMethod.BY_EXPONENT
-
-
-def second_spring_method(problem: RegistrationProblem) -> SumMethod:
-    """Another method than the fastest one, for a second opinion; the two share no step."""
-    second = {
-        SumMethod.LIMBS: SumMethod.BY_EXPONENT,
-        SumMethod.BY_EXPONENT: SumMethod.LIMBS,
-    }
-    return second.get(fastest_spring_method(problem), SumMethod.INTEGERS)
-
-
-def spring_sums_by(
-    method: SumMethod, problem: RegistrationProblem, *, threads: int = THREADS
-) -> SpringSums:
-    """The sums over all points by one method. Raises MissingLibraryError.
-
-    Points with numbers of too many sizes for limbs go by Python's integers: never by exponents.
-    threads: how many may work at once; Python's integers are added by one.
-    """
-    one_of: dict[SumMethod, Callable[[SpringBlock], SpringSums]] = {
-        SumMethod.INTEGERS: _by_integers,
-        SumMethod.BY_EXPONENT: _by_exponent,
-        SumMethod.LIMBS: _by_limbs,
-    }
-    summed = one_of[method]
-    return over_blocks(
-        lambda rows: summed(problem.spring_block(rows)),
-        problem.n,
-        1 if method is SumMethod.INTEGERS else threads,
-        EMPTY,
-    )
-
-
-def _by_exponent(block: SpringBlock) -> SpringSums:
+def _by_exponent(block: Pairs) -> SpringSums:
     library = loaded_library()
-    raw = springs_by_exponent(library, block.source, block.target, block.factors)
+    raw = springs_by_exponent(library, block.source, block.target, block.springs)
     return SpringSums.stated(raw.integers, raw.units, raw.lowest)
 
 
-def _by_limbs(block: SpringBlock) -> SpringSums:
-    raw = springs_by_limbs(loaded_library(), block.source, block.target, block.factors)
+def _by_limbs(block: Pairs) -> SpringSums:
+    raw = springs_by_limbs(loaded_library(), block.source, block.target, block.springs)
     if raw is not None:
         return SpringSums.stated(raw.integers, raw.units, raw.lowest)
     count = len(block.source)
     if count <= PIECE:
         return _by_integers(block)
     pieces = (slice(k, k + PIECE) for k in range(0, count, PIECE))
-    return sum((_by_limbs(_part(block, rows)) for rows in pieces), start=EMPTY)
+    return sum((_by_limbs(block.rows(rows)) for rows in pieces), start=EMPTY)
 
 
-def _part(block: SpringBlock, rows: slice) -> SpringBlock:
-    return SpringBlock(
-        source=block.source[rows], target=block.target[rows], factors=block.factors[rows]
-    )
-
-
-def _fits(block: SpringBlock) -> bool:
+def _fits(block: Pairs) -> bool:
     library = loaded_library()
-    return springs_by_limbs(library, block.source, block.target, block.factors) is not None
+    return springs_by_limbs(library, block.source, block.target, block.springs) is not None
 
 
-def _by_integers(block: SpringBlock) -> SpringSums:
-    x, y, rows = (lift(array.ravel()) for array in (block.source, block.target, block.factors))
+def _by_integers(block: Pairs) -> SpringSums:
+    x, y, rows = (lift(array.ravel()) for array in (block.source, block.target, block.springs))
     points = [x.integers[k::3] for k in range(3)]
     ends = [y.integers[k::3] for k in range(3)]
     springs = _springs([rows.integers[k::6] for k in range(6)])
@@ -171,3 +121,22 @@ def _combined(rows: Sequence[Sequence[int]], columns: Sequence[Sequence[int]]) -
 
 def _dot(a: Sequence[int], b: Sequence[int]) -> int:
     return sum(map(mul, a, b))
+
+
+def _fastest(problem: RegistrationProblem) -> SumMethod:
+    if library_if_any() is None or problem.n < FEW_POINTS:
+        return SumMethod.INTEGERS
+    limbs = problem.n >= LIMB_POINTS and _fits(problem.block(slice(0, PIECE)))
+    return SumMethod.LIMBS if limbs else SumMethod.BY_EXPONENT
+
+
+SPRUNG = Summation(
+    methods={
+        SumMethod.INTEGERS: _by_integers,
+        SumMethod.BY_EXPONENT: _by_exponent,
+        SumMethod.LIMBS: _by_limbs,
+    },
+    fastest=_fastest,
+    opinions=(SumMethod.LIMBS, SumMethod.BY_EXPONENT),
+    empty=EMPTY,
+)

@@ -9,8 +9,7 @@ import numpy as np
 
 from certreg.errors import InvalidProblemError
 from certreg.exact.dyadic import weight_of_sigma
-from certreg.problem.arrays import finite_doubles, real_numbers
-from certreg.problem.blocks import first_row
+from certreg.problem.arrays import finite_doubles, first_row, real_numbers
 from certreg.problem.springs import stated_springs
 
 if TYPE_CHECKING:

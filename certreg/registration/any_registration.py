@@ -22,11 +22,14 @@ if TYPE_CHECKING:
     from certreg.certificate.bounds import PoseBounds
     from certreg.certificate.envelope import Certificate
     from certreg.dynamics.trajectory import Trajectory
+    from certreg.equilibrium.presentation import EquilibriumSet
     from certreg.geometry.pose import Pose
     from certreg.geometry.similarity import Similarity
     from certreg.problem.problem import RegistrationProblem
     from certreg.registration.covariance import PoseCovariance, Residual
     from certreg.registration.fit import Fit
+    from certreg.registration.freedom import Freedom
+    from certreg.registration.weak_shifts import WeakShift
     from certreg.results import Limits, Verdict
 
     ResidualBlock = tuple[slice, NDArray[np.float64], NDArray[np.float64]]
@@ -63,6 +66,16 @@ class AnySolution(Explained, ABC):
     @abstractmethod
     def unique_rotation(self) -> bool | None:
         """Whether one rotation is optimal; None where that is not decided."""
+
+    @cached_property
+    def freedom(self) -> Freedom | None:
+        """What springs leave undetermined; None where their equilibria say it."""
+        return None
+
+    @cached_property
+    def weak_shifts(self) -> tuple[WeakShift, ...]:
+        """The shifts that are hardly resisted: of one weight per pair there are none."""
+        return ()
 
     @abstractmethod
     def measured_covariance(self) -> PoseCovariance | Absent:
@@ -191,6 +204,11 @@ class AnyRegistration(Explained, Saved, ABC):
     def residuals(self) -> NDArray[np.float64]:
         """(N,), how far each pair is off at `pose`, in the unit of length."""
         return np.concatenate([distances for _, distances, _ in self.residual_blocks()])
+
+    @property
+    @abstractmethod
+    def equilibria(self) -> EquilibriumSet | None:
+        """All equilibria; None where `certify` lists none."""
 
     @property
     @abstractmethod

@@ -11,10 +11,10 @@ from certreg.geometry.orthogonality import why_no_rotation
 from certreg.problem.bounds import bounded
 from certreg.problem.problem import RegistrationProblem
 from certreg.problem.support import Loss
-from certreg.registration.any_certification import certify
 from certreg.registration.any_registration import AnyRegistration
 from certreg.registration.assessed import Assessment
 from certreg.registration.assessment_words import headline_of_pose, note_on, words_of_pose
+from certreg.registration.certification import certify
 from certreg.registration.findings import (
     GOOD,
     AssessmentSettings,
@@ -31,11 +31,7 @@ from certreg.registration.scaled_poses import NOT_SCALED, read_for, scale_note
 from certreg.registration.slips import slip_of
 from certreg.registration.spring_assessment import judged_on_springs
 from certreg.registration.spring_result import SpringRegistration
-from certreg.registration.stating import (
-    ProblemOptions,
-    stated_in_clouds,
-    stated_problem_of,
-)
+from certreg.registration.stating import ProblemOptions, stated_in_clouds, stated_problem_of
 from certreg.registration.truncated_labels import judged_truncated_labels
 from certreg.results import OUT_OF_RANGE, Absent, PoseVerdict, present
 
@@ -47,6 +43,7 @@ if TYPE_CHECKING:
     from certreg.registration.result import Registration
     from certreg.registration.slips import Slip
     from certreg.registration.truncated_labels import TruncatedLabels
+
 
 NUMBERS = (
     *("objective", "rmse", "gap_lower", "gap_upper", "gap_share", "rounding_cost", "angle_upper"),
@@ -198,11 +195,10 @@ def judged(
     settings: AssessmentSettings | None = None,
 ) -> Assessment:
     """As `assess`, of a problem that is certified already."""
-    settings = settings or AssessmentSettings()
+    settings, problem = settings or AssessmentSettings(), registration.problem
+    given = read_for(problem, given)
     if isinstance(registration, SpringRegistration):
         return judged_on_springs(registration, given, settings)
-    problem = registration.problem
-    given = read_for(problem, given)
     turn = given.scaled_apart().turn if problem.scaled else given.turn
     fault = why_no_rotation(turn, settings.rotation_tolerance)
     if fault is not None:
@@ -288,7 +284,7 @@ def _notes(facts: Findings, verdict: PoseVerdict, given: GivenPose) -> str:
     if parts is not None:
         costs = "" if verdict is PoseVerdict.OPTIMAL else parts.words
         return costs + scale_note(problem, given)
-    return "" if problem.rotation_only else note_on(given)
+    return note_on(problem, given)
 
 
 def _beside(registration: Registration) -> dict[str, Any]:

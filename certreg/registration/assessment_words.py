@@ -29,8 +29,10 @@ from certreg.results import Absent, ComponentKind, Limits, PoseVerdict
 
 if TYPE_CHECKING:
     from certreg.geometry.given import GivenPose
+    from certreg.problem.problem import RegistrationProblem
     from certreg.registration.findings import Findings, SigmaDistance
     from certreg.registration.headlines import Headline
+
 
 UNNOTED_SHIFT = Fraction(1, 10**9)  # of the clouds' size
 ROTATION_ALONE = " Only a rotation was given: it was judged with the best translation for it."
@@ -182,8 +184,10 @@ def _apart(facts: Findings) -> float | None:
     return nearest_root(facts.translation_energy / moments.total_weight)
 
 
-def note_on(given: GivenPose) -> str:
+def note_on(problem: RegistrationProblem, given: GivenPose) -> str:
     """What was judged, where that is not just the pose as it was given."""
+    if not problem.motion.translations:
+        return ""
     note = "" if given.translation is not None else ROTATION_ALONE
     defect = rotation_defect(given.turn) if given.is_matrix else 0.0
     if defect > UNNOTED_DEFECT:

@@ -38,9 +38,9 @@ if TYPE_CHECKING:
 
     from certreg.problem.moments import Moments
     from certreg.problem.posing import FloatingPose
-    from certreg.registration import spring_certification
-else:  # not of one weight per pair
-    spring_certification = late("certreg.registration.spring_certification")
+    from certreg.registration import quartic
+else:
+    quartic = late("certreg.registration.quartic")
 
 
 class SpringArguments(TypedDict, total=False):
@@ -99,7 +99,7 @@ def register(
     ------
     InvalidProblemError
         For arrays that are no clouds in correspondence, a number of threads below 1, another word
-        for the scale, and a scale or a rotation alone beside springs.
+        for the scale, and a free scale beside springs.
     DegenerateProblemError
         Where rounding may turn the pose by more than 1e-3 rad: above all where the best rotation is
         not unique, as for points on one line. Of springs where a shift or a turn is undetermined,
@@ -121,8 +121,10 @@ def register(
     kind, about_origin = checked_scale(scale), checked_rotation_only(rotation_only)
     require_supported(Cell(springs=on_springs, scale=kind, rotation_only=about_origin))
     if on_springs:
-        problem = RegistrationProblem(source, target, weights=weights, **springs)
-        return spring_certification.spring_pose(problem)
+        problem = RegistrationProblem(
+            source, target, weights=weights, rotation_only=about_origin, **springs
+        )
+        return quartic.spring_pose(problem)
     x = _readable(cloud_array(source, "source"), "source")
     y = _readable(cloud_array(target, "target"), "target")
     if len(x) != len(y):

@@ -7,7 +7,6 @@ better candidate is sought: the proof is the stopping rule.
 from __future__ import annotations
 
 import logging
-import time
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -25,12 +24,7 @@ from certreg.errors import InvalidProblemError, UndecidedError
 from certreg.problem.bounds import LEAST_PAIRS
 from certreg.problem.effort import checked_effort
 from certreg.problem.row_lengths import apart
-from certreg.registration.consensus_words import (
-    PairLabels,
-    headline,
-    repeated_rows,
-    repeated_words,
-)
+from certreg.registration.consensus_words import PairLabels, headline, repeated_rows, repeated_words
 from certreg.registration.exit_codes import (
     DONE,
     NOT_CERTIFIED,
@@ -38,7 +32,6 @@ from certreg.registration.exit_codes import (
     code_of_registration,
     worst,
 )
-from certreg.registration.fit_of_pairs import USUAL, FitSettings, fitted
 from certreg.registration.nothing_met import nothing_met
 from certreg.registration.pair_warnings import (
     few_warning,
@@ -46,7 +39,9 @@ from certreg.registration.pair_warnings import (
     reason_against,
     wide_warning,
 )
+from certreg.registration.pipeline import USUAL, Asked, Prover, Work
 from certreg.registration.row_names import RowNames
+from certreg.registration.squares import fitted
 from certreg.relaxation.consensus_search import candidates
 from certreg.results import Saved
 
@@ -55,22 +50,21 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from certreg.certificate.consensus import ConsensusBody
+    from certreg.certificate.consensus import ConsensusBody, ConsensusSimilarityBody
     from certreg.certificate.envelope import Certificate
-    from certreg.certificate.scaled_consensus import ConsensusSimilarityBody
     from certreg.geometry.pose import Pose
     from certreg.geometry.similarity import Similarity
     from certreg.problem.problem import RegistrationProblem
+    from certreg.problem.support import Cell
     from certreg.registration.misfits import FitWarning
     from certreg.registration.result import Registration
     from certreg.registration.spring_result import SpringRegistration
-    from certreg.relaxation.scaled_search import ScaledCandidate
     from certreg.relaxation.truncated_squares import Candidate
     from certreg.results import Verdict
 
+
 LOG = logging.getLogger(__name__)
 Proved = TypeVar("Proved", bound=ProvedConsensus)
-CONSENSUS_PARTS = 3  # of certify: consensus, fit, checker
 SECOND_EFFORT = 0.3  # of the search among the other pairs: a hint, nothing of it is proved
 
 
@@ -215,58 +209,88 @@ class ConsensusRegistration(Saved):
 class Ways:
     """How pairs are labelled by motions of one kind.
 
-    motion: in words. search: what is proved of a problem, with an effort; None: nothing.
-    certificate: of a problem, what was found, the certificate of the fit, about. candidates: of
-    points and bounds, with an effort: motions with their inliers. result: its class.
+    motion: in words. free_scale: whether they have one. search: what is proved of a problem, with
+    an effort; None: nothing. certificate: of a problem, what was found, the certificate of the fit,
+    about. candidates: of points and bounds, with an effort: motions with their inliers. result: its
+    class.
     """
 
     motion: str
+    free_scale: bool
     search: Callable[[RegistrationProblem, float], ProvedConsensus | None]
     certificate: Callable[..., Certificate[Any]]
-    candidates: Callable[..., Iterator[Candidate | ScaledCandidate]]
-    result: type[ConsensusRegistration]
+    candidates: Callable[..., Iterator[Candidate]]
+    result: Callable[..., ConsensusRegistration]
 
 
-def certified_consensus(
-    problem: RegistrationProblem,
-    ways: Ways,
-    *,
-    effort: float = 1.0,
-    settings: FitSettings = USUAL,
-    about: dict[str, Any] | None = None,
-    done: Callable[[str], None],
-) -> ConsensusRegistration:
-    """Find, prove, fit, and run the checker; done: called with the name of each part.
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Counted:
+    """Pairs that one motion meets, with their least squares, and the proof of both."""
 
-    Raises UndecidedError where no motion was found that meets three pairs, and InvalidProblemError
-    where all pairs that were met have weight 0.
-    """
-    timings: dict[str, float] = {}
-    start = time.perf_counter()
-    found = ways.search(problem, checked_effort(effort))
-    timings["consensus"] = time.perf_counter() - start
-    done("consensus")
-    if found is None:
-        raise UndecidedError(nothing_met(problem, ways.motion))
-    start = time.perf_counter()
-    fit = _fit(problem, found, settings, RowNames.of(about or {}, problem.n))
-    certificate = ways.certificate(problem, found, fit.certificate, about)
-    timings["fit"] = time.perf_counter() - start
-    done("fit")
-    start = time.perf_counter()
-    verdict = check_own_consensus(certificate)
-    require_accepted(verdict)
-    timings["check"] = time.perf_counter() - start
-    done("checker")
-    return ways.result(
-        problem=problem,
-        found=found,
-        fit=fit,
-        certificate=certificate,
-        verdict=verdict,
-        second=_second(problem, found, ways, effort),
-        timings=timings,
-    )
+    problem: RegistrationProblem
+    found: ProvedConsensus
+    fit: Registration | SpringRegistration
+    certificate: Certificate[Any]
+
+
+class InlierProver(Prover[ProvedConsensus, Counted, ConsensusRegistration]):
+    """Of the most pairs that one motion meets, by motions of one kind."""
+
+    PARTS = 3  # consensus, fit, checker
+
+    def __init__(self, ways: Ways) -> None:
+        self.ways = ways
+
+    def accepts(self, cell: Cell) -> bool:
+        """Whether its motions are those of the problem."""
+        return cell.scaled is self.ways.free_scale
+
+    def propose(self, problem: RegistrationProblem, asked: Asked, work: Work) -> ProvedConsensus:
+        """The pairs that are met: each candidate is tried by its proof.
+
+        Raises UndecidedError where no motion was found that meets three pairs.
+        """
+        found = self.ways.search(problem, checked_effort(asked.effort))
+        work.lap("consensus")
+        work.done("consensus")
+        if found is None:
+            raise UndecidedError(nothing_met(problem, self.ways.motion))
+        return found
+
+    def prove(
+        self, problem: RegistrationProblem, proposal: ProvedConsensus, asked: Asked, work: Work
+    ) -> Counted:
+        """With the least squares, whose proof is inside.
+
+        Raises InvalidProblemError where all pairs that were met have weight 0.
+        """
+        fit = _fit(problem, proposal, asked, RowNames.of(asked.about, problem.n))
+        certificate = self.ways.certificate(problem, proposal, fit.certificate, asked.about)
+        work.lap("fit")
+        work.done("fit")
+        return Counted(problem=problem, found=proposal, fit=fit, certificate=certificate)
+
+    def check(self, proved: Counted, work: Work) -> Verdict:
+        """The checker's answer."""
+        verdict = check_own_consensus(proved.certificate)
+        require_accepted(verdict)
+        work.lap("check")
+        work.done("checker")
+        return verdict
+
+    def judge(
+        self, proved: Counted, verdict: Verdict | None, asked: Asked, timings: dict[str, float]
+    ) -> ConsensusRegistration:
+        """With what another motion was seen to meet."""
+        return self.ways.result(
+            problem=proved.problem,
+            found=proved.found,
+            fit=proved.fit,
+            certificate=proved.certificate,
+            verdict=verdict,
+            second=_second(proved.problem, proved.found, self.ways, asked.effort),
+            timings=timings,
+        )
 
 
 def restated_consensus(
@@ -305,18 +329,20 @@ def _search(problem: RegistrationProblem, effort: float) -> ProvedConsensus | No
 
 RIGID = Ways(
     motion="rigid motion",
+    free_scale=False,
     search=_search,
     certificate=consensus_certificate,
     candidates=candidates,
     result=ConsensusRegistration,
 )
+PROVER = InlierProver(RIGID)
 
 
 def proved_consensus(
     problem: RegistrationProblem, prover: ConsensusProver, effort: float
 ) -> ProvedConsensus | None:
     """Of all candidates the one of which most is proved, by rigid motions."""
-    block, graph = problem.points, prover.consistent
+    block, graph = problem.points, prover.graph.near
     x, y = block.source, block.target
     best = most_proved(
         prover.prove(one.rotation, one.translation, whole=False)
@@ -343,7 +369,7 @@ def most_proved(tried: Iterable[Proved | None]) -> Proved | None:
 
 
 def _fit(
-    problem: RegistrationProblem, found: ProvedConsensus, settings: FitSettings, names: RowNames
+    problem: RegistrationProblem, found: ProvedConsensus, asked: Asked, names: RowNames
 ) -> Registration | SpringRegistration:
     """The least squares over the pairs that are met; its rows say which of all they are."""
     met, factors = list(found.met), problem.factors
@@ -353,7 +379,7 @@ def _fit(
         one, array = ("weight", "weights") if factors is None else ("spring", "factors")
         message = f"{one}s are 0 for all pairs that were met ({rows}): give one of them a {one}"
         raise InvalidProblemError(message, array=array, value=0.0, row=found.met[0])
-    return fitted(problem.of_rows(met), met, names, settings)
+    return fitted(problem.of_rows(met), met, names, asked)
 
 
 def _second(

@@ -37,8 +37,7 @@ from certreg.exact.dyadic import (
     root_of_quotient,
 )
 from certreg.objective.neighbourhood import Neighbourhood
-from certreg.problem.arrays import row_blocks
-from certreg.problem.blocks import contiguous
+from certreg.problem.arrays import contiguous, row_blocks
 from certreg.problem.motion import Scale
 from certreg.results import OUT_OF_RANGE, Absent, Explained, present
 
@@ -50,8 +49,8 @@ if TYPE_CHECKING:
     from certreg.geometry.pose import Pose
     from certreg.geometry.similarity import Similarity
     from certreg.objective.isotropic import Isotropic
-    from certreg.problem.blocks import Block
     from certreg.problem.problem import RegistrationProblem
+    from certreg.problem.terms import Pairs
 
 PARAMETERS = 6  # of a pose in a matrix: a translation that is given has rows of 0 there
 TURN = 3  # where its rotation begins
@@ -373,7 +372,7 @@ def least_correlation(matrix: NDArray[np.float64]) -> float:
 
 
 def residual_distances(
-    points: RegistrationProblem | Block, pose: Pose | Similarity
+    points: RegistrationProblem | Pairs, pose: Pose | Similarity
 ) -> NDArray[np.float64]:
     """(N,), |y_i - R x_i - t|, in the unit of length; no square of a length is formed."""
     with np.errstate(over="ignore", invalid="ignore"):

@@ -7,7 +7,7 @@ from importlib.resources import as_file, files
 from typing import TYPE_CHECKING
 
 from certreg.io.problems import read_problem
-from certreg.registration.any_certification import certify
+from certreg.registration.certification import certify
 from certreg.results import Optimality
 
 if TYPE_CHECKING:
@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from certreg.io.pairing import Pair
     from certreg.problem.problem import RegistrationProblem
     from certreg.registration.result import Registration
+
 
 RMSE_DIGITS = 6  # as the figures below are printed
 

@@ -34,9 +34,9 @@ if TYPE_CHECKING:
     from certreg.registration.any_registration import AnyRegistration
     from certreg.registration.result import Registration, Solution
 
+
 GOOD = (PoseVerdict.OPTIMAL, PoseVerdict.NEAR_OPTIMAL)
 PROJECTION_BITS = 160  # of a nearest rotation: thrice a double's
-TURNS, MOTIONS = 3, 6  # degrees of freedom of a rotation, of a pose
 SURELY = 100.0  # standard deviations: a probability below 1e-1000
 UNDECIDED = "the optimum could not be certified: nothing is proved of any pose"
 NO_NOISE = Absent("no noise was given: give sigma")
@@ -234,7 +234,9 @@ def sigma_distance(facts: Findings, given: GivenPose) -> SigmaDistance | Absent:
     value, squared = nearest_root(square), nearest_double(square)
     if value is None:
         return OUT_OF_RANGE
-    dof = TURNS if given.translation is None else MOTIONS
+    dof = facts.registration.problem.motion.parameters_given(
+        translation=given.translation is not None
+    )
     p = 0.0 if squared is None else math.exp(log_chi2_above(squared, dof))
     distance, loose = SigmaDistance(value=value, dof=dof, p=p), beyond_first_order(covariance)
     return loose if loose is not None and not rules_out(facts.registration, distance) else distance

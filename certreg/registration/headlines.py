@@ -14,13 +14,14 @@ from certreg.exact.decimals import at_least, at_most
 from certreg.exact.dyadic import degrees_above
 from certreg.registration.loose_turns import LOOSE_SIGMA, axis_words
 from certreg.registration.misfits import FitCode
+from certreg.registration.weak_shifts import weak_shift_words
 from certreg.results import Limits, Optimality
 
 if TYPE_CHECKING:
     from certreg.certificate.bounds import PoseBounds
     from certreg.registration.any_registration import AnyRegistration
     from certreg.registration.fit import Fit
-    from certreg.registration.result import Registration
+
 
 SMALL_SCALE = 0.1  # off one: what the pose leaves without it is a hundredth of the cloud's spread
 GOOD_EXPLAINED = 0.99  # with the scale; so the pose alone explains about 0.98
@@ -128,6 +129,45 @@ NOT_CERTIFIED = Headline(
     code=4,
 )
 
+_GROWTH = ("optimality.growth", "optimality.gap_bound", "optimality.gap_share")
+_UNIQUE = (*_GROWTH, _ANGLE, "optimality.unique")
+FREE_SHIFT = Headline(
+    stamp="CERTIFIED, BUT A SHIFT IS FREE",
+    words="the best rotation, and unique, to within the proved bounds; {free}.",
+    rests_on=(*_UNIQUE, "springs.free_translations"),
+    code=3,
+)
+HARDLY_RESISTED = Headline(
+    stamp="CERTIFIED, BUT A SHIFT IS HARDLY RESISTED",
+    words="the global optimum of exactly these numbers, to within the proved bounds; {weak}.",
+    rests_on=(*_UNIQUE, "springs.weak_translations"),
+    code=0,
+)
+OTHERS_AS_GOOD = Headline(
+    stamp="CERTIFIED, BUT NOT UNIQUE",
+    words="no pose is better by more than the proved gap, and others are as good: {free}.",
+    rests_on=(*_GROWTH, "springs.free_translations", "springs.symmetry_dimension"),
+    code=3,
+)
+WITHIN_LIMITS_FREE = replace(
+    OTHERS_AS_GOOD,
+    stamp=LIMITED,
+    words="within {gap} of the minimum ({share}), and others are as good: {free}.",
+)
+BOUNDED_FREE = replace(WITHIN_LIMITS_FREE, stamp="BOUNDED", code=4)
+UNDECIDED = Headline(
+    stamp="BOUNDED",
+    words="within {gap} of the minimum ({share}); whether one pose is optimal is not decided.",
+    rests_on=_GROWTH,
+    code=4,
+)
+UNDECIDED_NEAR = replace(
+    UNDECIDED,
+    words="within {gap} of the minimum ({share}), within {degrees} degrees of every optimum; "
+    "whether there are several is not decided.",
+    rests_on=(*_GROWTH, _ANGLE),
+)
+
 WEAK = Headline(
     stamp="PROVED IN PART",
     words="the certificate in this file proves less than can be proved.",
@@ -163,6 +203,39 @@ NEAR_OPTIMAL_NOT_UNIQUE = Headline(
 )
 
 
+_POSE = ("optimality.growth", "gap_upper", "rounding_cost")
+OPTIMAL_AS_OTHERS = Headline(
+    stamp="OPTIMAL TO ROUNDING",
+    words="at most {gap} above the minimum (proved), which several poses attain.",
+    rests_on=(*_POSE, "optimum"),
+    code=0,
+)
+OPTIMAL_UNDECIDED = replace(
+    OPTIMAL_AS_OTHERS,
+    words="at most {gap} above the minimum (proved); whether several poses attain that is not "
+    "decided.",
+)
+NEAR_AS_OTHERS = replace(
+    OPTIMAL_AS_OTHERS,
+    stamp="NEAR-OPTIMAL",
+    words="at most {gap} ({share}) above the minimum (proved), which several poses attain.",
+    rests_on=(*_POSE, "gap_share"),
+)
+NEAR_UNDECIDED = replace(
+    NEAR_AS_OTHERS,
+    words="within {degrees} degrees of every optimum, at most {gap} ({share}) above the minimum "
+    "(proved); whether there are several is not decided.",
+    rests_on=(*_POSE, "gap_share", "angle_upper_deg"),
+)
+POSE_BOUNDED = replace(
+    NEAR_AS_OTHERS,
+    stamp="BOUNDED",
+    words="at most {gap} ({share}) above the minimum (proved); whether an optimum is near is not "
+    "decided.",
+    code=4,
+)
+
+
 def _but(pose: Headline, reason: str, words: str, *rests_on: str) -> Headline:
     """The headline of a pose, and what is to be said against it."""
     return replace(
@@ -188,6 +261,7 @@ OF_DATA = {  # of the certified optimum: of a pose that is optimal, and of one t
     HARDLY_DETERMINED: each("THE ROTATION IS HARDLY DETERMINED", "{loose}"),
     POOR_FIT: each("THE FIT IS POOR", "{warning}", "fit.warnings"),
     SCALE_FITS: each("A SCALE FITS BETTER", "{warning}", "fit.warnings", "fit.best_scale"),
+    HARDLY_RESISTED: each("A SHIFT IS HARDLY RESISTED", "{weak}", "springs.weak_translations"),
 }
 SPURIOUS = Headline(
     stamp="SPURIOUS-EQUILIBRIUM",
@@ -208,43 +282,60 @@ NO_ROTATION = Headline(
     code=1,
 )
 
+_OF_WEIGHTS = [*(OF_DATA[one] for one in OF_DATA if one is not HARDLY_RESISTED), RULED_OUT]
 HEADLINES = (
     *(CERTIFIED, NEARLY_AMBIGUOUS, HARDLY_DETERMINED, POOR_FIT, SCALE_FITS, NOT_UNIQUE),
     *(WITHIN_LIMITS, WITHIN_LIMITS_NOT_UNIQUE, WITHIN_LIMITS_FLAT),
     *(BOUNDED, BOUNDED_WITHOUT_ANGLE, BOUNDED_NOT_UNIQUE, BOUNDED_FLAT, NOT_CERTIFIED, WEAK),
-    *(optimal for optimal, _ in (*OF_DATA.values(), RULED_OUT)),
+    *(pair[0] for pair in _OF_WEIGHTS),
     OPTIMAL_NOT_UNIQUE,
-    *(near for _, near in (*OF_DATA.values(), RULED_OUT)),
+    *(pair[1] for pair in _OF_WEIGHTS),
     *(NEAR_OPTIMAL_NOT_UNIQUE, SPURIOUS, NO_EQUILIBRIUM, NO_ROTATION),
+    *(FREE_SHIFT, HARDLY_RESISTED, OTHERS_AS_GOOD, WITHIN_LIMITS_FREE),
+    *(BOUNDED_FREE, UNDECIDED, UNDECIDED_NEAR, *OF_DATA[HARDLY_RESISTED]),
+    *(OPTIMAL_AS_OTHERS, OPTIMAL_UNDECIDED, NEAR_AS_OTHERS, NEAR_UNDECIDED, POSE_BOUNDED),
 )
 
 
-def headline_of(registration: Registration) -> Headline:
+def headline_of(registration: AnyRegistration) -> Headline:
     """Which headline a registration has."""
-    status, unique = registration.status, registration.equilibria.classification.unique
+    status = registration.status
     if status is Optimality.NOT_CERTIFIED:
         return NOT_CERTIFIED
     if status is Optimality.BOUNDED:
         return _bounded(registration)
-    if not _meets_usual(registration):
-        return _within_limits(registration)
-    return headline_of_data(registration) if unique else NOT_UNIQUE
+    usual = _meets_usual(registration)
+    if registration.unique:
+        return headline_of_data(registration) if usual else WITHIN_LIMITS
+    if registration.equilibria is None:  # what is free is known, and not how many are optimal
+        as_good = FREE_SHIFT if registration.solution.unique_rotation else OTHERS_AS_GOOD
+        return as_good if usual else WITHIN_LIMITS_FREE
+    if usual:
+        return NOT_UNIQUE
+    return WITHIN_LIMITS_FLAT if _is_flat(registration) else WITHIN_LIMITS_NOT_UNIQUE
 
 
-def _meets_usual(registration: Registration) -> bool:
+def _meets_usual(registration: AnyRegistration) -> bool:
     """Whether what is proved is within the usual limits, whatever others were asked for."""
-    bounds, unique = registration.bounds, registration.equilibria.classification.unique
-    return bounds is not None and bounds.meet(Limits(), unique=unique)
+    turned = registration.solution.unique_rotation is True
+    return registration.bounds is not None and registration.bounds.meet(Limits(), unique=turned)
 
 
-def headline_of_data(registration: Registration) -> Headline:
+def _is_flat(registration: AnyRegistration) -> bool:
+    """Whether every rotation fits equally."""
+    return registration.bounds is not None and not registration.bounds.least_range_squared
+
+
+def headline_of_data(registration: AnyRegistration) -> Headline:
     """Of a certified and unique optimum: what its data make of the first line."""
-    if registration.equilibria.nearly_ambiguous:
+    if registration.equilibria is not None and registration.equilibria.nearly_ambiguous:
         return NEARLY_AMBIGUOUS
+    if registration.solution.weak_shifts:
+        return HARDLY_RESISTED
     return HARDLY_DETERMINED if is_loose(registration) else _headline_of_fit(registration.fit)
 
 
-def is_green(registration: Registration) -> bool:
+def is_green(registration: AnyRegistration) -> bool:
     """Whether its headline is good, and within the usual limits, whatever others were asked for."""
     return _meets_usual(registration) and headline_of(registration).good
 
@@ -285,38 +376,45 @@ def _headline_of_fit(fit: Fit) -> Headline:
     return SCALE_FITS if alone and good else POOR_FIT
 
 
-def _bounded(registration: Registration) -> Headline:
-    bounds = registration.bounds
-    if bounds is not None and not bounds.least_range_squared:
+def _bounded(registration: AnyRegistration) -> Headline:
+    listed, degrees = registration.equilibria is not None, proved_degrees(registration)
+    if listed and _is_flat(registration):
         return BOUNDED_FLAT
-    if not registration.equilibria.classification.unique:
-        return BOUNDED_NOT_UNIQUE
-    return BOUNDED_WITHOUT_ANGLE if proved_degrees(registration) is None else BOUNDED
+    if registration.unique is None:
+        return UNDECIDED if degrees is None else UNDECIDED_NEAR
+    if not registration.unique:
+        return BOUNDED_NOT_UNIQUE if listed else BOUNDED_FREE
+    return BOUNDED_WITHOUT_ANGLE if degrees is None else BOUNDED
 
 
-def _within_limits(registration: Registration) -> Headline:
-    bounds = registration.bounds
-    if registration.equilibria.classification.unique:
-        return WITHIN_LIMITS
-    flat = bounds is not None and not bounds.least_range_squared
-    return WITHIN_LIMITS_FLAT if flat else WITHIN_LIMITS_NOT_UNIQUE
-
-
-def headline_words(registration: Registration) -> str:
+def headline_words(registration: AnyRegistration) -> str:
     """The first line of a registration, with its proved numbers."""
     bounds = registration.bounds
     gap, share = ("", "") if bounds is None else (at_most(bounds.greatest_gap), share_words(bounds))
-    degrees = proved_degrees(registration) or ""
-    warning = next((one.text for one in registration.fit.warnings), "")
-    numbers = {"gap": gap, "share": share, "degrees": degrees, "warning": warning}
-    return headline_of(registration).said(**numbers, loose=loose_words(registration))
+    return headline_of(registration).said(
+        gap=gap,
+        share=share,
+        degrees=proved_degrees(registration) or "180",
+        free=_free_words(registration),
+        warning=next((one.text for one in registration.fit.warnings), ""),
+        loose=loose_words(registration),
+        weak=weak_shift_words(registration.solution.weak_shifts),
+    )
 
 
-def proved_degrees(registration: Registration) -> str | None:
-    """The proved bound on the angle to the optimum; None without one, or without one optimum."""
-    if registration.bounds is None or not registration.equilibria.classification.unique:
-        return None
-    return degrees_words(registration.bounds)
+def _free_words(registration: AnyRegistration) -> str:
+    """Why others are as good; where nothing is free, two poses tie."""
+    free = registration.solution.freedom
+    if free is None:
+        return ""
+    if registration.solution.unique_rotation:
+        return free.shift_words()
+    return free.words() or "another pose is exactly as good"
+
+
+def proved_degrees(registration: AnyRegistration) -> str | None:
+    """The proved bound on the angle to every optimum; None where nothing is said."""
+    return None if registration.bounds is None else degrees_words(registration.bounds)
 
 
 def degrees_words(bounds: PoseBounds) -> str | None:

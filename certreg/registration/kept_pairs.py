@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from certreg.geometry.pose import Pose
     from certreg.problem.problem import RegistrationProblem
 
+
 NAMED_ROWS = 8  # of the refuted ones, in a sentence
 
 
@@ -182,5 +183,5 @@ def judged_labels(
         motion=motion,
         most=most,
         names=RowNames.of(about or {}, problem.n),
-        sets=sets_apart(prover.consistent),
+        sets=sets_apart(prover.graph.near),
     )

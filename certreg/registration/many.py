@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Literal, cast, overload
 from certreg.certificate.many import certificates_of
 from certreg.errors import CertregError, InvalidProblemError
 from certreg.problem.many import ManyPairs
-from certreg.registration.any_certification import certify
+from certreg.registration.certification import certify
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable

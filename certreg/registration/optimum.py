@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from fractions import Fraction
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, overload
 
 import numpy as np
 
@@ -18,6 +18,7 @@ from certreg.geometry.similarity import Similarity
 if TYPE_CHECKING:
     from certreg.exact.spaces import IntegerQuaternion
     from certreg.objective.isotropic import Isotropic
+    from certreg.objective.springs import Springs
 
 
 def optimal_pose(objective: Isotropic) -> Pose | Similarity:
@@ -25,7 +26,15 @@ def optimal_pose(objective: Isotropic) -> Pose | Similarity:
     return pose_at(objective, objective.optimum)
 
 
-def pose_at(objective: Isotropic, q: IntegerQuaternion) -> Pose | Similarity:
+@overload
+def pose_at(objective: Springs, q: IntegerQuaternion) -> Pose: ...
+
+
+@overload
+def pose_at(objective: Isotropic | Springs, q: IntegerQuaternion) -> Pose | Similarity: ...
+
+
+def pose_at(objective: Isotropic | Springs, q: IntegerQuaternion) -> Pose | Similarity:
     """The pose of a rotation with its best translation, every number rounded once.
 
     Where the scale is free, with its best scale, and the best translation for that as rounded.

@@ -15,7 +15,7 @@ import numpy as np
 from certreg.equilibrium.presentation import rotation_double
 from certreg.exact.dyadic import nearest_or_zero, power_of_two
 from certreg.problem.arrays import row_blocks
-from certreg.problem.blocks import Block
+from certreg.problem.terms import Pairs
 from certreg.registration.covariance import (
     Residual,
     effective_rows,
@@ -185,7 +185,7 @@ class _Frame:
             optimum=RigidMotion(rotation=rotation, translation=np.zeros(3)),
         )
 
-    def pairs(self, points: Block) -> WeightedPairs:
+    def pairs(self, points: Pairs) -> WeightedPairs:
         """Points of the problem in this frame."""
         return WeightedPairs(
             source=self._moved(points.source, self.source_mean),
@@ -315,7 +315,7 @@ class _Count:
     far: list[Residual] = field(default_factory=list[Residual])
     worst: list[Residual] = field(default_factory=list[Residual])
 
-    def add(self, first: int, points: Block, frame: _Frame) -> None:
+    def add(self, first: int, points: Pairs, frame: _Frame) -> None:
         """Count a block, whose first row has this number."""
         present = np.flatnonzero(points.weights)
         if len(present) < len(points.weights):
@@ -346,16 +346,16 @@ def _largest(
     return sorted([*known, *more], key=lambda one: (-one.distance, one.row))[:LISTED]
 
 
-def _rows(points: RegistrationProblem | Block, rows: NDArray[np.int64]) -> Block:
+def _rows(points: RegistrationProblem | Pairs, rows: NDArray[np.int64]) -> Pairs:
     """Some of the points in doubles; those of a mapped file are copied."""
-    return Block(
+    return Pairs(
         source=points.source[rows].astype(np.float64),
         target=points.target[rows].astype(np.float64),
-        weights=points.weights[rows].astype(np.float64),
+        springs=points.weights[rows].astype(np.float64),
     )
 
 
-def _picked(problem: RegistrationProblem) -> Block:
+def _picked(problem: RegistrationProblem) -> Pairs:
     """The rows with weight: all, or of many rows a sample at random, always the same."""
     if problem.n <= SAMPLE_ROWS:
         points = problem.block(slice(0, problem.n))

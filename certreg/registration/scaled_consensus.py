@@ -4,30 +4,38 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from certreg.certificate.producing_consensus import pose_of
-from certreg.certificate.producing_scaled import (
-    ScaledConsensus,
-    ScaledProver,
-    scaled_consensus_certificate,
-    scaled_consensus_of,
+from certreg.certificate.producing_consensus import (
+    ConsensusProver,
+    ProvedConsensus,
+    consensus_certificate,
+    consensus_of,
+    pose_of,
 )
 from certreg.errors import InvalidProblemError
 from certreg.exact.decimals import at_least, at_most
 from certreg.exact.dyadic import double_above, double_below
 from certreg.geometry.similarity import Similarity
 from certreg.problem.motion import Scale
-from certreg.registration.consensus import ConsensusRegistration, Ways, most_proved, restated
-from certreg.relaxation.scaled_search import scaled_candidates
+from certreg.registration.consensus import (
+    ConsensusRegistration,
+    InlierProver,
+    Ways,
+    most_proved,
+    restated,
+)
+from certreg.relaxation.consensus_search import candidates
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from certreg.certificate.consensus import ConsensusSimilarityBody
     from certreg.certificate.envelope import Certificate
-    from certreg.certificate.scaled_consensus import ConsensusSimilarityBody
     from certreg.problem.problem import RegistrationProblem
     from certreg.results import Verdict
+
 
 DIGITS = 7  # of a scale, in words
 NAMED_RANGES = 3  # of scales, in a sentence
@@ -41,7 +49,7 @@ class ScaledConsensusRegistration(ConsensusRegistration):
     symmetric as the problem says.
     """
 
-    found: ScaledConsensus
+    found: ProvedConsensus
 
     __repr__ = ConsensusRegistration.__repr__
 
@@ -60,7 +68,7 @@ class ScaledConsensusRegistration(ConsensusRegistration):
             rotation=rigid.rotation,
             translation=rigid.translation,
             quaternion_wxyz=rigid.quaternion_wxyz,
-            scale=float(self.found.witness.factor.value),
+            scale=float(self.found.witness.scale),
         )
 
     @property
@@ -108,20 +116,20 @@ def ranges_words(some: Sequence[tuple[float, float]]) -> str:
     return " and ".join([", ".join(told[:-1]), told[-1]] if len(told) > 1 else told)
 
 
-def _search(problem: RegistrationProblem, effort: float) -> ScaledConsensus | None:
+def _search(problem: RegistrationProblem, effort: float) -> ProvedConsensus | None:
     """Of all candidates the one of which most is proved."""
-    block, prover = problem.points, ScaledProver(problem, effort=effort)
+    block, prover = problem.points, ConsensusProver(problem, effort=effort)
     x, y = block.source, block.target
     best = most_proved(
-        prover.prove(one.scale, one.rotation, one.translation, whole=False)
-        for one in scaled_candidates(x, y, problem.bounds, effort=effort)
+        prover.prove(one.rotation, one.translation, one.scale, whole=False)
+        for one in candidates(x, y, problem.bounds, free_scale=True, effort=effort)
     )
     if best is not None:
         _require_spread(problem, best)
     return best if best is None or best.decided else prover.witnessed(best.witness)
 
 
-def _require_spread(problem: RegistrationProblem, found: ScaledConsensus) -> None:
+def _require_spread(problem: RegistrationProblem, found: ProvedConsensus) -> None:
     """Refuses pairs that most motions meet and that have no best scale."""
     block, rows = problem.block(slice(None)), list(found.met)
     symmetric = problem.scale is Scale.SYMMETRIC
@@ -142,14 +150,16 @@ def restated_scaled_consensus(
     verdict: Verdict,
 ) -> ConsensusRegistration:
     """As `restated_consensus`, of a free scale."""
-    found = scaled_consensus_of(problem, certificate.body)
+    found = consensus_of(problem, certificate.body)
     return restated(problem, SCALED, found, certificate, verdict)
 
 
 SCALED = Ways(
     motion="motion with a scale",
+    free_scale=True,
     search=_search,
-    certificate=scaled_consensus_certificate,
-    candidates=scaled_candidates,
+    certificate=consensus_certificate,
+    candidates=partial(candidates, free_scale=True),
     result=ScaledConsensusRegistration,
 )
+PROVER = InlierProver(SCALED)

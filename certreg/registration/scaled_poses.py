@@ -34,9 +34,9 @@ if TYPE_CHECKING:
     from certreg.problem.problem import RegistrationProblem
     from certreg.registration.result import Registration
 
+
 UNIT = Fraction(1, 2**50)  # of a scale that is read from a matrix, or rounded once
 RANGE = 9  # the range over its lower bound: l1^2 <= 3/4 F^2 over F^2 / 12; symmetric: sqrt(2)
-TURNS, MOTIONS = 3, 6  # degrees of freedom of a rotation, of a pose
 UNSCALED = 1e-12  # off 1: what the rounding of a rotation makes of its scale
 RIGID = " It has no scale of its own and was judged with scale 1."
 NOT_SCALED = Absent("the scale is not free")

@@ -13,11 +13,18 @@ from certreg.registration.assessed import Assessment
 from certreg.registration.assessment_words import note_on
 from certreg.registration.findings import GOOD, rules_out
 from certreg.registration.headlines import (
+    NEAR_AS_OTHERS,
+    NEAR_UNDECIDED,
     NO_EQUILIBRIUM,
     NO_ROTATION,
+    OF_DATA,
+    OPTIMAL_AS_OTHERS,
+    OPTIMAL_UNDECIDED,
+    POSE_BOUNDED,
     RULED_OUT,
     SPURIOUS,
     degrees_words,
+    headline_of_data,
     interval_words,
     loose_words,
     share_words,
@@ -27,15 +34,6 @@ from certreg.registration.spring_findings import (
     spring_findings,
     spring_sigma_distance,
     spring_verdict_of,
-)
-from certreg.registration.spring_headlines import (
-    NEAR_AS_OTHERS,
-    NEAR_UNDECIDED,
-    OPTIMAL_AS_OTHERS,
-    OPTIMAL_UNDECIDED,
-    POSE_BOUNDED,
-    SPRING_OF_DATA,
-    headline_of_spring_data,
 )
 from certreg.registration.spring_result import UNDECIDED
 from certreg.registration.weak_shifts import weak_shift_words
@@ -47,6 +45,7 @@ if TYPE_CHECKING:
     from certreg.registration.headlines import Headline
     from certreg.registration.spring_findings import SpringFindings
     from certreg.registration.spring_result import SpringRegistration
+
 
 NUMBERS = (
     *("objective", "rmse", "gap_lower", "gap_upper", "gap_share", "rounding_cost", "angle_upper"),
@@ -100,7 +99,7 @@ def judged_on_springs(
             "headline": headline,
             "green": chosen.good,
             "energies": facts.energies,
-            "words": _words(facts, verdict) + note_on(given),
+            "words": _words(facts, verdict) + note_on(registration.problem, given),
         },
         numbers,
     )
@@ -175,7 +174,7 @@ def _gap_headline(
         return OPTIMAL_UNDECIDED if optimal else NEAR_UNDECIDED
     if not registration.unique:
         return OPTIMAL_AS_OTHERS if optimal else NEAR_AS_OTHERS
-    of_data = SPRING_OF_DATA[headline_of_spring_data(registration)]
+    of_data = OF_DATA[headline_of_data(registration)]
     if not isinstance(distance, Absent) and rules_out(registration, distance):
         of_data = RULED_OUT
     return of_data[0 if optimal else 1]

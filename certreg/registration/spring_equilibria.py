@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -15,8 +15,8 @@ from certreg.exact.dyadic import nearest_double, nearest_root
 from certreg.geometry.so3 import canonical, dot, squared_norm
 from certreg.registration.curvature import slope_and_curvature
 from certreg.registration.freedom import Freedom
+from certreg.registration.optimum import pose_at
 from certreg.registration.outlying import LISTED
-from certreg.registration.spring_certification import rounded_spring_pose
 from certreg.registration.spring_rows import ResidualSums
 from certreg.registration.weak_shifts import weak_shift_words, weak_shifts
 from certreg.results import OUT_OF_RANGE, Absent, ComponentKind, Explained, Guarantee, Presented
@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from certreg.geometry.pose import Pose
     from certreg.objective.springs import Springs
     from certreg.problem.problem import RegistrationProblem
+
 
 LINES = 40
 SAME_ENERGY = Fraction(1, 1 << 90)  # of the oscillation
@@ -156,11 +157,20 @@ class SpringEquilibria(Explained, Presented):
         return sum(-1 if index % 2 else 1 for index in indices if index is not None)
 
 
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ListedSpringEquilibria(SpringEquilibria):
+    """The same with the searches for them, an `Enumeration`."""
+
+    enumeration: Any
+
+    __repr__ = SpringEquilibria.__repr__
+
+
 def spring_equilibria(
     critical: LineSet, objective: Springs, problem: RegistrationProblem
 ) -> SpringEquilibria:
     """The equilibria at the critical rotations of an objective."""
-    poses = [rounded_spring_pose(objective, part.quaternion) for part in critical.components]
+    poses = [pose_at(objective, part.quaternion) for part in critical.components]
     stiffness = ResidualSums.of(problem, poses[0], LISTED).stiffness if poses else 0.0
     parts = tuple(
         _equilibrium(critical, place, pose, objective, stiffness)
@@ -187,7 +197,7 @@ def _reasons(critical: LineSet) -> dict[str, Absent]:
 
 def _open_words(objective: Springs) -> str:
     """What the springs leave open, or hardly resist; empty where nothing is known to be."""
-    weak = weak_shift_words(weak_shifts(objective.joint_form))
+    weak = weak_shift_words(weak_shifts(objective))
     rounding = f"{weak}; the translations are of rounding as much as of the data" if weak else ""
     return "; ".join(filter(None, (Freedom.of(objective).words(), rounding)))
 

@@ -21,9 +21,7 @@ from certreg.exact.dyadic import (
 )
 from certreg.registration.findings import (
     FIT_WARNED,
-    MOTIONS,
     NO_NOISE,
-    TURNS,
     JudgedEnergies,
     SigmaDistance,
     added,
@@ -32,9 +30,7 @@ from certreg.registration.findings import (
     rules_out,
     turned,
 )
-from certreg.registration.findings import (
-    UNDECIDED as UNPROVED,
-)
+from certreg.registration.findings import UNDECIDED as UNPROVED
 from certreg.registration.loose_turns import LOOSE_SIGMA, TURNED_FAR, beyond_first_order
 from certreg.registration.nearby_equilibrium import equilibrium_near
 from certreg.registration.rounding import rounding_errors
@@ -47,6 +43,7 @@ if TYPE_CHECKING:
     from certreg.registration.findings import AssessmentSettings
     from certreg.registration.nearby_equilibrium import NearbyEquilibrium
     from certreg.registration.spring_result import SpringRegistration
+
 
 SLACK = 1.01  # of a rounding cost: its parts are computed in doubles
 FINE_PROOF = 1e-24  # of the range of energies: what a turn by 1e-12 radians costs at most
@@ -158,7 +155,8 @@ def _cost_of_rounding(registration: SpringRegistration, given: GivenPose) -> Fra
         half = solution.near.half_hessian(solution.centre)
         if not np.isfinite(half).all():
             return Fraction(0)
-        shifted, spun = (float(np.linalg.norm(half[k, k], 2)) for k in (slice(3), slice(3, 6)))
+        parts = slice(3), slice(-3, None)  # of a shift, if the motion has any, and of a turn
+        shifted, spun = (float(np.linalg.norm(half[k, k], 2)) for k in parts)
     angle = 2.0 * math.asin(min(1.0, math.sqrt(nearest_or_zero(sine))))
     cost = math.sqrt(shifted * nearest_or_zero(away)) + math.sqrt(spun) * angle
     return Fraction(SLACK * cost**2)
@@ -215,7 +213,7 @@ def spring_sigma_distance(facts: SpringFindings, given: GivenPose) -> SigmaDista
     value, squared = nearest_root(rise), nearest_double(rise)
     if value is None or squared is None:
         return OUT_OF_RANGE
-    dof = TURNS if given.translation is None else MOTIONS
+    dof = registration.problem.motion.parameters_given(translation=given.translation is not None)
     distance = SigmaDistance(value=value, dof=dof, p=math.exp(log_chi2_above(squared, dof)))
     loose = beyond_first_order(registration.covariance)
     return loose if loose is not None and not rules_out(registration, distance) else distance

@@ -12,7 +12,7 @@ import numpy as np
 
 from certreg.dynamics.simulation import simulate
 from certreg.dynamics.springs import spring_body
-from certreg.equilibrium.methods import SPRING_METHODS, search
+from certreg.equilibrium.methods import FINDERS, search
 from certreg.errors import DegenerateProblemError
 from certreg.native.kernels import MissingLibraryError
 from certreg.registration.spring_equilibria import SpringEquilibria, spring_equilibria
@@ -32,7 +32,7 @@ RETURNED = math.radians(0.1)  # to it: ten times what a run that ends is off
 
 def listed_springs(problem: RegistrationProblem, objective: Springs) -> SpringEquilibria | None:
     """The equilibria by the first method; None where it decides nothing."""
-    first, *_ = SPRING_METHODS
+    first, *_ = FINDERS[objective.structure]
     found: Any = search(objective, first).critical
     critical: LineSet | None = found
     return None if critical is None else spring_equilibria(critical, objective, problem)

@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from certreg.registration.row_names import RowNames
     from certreg.relaxation.optimum import Found
 
+
 NOT_LISTED = Absent(
     "general springs have up to forty equilibria, or infinitely many, which `certify` does not "
     "list, as its proof needs none of them: `certreg equilibria` lists them"
@@ -67,7 +68,7 @@ class SpringSolution(AnySolution):
     @cached_property
     def weak_shifts(self) -> tuple[WeakShift, ...]:
         """The shifts that the springs hardly resist: of rounding as much as of the data."""
-        return weak_shifts(self.objective.joint_form)
+        return weak_shifts(self.objective)
 
     @cached_property
     def least(self) -> Fraction:

@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from certreg.objective.springs import Springs
     from certreg.relaxation.optimum import Found
 
+
 NEAR = 0.01  # radians: a body at rest is within a thousandth of its equilibrium, unless it is weak
 LEVEL = 1e-5  # of the range of the energy: where the best rotation is not the only one
 COASTS = "a body that moves that way coasts until damping has stopped it"
@@ -70,7 +71,7 @@ class SimulatedSprings(SimulatedMotion):
     def _coasting(self) -> tuple[str, ...]:
         freedom = Freedom.of(self.objective)
         free = filter(None, (freedom.shift_words(), freedom.turn_words()))
-        weak = weak_shift_words(weak_shifts(self.objective.joint_form))
+        weak = weak_shift_words(weak_shifts(self.objective))
         told = (*((words, COASTS) for words in free), (weak, STAYS))
         return tuple(f"{words}: {then}" for words, then in told if words)
 

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from certreg.registration.headlines import is_green
-from certreg.registration.spring_headlines import is_green_spring
 from certreg.report.lines import (
     KINDS,
     OF_SPREAD,
@@ -42,6 +41,7 @@ if TYPE_CHECKING:
     from certreg.registration.simulation import ProblemTrajectory
     from certreg.registration.spring_result import SpringRegistration
     from certreg.report.picture import Picture
+
 
 GREEN, AMBER = "#1f8d3e", "#bd5f00"  # 4.2 : 1 on white and on #131416, as a page is in the dark
 TEMPLATE = "report/templates/card.html"
@@ -113,7 +113,7 @@ def spring_card(registration: SpringRegistration) -> str:
             *(f"Warning: {words}" for words in spring_warnings(registration, first)),
             *(f"{ADVICE}{words}" for words in spring_remedies(registration)),
         ],
-        good=is_green_spring(registration),
+        good=is_green(registration),
         facts=[
             ("correspondences", f"{registration.problem.n:,}"),
             ("springs", springs_words(registration)),

@@ -23,9 +23,7 @@ from certreg.report.fields import (
     scale_of,
     upper_degrees,
 )
-from certreg.report.uncertainty import (
-    uncertainty_rows,
-)
+from certreg.report.uncertainty import uncertainty_rows
 from certreg.results import OUT_OF_RANGE, Absent
 
 if TYPE_CHECKING:
@@ -40,12 +38,13 @@ if TYPE_CHECKING:
     from certreg.registration.result import Registration
     from certreg.registration.spring_result import SpringRegistration
     from certreg.report import breathing, methods, spring_document
-else:  # of a free scale, of lists, and of general springs
+else:
+    # of a free scale
     breathing = late("certreg.report.breathing")
     methods = late("certreg.report.methods")
-    spring_document = late("certreg.report.spring_document")
-    # of a free scale
     registration_breathing = late("certreg.registration.breathing")
+    spring_document = late("certreg.report.spring_document")
+
 
 RESULT_SCHEMA = "certreg-result/1"
 ASSESSMENT_SCHEMA = "certreg-assessment/1"
@@ -152,7 +151,7 @@ def pose_document(registration: AnyRegistration) -> Document:
     )
 
 
-def equilibria_document(enumeration: Enumeration) -> Document:
+def equilibria_document(enumeration: Enumeration[EquilibriumSet]) -> Document:
     """An equilibrium set on its own; with the searches for it, if there were several."""
     return encoded({**_set(enumeration.equilibria), **methods.methods_fields(enumeration)})
 

@@ -12,8 +12,6 @@ from certreg.certificate.bounds import flat_energy
 from certreg.exact.decimals import as_given, at_most
 from certreg.exact.dyadic import nearest_double
 from certreg.registration.ambiguity import ambiguous_words, narrow_words
-from certreg.registration.certification import NOT_ASKED
-from certreg.registration.fit_of_pairs import BY_NAME
 from certreg.registration.headlines import (
     HARDLY_DETERMINED,
     headline_words,
@@ -21,7 +19,9 @@ from certreg.registration.headlines import (
     share_words,
 )
 from certreg.registration.misfits import FitCode
+from certreg.registration.pipeline import NOT_ASKED
 from certreg.registration.rounding import rounding_remedy
+from certreg.registration.squares import BY_NAME
 from certreg.report.thinning import kicked_words, unspent_words
 from certreg.report.uncertainty import uncertainty_rows
 from certreg.results import (

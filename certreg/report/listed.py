@@ -13,7 +13,7 @@ from certreg.report.summary import simulation_summary
 if TYPE_CHECKING:
     from certreg.registration.enumeration import ListedEquilibria
     from certreg.registration.simulation import ProblemTrajectory, SimulatedRegistration
-    from certreg.registration.spring_enumeration import ListedSpringEquilibria
+    from certreg.registration.spring_equilibria import ListedSpringEquilibria
     from certreg.report import spring_equilibria
     from certreg.report.encoding import Document
 else:

@@ -45,9 +45,11 @@ if TYPE_CHECKING:
     from certreg.registration.fit import Fit
     from certreg.registration.result import Registration
 
+
 WIDE = 1e9  # larger translations are written with an exponent
 BASIS = "± is"  # the row that says where the deviations come from
-WHOSE = "Rotation: about the source's axes. Centre: where the source's mean goes."
+WHOSE_TURN = "Rotation: about the source's axes."
+WHOSE = f"{WHOSE_TURN} Centre: where the source's mean goes."
 SAME = "not known, as that of the rotation"
 NO_PROOF = "Statistics, not proved."
 TESTS = {
@@ -121,7 +123,7 @@ def _pose(registration: Registration) -> PoseFacts:
     return pose_facts(registration, place_facts(registration), basis_words(registration, WHOSE))
 
 
-def basis_words(registration: Registration, whose: str) -> str:
+def basis_words(registration: AnyRegistration, whose: str) -> str:
     """What the deviations are of, or why there are none; whose: of which places they are."""
     sure = dict(uncertainty_rows(registration))
     if BASIS not in sure:

@@ -16,11 +16,10 @@ import numpy as np
 
 from certreg.certificate.bounds import ExactPose, PoseBounds, pose_bounds
 from certreg.certificate.checking import CertificateVerdict, verify
-from certreg.certificate.consensus import ConsensusBody
+from certreg.certificate.consensus import ConsensusBody, ConsensusSimilarityBody
 from certreg.certificate.count import CountBody
 from certreg.certificate.envelope import Certificate, body_of
 from certreg.certificate.isotropic import IsotropicBody
-from certreg.certificate.scaled_consensus import ConsensusSimilarityBody
 from certreg.certificate.similarity import SimilarityBody
 from certreg.certificate.spring_bounds import spring_pose_bounds
 from certreg.certificate.springs_list import SpringsListBody
@@ -33,11 +32,12 @@ from certreg.problem.bounds import bounded
 from certreg.problem.motion import MAX_DAMPING, MIN_DAMPING, Scale
 from certreg.problem.problem import RegistrationProblem
 from certreg.problem.support import Loss
-from certreg.registration.certification import CROSS_CHECK, certified
 from certreg.registration.consensus import restated_consensus
+from certreg.registration.linear import CROSS_CHECK
+from certreg.registration.pipeline import Asked
 from certreg.registration.scaled_consensus import restated_scaled_consensus
-from certreg.registration.spring_certification import certified_springs
 from certreg.registration.spring_result import SPRING_KINDS, SpringRegistration
+from certreg.registration.squares import certified_squares
 from certreg.registration.truncated import restated_truncated
 from certreg.report.consensus_page import ConsensusReport
 from certreg.report.pages import page_of
@@ -53,6 +53,7 @@ if TYPE_CHECKING:
     from certreg.registration.result import Registration, Solution
     from certreg.report.any_report import AnyReport
     from certreg.results import Verdict
+
 
 SPRING = 12 * 8  # bytes of two points and six entries of a factor
 BOUNDED_PAIR = 8 * 8  # bytes of two points, a weight and a bound
@@ -131,11 +132,13 @@ def report_of(
     motion = MotionOptions.of(loaded.about, stated)
     if noted is not None:
         noted(motion.words)
-    registration = certified(
+    registration = certified_squares(
         stated if motion.damping is None else stated.damped(motion.damping),
-        relaxation=isinstance(body, IsotropicBody) and body.multiplier is not None,
-        integrator=motion.integrator,
-        about=loaded.about,
+        Asked(
+            relaxation=isinstance(body, IsotropicBody) and body.multiplier is not None,
+            simulation=motion.integrator is not None and Integrator(motion.integrator),
+            about=loaded.about,
+        ),
     )
     given = _bounds(body, registration)
     return page_of(stated)(
@@ -208,10 +211,10 @@ def _required_body(certificate: Certificate[Any], file: Path, *, pointless: bool
 def _problem(certificate: Certificate[Any], clouds: Clouds | None) -> RegistrationProblem:
     """The problem of a certificate that the checker has accepted for the clouds."""
     body = certificate.body
-    if body.KIND in SPRING_KINDS:
-        return _spring_problem(certificate)
+    sprung = body.KIND in SPRING_KINDS
+    points = _spring_problem(certificate) if sprung else _weighted(certificate, clouds)
     scale = Scale(body.scale) if isinstance(body, SimilarityBody) else Scale.NONE
-    return _weighted(certificate, clouds).modelled(scale, rotation_only=body.rotation_only)
+    return points.modelled(scale, rotation_only=body.rotation_only)
 
 
 def _weighted(certificate: Certificate[Any], clouds: Clouds | None) -> RegistrationProblem:
@@ -248,7 +251,7 @@ def _spring_report(
     name: str,
 ) -> SpringReport:
     """The report of a certificate of general springs: its pose, and what it proves of that."""
-    registration = certified_springs(problem, about=certificate.about)
+    registration = certified_squares(problem, Asked(about=certificate.about))
     place = ExactPose.of_doubles(registration.pose.quaternion_wxyz, registration.pose.translation)
     solution = registration.solution
     given = spring_pose_bounds(solution.objective, certificate.body, place)

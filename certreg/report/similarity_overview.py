@@ -13,6 +13,7 @@ from certreg.report.fields import scale_interval
 from certreg.report.lines import margin_words, warnings
 from certreg.report.overview import (
     WHOSE,
+    WHOSE_TURN,
     Fact,
     Mark,
     Overview,
@@ -35,8 +36,8 @@ if TYPE_CHECKING:
     from certreg.registration.result import Registration
     from certreg.report.overview import PoseFacts
 
+
 ALL_DIGITS = 17  # of a double
-WHOSE_TURN = "Rotation: about the source's axes."
 TESTED = "The test of the noise that was given raises no warning. "
 
 

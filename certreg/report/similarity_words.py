@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from certreg.exact.decimals import at_most
-from certreg.problem.motion import Scale
 from certreg.registration.breathing import SimulatedBreathing, scaled_equilibria
 from certreg.report.breathing import KEEPS, inside_out_words, scaled_count_words
 from certreg.report.fields import scale_interval
@@ -19,6 +17,7 @@ from certreg.report.words import (
     begun,
     methods_sentence,
     motion_sentences,
+    optimality_sentence,
     rest_sentence,
     robustness_sentences,
     sentence,
@@ -32,6 +31,7 @@ if TYPE_CHECKING:
 
     from certreg.registration.result import Registration
 
+
 COUNTED = ("breathing_equilibria", "descartes")
 SAME_SIZE = "The symmetric scale is the same whatever the rotation, also at these poses."
 ROUNDED = "Poses, scales, energies and RMSE are rounded to doubles from at least 57 digits."
@@ -42,7 +42,7 @@ def similarity_sentences(registration: Registration, body: Any) -> list[Sentence
     angles = MethodAngles.of(registration.solution.agreement)
     radius = ["eigenvector_radius", *["scale_radius"] * registration.problem.scaled]
     return [
-        *_gap(registration),
+        *optimality_sentence(registration),
         *uniqueness_sentences(registration),
         *_scale(registration),
         *_rests(registration, body),
@@ -60,29 +60,6 @@ def not_claimed_of(registration: Registration) -> tuple[str, ...]:
     if problem.scaled:
         own.append(f"that noise leaves the scale alone: {BIAS[problem.scale]};")
     return (*before, *own, last)
-
-
-def _gap(registration: Registration) -> Iterator[Sentence]:
-    bounds, problem = registration.bounds, registration.problem
-    if bounds is None:
-        return
-    moves = not problem.rotation_only
-    over = ["rotations", *["translations"] * moves, *["scales"] * problem.scaled]
-    by = ["its quaternion", *["its translation"] * moves, *["its scale"] * problem.scaled]
-    divided = " divided by the scale" if problem.scale is Scale.SYMMETRIC else ""
-    words = (
-        f"Over all {_listed(over)}{'' if moves else ', about the origin'}: the sum of weighted "
-        f"squared distances{divided} at the pose given below with all digits, by {_listed(by)}, "
-        f"exceeds the minimum by at most {at_most(bounds.greatest_gap)}."
-    )
-    theorems = ["optimality_certificate", *["translation_gap"] * moves]
-    theorems += ["scale_elimination"] * problem.scaled
-    yield Sentence(words=words, guarantee=Guarantee.EXACT, theorems=tuple(theorems))
-
-
-def _listed(words: list[str]) -> str:
-    *first, last = words
-    return f"{', '.join(first)} and {last}" if first else last
 
 
 def _scale(registration: Registration) -> Iterator[Sentence]:

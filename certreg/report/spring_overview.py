@@ -4,20 +4,17 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from certreg.registration.spring_headlines import (
-    spring_degrees,
-    spring_headline_of,
-    spring_headline_words,
-)
+from certreg.registration.headlines import headline_of, headline_words, proved_degrees
 from certreg.report.lines import number
 from certreg.report.overview import (
     BASIS,
-    NO_PROOF,
+    WHOSE_TURN,
     Fact,
     Mark,
     Overview,
     PoseFacts,
     axis_facts,
+    basis_words,
     bound_facts,
     fit_facts,
     pose_facts,
@@ -33,19 +30,15 @@ from certreg.report.spring_summary import (
     spring_warnings,
     springs_words,
 )
-from certreg.report.uncertainty import (
-    rotation_words,
-    shift_words,
-    two_digits,
-    uncertainty_rows,
-)
+from certreg.report.uncertainty import rotation_words, shift_words, two_digits, uncertainty_rows
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from certreg.registration.spring_result import SpringRegistration
 
-WHOSE = "Rotation: about the source's axes. Centre: the source's mean, along its least sure axis."
+
+CENTRE = " Centre: the source's mean, along its least sure axis."
 TESTED = "The test of the noise that was given raises no warning."
 NOT_TESTED = "Not tested: without a noise that is given there is nothing to hold residuals against."
 
@@ -66,15 +59,17 @@ def _pose(registration: SpringRegistration) -> PoseFacts:
     pose, covariance = registration.pose, registration.covariance
     sure = dict(uncertainty_rows(registration))
     told = covariance if BASIS in sure else None
+    moves = registration.problem.motion.translations > 0
     facts = [rotation_fact(pose, told), *axis_facts(pose)]
     if told is not None:
         facts.append(Fact(name="Rotation ±", value="", words=rotation_words(told, "")))
+    if told is not None and moves:
         facts.append(Fact(name="Centre ±", value="", words=two_digits([told.centre_sigma])))
-    facts.append(translation_fact(pose, told))
-    if told is not None:
+    if moves:
+        facts.append(translation_fact(pose, told))
+    if told is not None and moves:
         facts.append(Fact(name="Translation ±", value="", words=shift_words(told, "")))
-    basis = f"± is {sure[BASIS]}. {WHOSE} {NO_PROOF}" if told is not None else ""
-    return pose_facts(registration, facts, basis or f"Uncertainty {sure['uncertainty']}.")
+    return pose_facts(registration, facts, basis_words(registration, WHOSE_TURN + CENTRE * moves))
 
 
 def _fit(registration: SpringRegistration) -> Iterator[Fact]:
@@ -92,15 +87,15 @@ def _judged(registration: SpringRegistration) -> tuple[Mark, str]:
         return warned(registration.fit)
     if registration.fit.chi2 is None:
         return Mark(kind="plain", words="not tested"), NOT_TESTED
-    if spring_warnings(registration, spring_headline_words(registration)):
+    if spring_warnings(registration, headline_words(registration)):
         return Mark(kind="open", words="see the note above"), TESTED
-    return quiet_mark(good=spring_headline_of(registration).good), TESTED
+    return quiet_mark(good=headline_of(registration).good), TESTED
 
 
 def _proved(registration: SpringRegistration) -> Iterator[Fact]:
     solution = registration.solution
     which = "the exact optimum" if solution.unique_rotation else "every optimum"
-    yield from bound_facts(registration, spring_degrees(registration), which)
+    yield from bound_facts(registration, proved_degrees(registration), which)
     if how := how_words(registration):
         yield Fact(name="Proved by", value=how)
     yield from robustness_facts(registration)

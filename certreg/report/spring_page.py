@@ -5,8 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from certreg.registration.headlines import WEAK
-from certreg.registration.spring_headlines import is_green_spring
+from certreg.registration.headlines import WEAK, is_green
 from certreg.registration.spring_result import SpringRegistration
 from certreg.report.any_report import AnyReport, head_of, worst_rows
 from certreg.report.picture import ON_PAGE, shown_words, springs_picture
@@ -21,6 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from certreg.report.viewer import Names
+
 
 CLOUDS = "The target as rings, the source at the pose as dots. The orange lines are the springs"
 WEAK_WORDS = "The certificate that certreg certify writes for these points and springs proves more."
@@ -81,6 +81,6 @@ def _head(report: SpringReport) -> dict[str, Any]:
         further, headline = [headline, *further, WEAK_WORDS], WEAK.said()
     todo, warned = spring_remedies(registration), spring_warnings(registration, headline)
     return {
-        "good": not weak and is_green_spring(registration),
+        "good": not weak and is_green(registration),
         **head_of(headline, further=further, todo=todo, warnings=warned),
     }

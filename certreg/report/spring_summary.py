@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING
 from certreg.exact.decimals import as_given, at_most
 from certreg.exact.dyadic import nearest_or_zero
 from certreg.registration.any_registration import Method
-from certreg.registration.headlines import is_loose, share_words
+from certreg.registration.headlines import headline_words, is_loose, proved_degrees, share_words
 from certreg.registration.loose_turns import axis_words
-from certreg.registration.spring_headlines import spring_degrees, spring_headline_words
 from certreg.registration.weak_shifts import weak_shift_words
 from certreg.report.lines import MEANS, UNMET, number
 from certreg.report.remedies import ADVICE, FIX_TURN
@@ -21,6 +20,7 @@ from certreg.results import Absent, Limits, Optimality
 if TYPE_CHECKING:
     from certreg.registration.spring_result import SpringRegistration
 
+
 NAMES = {
     "plane": "planes",
     "line": "lines",
@@ -29,6 +29,7 @@ NAMES = {
 }
 ONE_OF_MANY = "The pose below is one of those that are as good."
 LEAST_SHIFT = "The pose below is the one of them that moves the source's centre least."
+COUNTS = ("none", "one", "two", "three", "four", "five", "six", "seven", "eight")
 RANKS = {1: "plane", 2: "line", 3: "full spring"}
 HOW = {
     Method.SQUARES: "a sum of squares of degree four",
@@ -65,7 +66,7 @@ def spring_summary(registration: SpringRegistration) -> str:
 
 def spring_verdict_words(registration: SpringRegistration) -> list[str]:
     """What is proved of the pose: a headline, then what else must be said before any number."""
-    lines = [spring_headline_words(registration)]
+    lines = [headline_words(registration)]
     if registration.status is Optimality.NOT_CERTIFIED:
         return lines
     free = registration.solution.freedom
@@ -110,18 +111,19 @@ def soft_words(registration: SpringRegistration) -> str:
 
 
 def few_words(registration: SpringRegistration) -> str:
-    """That there are too few springs for a pose that fits exactly; empty where there are six.
+    """That there are too few springs for a pose that fits exactly; empty where there are enough.
 
     Where every residual L^T r is zero the Hessian is 2 J^T J, J their Jacobian, of a rank that is
     at most the sum of those of the springs. No more is said: five planes that cannot be met may
     single one pose out.
     """
-    problem = registration.problem
+    problem, needed = registration.problem, COUNTS[registration.problem.motion.parameters]
     if problem.degrees_of_freedom >= 0:
         return ""
     return (
         f"the ranks of the springs add up to {problem.observations} (a plane 1, a line 2, a full "
-        "spring 3): a pose that fits exactly needs six at least to be determined to first order"
+        f"spring 3): a pose that fits exactly needs {needed} at least to be determined to first "
+        "order"
     )
 
 
@@ -146,7 +148,7 @@ def _proved_lines(registration: SpringRegistration) -> list[str]:
         return []
     gap = f"{at_most(bounds.greatest_gap)}, {share_words(bounds)}"
     lines = [f"  proved gap        objective - minimum <= {gap}, at the pose below"]
-    degrees = spring_degrees(registration)
+    degrees = proved_degrees(registration)
     if degrees is not None:
         which = "the optimum" if registration.solution.unique_rotation else "every optimum"
         lines.append(f"  proved angle      rotation (wxyz) within {degrees} degrees of {which}")

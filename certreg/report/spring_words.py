@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING
 
 from certreg.exact.decimals import at_least, at_most
 from certreg.registration.any_registration import Method
-from certreg.registration.spring_headlines import spring_degrees
+from certreg.registration.headlines import proved_degrees
+from certreg.report.pose_words import gap_words
 from certreg.report.spring_summary import few_words, how_words, relaxation_words, soft_words
 from certreg.report.words import NOT_CLAIMED, Sentence, robustness_sentences, sentence
 from certreg.results import Guarantee
@@ -16,6 +17,7 @@ if TYPE_CHECKING:
 
     from certreg.registration.spring_result import SpringRegistration
     from certreg.report.spring_listed import Listed
+
 
 RESTS_ON = {
     Method.SQUARES: ("quartic_relaxation", "growth_form"),
@@ -65,19 +67,17 @@ def _optimality(registration: SpringRegistration) -> Iterator[Sentence]:
     bounds, method = registration.bounds, registration.method
     if bounds is None or method is None:
         return
+    motion = registration.problem.motion
+    words = gap_words(motion, "the energy of the springs", bounds.greatest_gap)
     yield Sentence(
-        words=(
-            "Over all rotations and translations: the energy of the springs at the pose given "
-            "below with all digits, by its quaternion and its translation, exceeds the minimum by "
-            f"at most {at_most(bounds.greatest_gap)}. It is proved by {how_words(registration)}."
-        ),
+        words=f"{words} It is proved by {how_words(registration)}.",
         guarantee=Guarantee.EXACT,
-        theorems=(*RESTS_ON[method], "spring_translation"),
+        theorems=(*RESTS_ON[method], *["spring_translation"] * (motion.translations > 0)),
     )
 
 
 def _uniqueness(registration: SpringRegistration) -> Iterator[Sentence]:
-    solution, degrees = registration.solution, spring_degrees(registration)
+    solution, degrees = registration.solution, proved_degrees(registration)
     exact, free = Guarantee.EXACT, solution.freedom
     if words := free.turn_words():
         yield Sentence(words=sentence(words), guarantee=exact)
@@ -106,11 +106,11 @@ def _growth(registration: SpringRegistration) -> Iterator[Sentence]:
     if certificate is None or not certificate.body.growth:
         return
     mu, delta = certificate.body.growth, certificate.body.gap
+    shifted = ", with whatever translation" if registration.problem.motion.translations else ""
     yield Sentence(
         words=(
             "A rotation that is turned by an angle a from the certified one costs at least "
-            f"{at_least(mu)} sin²(a/2) - {at_most(delta)} more, "
-            "with whatever translation."
+            f"{at_least(mu)} sin²(a/2) - {at_most(delta)} more{shifted}."
         ),
         guarantee=Guarantee.EXACT,
         theorems=("growth_form",),

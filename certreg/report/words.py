@@ -11,8 +11,10 @@ from certreg.certificate.bounds import sin2_half_angle_between
 from certreg.exact.decimals import at_most
 from certreg.exact.dyadic import degrees_above, half_angle_bound, rational_root_above
 from certreg.problem.moments import trace
+from certreg.problem.motion import Scale
 from certreg.registration.headlines import proved_degrees
 from certreg.report.lines import bounds_nothing, count_words, margin_words, number
+from certreg.report.pose_words import gap_words
 from certreg.report.robustness import robustness_words
 from certreg.results import Absent, ComponentKind, Guarantee
 
@@ -24,6 +26,7 @@ if TYPE_CHECKING:
     from certreg.registration.agreement import Agreement
     from certreg.registration.any_registration import AnyRegistration
     from certreg.registration.result import Registration
+
 
 THEOREMS = {  # claims of `certreg derive`, by the titles of their pages
     "optimality_certificate": "The optimality certificate",
@@ -116,7 +119,7 @@ def sentences(
 ) -> list[Sentence]:
     """What the page says is known; the checker has accepted what the certificate claims."""
     return [
-        *_optimality(registration),
+        *optimality_sentence(registration),
         *uniqueness_sentences(registration),
         *motion_sentences(registration, body),
         *robustness_sentences(registration, "eigenvector_radius"),
@@ -159,18 +162,20 @@ def weak_words(registration: Registration) -> str:
     )
 
 
-def _optimality(registration: Registration) -> Iterator[Sentence]:
-    bounds = registration.bounds
+def optimality_sentence(registration: Registration) -> Iterator[Sentence]:
+    """Over which motions the pose is proved to be the best, and to within what."""
+    bounds, problem = registration.bounds, registration.problem
     if bounds is None:
         return
+    motion = problem.motion
+    divided = " divided by the scale" if problem.scale is Scale.SYMMETRIC else ""
+    what = f"the sum of weighted squared distances{divided}"
+    theorems = ["optimality_certificate", *["translation_gap"] * (motion.translations > 0)]
+    theorems += ["scale_elimination"] * motion.scaled
     yield Sentence(
-        words=(
-            "Over all rotations and translations: the sum of weighted squared distances at the "
-            "pose given below with all digits, by its quaternion and its translation, exceeds the "
-            f"minimum by at most {at_most(bounds.greatest_gap)}."
-        ),
+        words=gap_words(motion, what, bounds.greatest_gap),
         guarantee=Guarantee.EXACT,
-        theorems=("optimality_certificate", "translation_gap"),
+        theorems=tuple(theorems),
     )
 
 

@@ -13,7 +13,6 @@ import sympy
 
 from certreg.geometry.so3 import body_frame, squared_norm
 from certreg.objective.springs import Springs
-from certreg.problem.moments_of_springs import spring_moments
 from certreg.problem.problem import RegistrationProblem
 
 from ..algebra import combination, facts, identity
@@ -53,7 +52,7 @@ def six_planes() -> Springs:
     """The shipped objective of +-e_j on the plane through the origin with the normal e_j."""
     points = np.array(POINTS, float)
     problem = RegistrationProblem(points, np.zeros((6, 3)), normals=np.abs(points))
-    return Springs(spring_moments(problem))
+    return Springs.of(problem)
 
 
 def proof(curvature: Shipped = Springs.hessian, *, least: int = 2, share: int = 8) -> Proof:

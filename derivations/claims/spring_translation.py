@@ -10,7 +10,6 @@ import numpy as np
 
 from certreg.geometry.so3 import dot, rotation_matrix, squared_norm
 from certreg.objective.springs import Springs
-from certreg.problem.moments_of_springs import spring_moments
 from certreg.problem.problem import RegistrationProblem
 from certreg.verify import CheckedSprings
 
@@ -139,7 +138,7 @@ def _problem(factors: Sequence[Sequence[int]]) -> RegistrationProblem:
 
 
 def _objective(factors: Sequence[Sequence[int]]) -> Springs:
-    return Springs(spring_moments(_problem(factors)))
+    return Springs.of(_problem(factors))
 
 
 def _told(

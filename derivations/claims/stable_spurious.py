@@ -13,7 +13,6 @@ import sympy
 from certreg.geometry.so3 import body_frame, dot
 from certreg.objective.quartics import MONOMIALS
 from certreg.objective.springs import Springs
-from certreg.problem.moments_of_springs import spring_moments
 from certreg.problem.problem import RegistrationProblem
 
 from ..algebra import Square, facts, identity, nonnegative, positive
@@ -59,7 +58,7 @@ def objective_of(planes: Planes) -> Springs:
     """The shipped objective of these planes; each point is its own target."""
     points = np.array([point for point, _ in planes], float)
     normals = np.array([normal for _, normal in planes], float)
-    return Springs(spring_moments(RegistrationProblem(points, points, normals=normals)))
+    return Springs.of(RegistrationProblem(points, points, normals=normals))
 
 
 def energy_of(q: Any) -> Any:

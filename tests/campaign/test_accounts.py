@@ -24,7 +24,7 @@ from certreg.campaign.store import Manifest, digest_of, occupied
 from certreg.campaign.table import Column, write_table
 from certreg.campaign.task import Task, TaskResult
 from certreg.errors import CampaignError, InvalidFileError
-from certreg.registration.any_certification import certify
+from certreg.registration.certification import certify
 from certreg.results import Absent
 
 if TYPE_CHECKING:

@@ -20,7 +20,7 @@ from certreg.campaign.store import Shards, occupied
 from certreg.cli import campaigns
 from certreg.cli.progress import Progress
 from certreg.errors import InvalidFileError
-from certreg.registration.any_certification import certify
+from certreg.registration.certification import certify
 
 if TYPE_CHECKING:
     from pathlib import Path

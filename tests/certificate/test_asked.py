@@ -21,7 +21,7 @@ from certreg.certificate.envelope import KINDS, certificate_bytes
 from certreg.certificate.isotropic import RotationState
 from certreg.errors import InvalidFileError, InvalidProblemError, MissingToolError
 from certreg.problem.problem import RegistrationProblem
-from certreg.registration.any_certification import certify
+from certreg.registration.certification import certify
 from certreg.results import Ruling
 from certreg.verify import KINDS as CHECKED
 from certreg.verify import check

@@ -28,7 +28,7 @@ from certreg.errors import InvalidFileError
 from certreg.exact.dyadic import Dyadic, dyadic_above, dyadic_below
 from certreg.geometry.so3 import squared_norm
 from certreg.objective.springs import Springs
-from certreg.problem.moments_of_springs import spring_moments
+from certreg.problem.motion import Motion
 from certreg.report.reload import report_of
 
 SCHEMAS = resources.files("certreg") / "report" / "schemas"
@@ -37,7 +37,7 @@ SCHEMAS = resources.files("certreg") / "report" / "schemas"
 @cache
 def made(cell: Cell, seed: int = 0) -> Any:
     problem = RegistrationProblem(**statement(instance(cell, seed)))
-    objective = Springs(spring_moments(problem))
+    objective = Springs.of(problem)
     lines = critical_lines(objective.floating_quartic()[0])
     return problem, objective, springs_list_certificate(problem, objective, lines)
 
@@ -102,7 +102,7 @@ def test_the_best_of_a_list_is_unique_where_the_bounds_of_its_energies_are_apart
     def claims(best: Fraction, second: Fraction) -> Any:
         energies = dict(zip(norms, (best, second), strict=True))
         objective: Any = SimpleNamespace(
-            energy=lambda q: energies[squared_norm(q)], unit=Fraction(1, 8)
+            energy=lambda q: energies[squared_norm(q)], unit=Fraction(1, 8), motion=Motion()
         )
         return listing._claimed(objective, charted, 4, list(lines), []).claims
 
@@ -139,7 +139,7 @@ def test_where_lines_are_not_all_apart_there_is_no_list():
     """One wall: a continuum."""
     points = instance(Cell("plane", 20, 0.05), 0).source
     problem = RegistrationProblem(points, points + 0.25, normals=[[1.0, 2.0, 2.0]] * 20)
-    objective = Springs(spring_moments(problem))
+    objective = Springs.of(problem)
     lines = critical_lines(objective.floating_quartic()[0])
 
     assert springs_list_certificate(problem, objective, lines) is None
@@ -150,7 +150,7 @@ def test_where_lines_are_not_all_apart_there_is_no_list():
 def test_multiple_and_infinitely_many_lines_are_never_listed():
     listed: list[str] = []
     for name, problem in degenerate_springs.NAMED.items():
-        objective = Springs(spring_moments(problem()))
+        objective = Springs.of(problem())
         lines = critical_lines(objective.floating_quartic()[0])
         certificate = springs_list_certificate(problem(), objective, lines)
         if certificate is not None:

@@ -25,7 +25,6 @@ from certreg.geometry.so3 import rotation_matrix, squared_norm
 from certreg.objective.isotropic import Isotropic
 from certreg.objective.springs import Springs
 from certreg.problem.moments import exact_moments
-from certreg.problem.moments_of_springs import spring_moments
 from certreg.problem.motion import Scale
 from certreg.problem.problem import RegistrationProblem
 from certreg.results import Limits
@@ -111,7 +110,7 @@ def springs() -> tuple[RegistrationProblem, Springs]:
     x, y = instance().source, instance().target
     factors = np.tile(np.diag([1.0, 2.0, 3.0]), (6, 1, 1))
     problem = RegistrationProblem(x, y, factors=factors)
-    return problem, Springs(spring_moments(problem))
+    return problem, Springs.of(problem)
 
 
 def test_the_energy_of_general_springs_is_the_sum_of_their_squares():

@@ -14,7 +14,6 @@ from scipy.spatial.transform import Rotation
 from certreg.certificate.envelope import Certificate
 from certreg.certificate.producing_springs import springs_certificate
 from certreg.objective.springs import Springs
-from certreg.problem.moments_of_springs import spring_moments
 from certreg.problem.problem import RegistrationProblem
 from certreg.relaxation.optimum import find_optimum
 from certreg.verify import Movable, RefusalError, check
@@ -28,7 +27,7 @@ CELLS = [
 
 
 def optimum_of(problem):
-    objective = Springs(spring_moments(problem))
+    objective = Springs.of(problem)
     return objective, find_optimum(objective)
 
 

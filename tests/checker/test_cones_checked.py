@@ -20,7 +20,6 @@ from exact_springs import LEAST, RANGE, choi_lam, perturbed, two_optima
 from certreg.certificate.cones import cones_body
 from certreg.exact.dyadic import Dyadic, dyadic_above, dyadic_below
 from certreg.objective.springs import Springs
-from certreg.problem.moments_of_springs import spring_moments
 from certreg.problem.problem import RegistrationProblem
 from certreg.relaxation.optimum import find_optimum
 
@@ -42,7 +41,7 @@ def document(problem: RegistrationProblem, body: Any) -> dict[str, Any]:
 
 @cache
 def objective_of(name: str) -> Springs:
-    return Springs(spring_moments(problem_of(name)))
+    return Springs.of(problem_of(name))
 
 
 @cache
@@ -301,7 +300,7 @@ def test_an_optimum_is_not_tied_with_itself():
     """Exact planes through exact points: the identity is stationary, and the only optimum."""
     points = np.random.default_rng(1).integers(-4, 5, size=(12, 3)).astype(float)
     problem = RegistrationProblem(points, points, normals=np.tile(np.eye(3), (4, 1)))
-    body: Any = cones_body(Springs(spring_moments(problem)), [(1, 0, 0, 0)]).body
+    body: Any = cones_body(Springs.of(problem), [(1, 0, 0, 0)]).body
     alone = document(problem, body)
     alone["claims"] |= {"unique": False, "sin2_half_angle": None}
     alone["proof"]["mu"] = [0, 0]

@@ -31,8 +31,8 @@ from certreg.cli import certified_clouds, registering
 from certreg.cli import main as cli
 from certreg.io.problems import read_problem
 from certreg.registration import agreement
-from certreg.registration import certification as pipeline
 from certreg.registration import examples as demo
+from certreg.registration import linear as pipeline
 from certreg.registration.headlines import CERTIFIED
 from certreg.results import Ruling, Verdict
 
@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from numpy.typing import NDArray
+
 
 CHECKER = Path(package.__file__).parent / "verify.py"
 COMMANDS = (

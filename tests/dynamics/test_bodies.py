@@ -12,11 +12,12 @@ from certreg.dynamics.integrators import SimulationSettings
 from certreg.dynamics.simulation import simulate
 from certreg.errors import InvalidProblemError
 from certreg.native.loops import Integrator
-from certreg.registration.simulation import objective_of
+from certreg.objective.objective import objective_of
 from certreg.results import Absent
 
 if TYPE_CHECKING:
     from certreg.dynamics.trajectory import Trajectory
+
 
 RNG = np.random.default_rng(21)
 SOURCE = RNG.normal(size=(9, 3))

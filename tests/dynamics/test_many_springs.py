@@ -14,7 +14,6 @@ from certreg.dynamics.simulation import simulate
 from certreg.errors import DegenerateProblemError, InvalidProblemError
 from certreg.native.loops import Integrator
 from certreg.objective.springs import Springs
-from certreg.problem.moments_of_springs import spring_moments
 
 COUNT = 3
 CELL = spring_families.Cell("plane", 20, 0.05)
@@ -29,7 +28,7 @@ def test_each_of_many_bodies_ends_where_it_does_alone(integrator):
 
     for k, one in enumerate(MADE):
         problem = RegistrationProblem(one.source, one.target, normals=one.springs["normals"])
-        objective = Springs(spring_moments(problem))
+        objective = Springs.of(problem)
         alone = simulate(objective, problem.damping, Integrator(integrator))
         assert alone.at_rest is bool(ends.at_rest[k])
         assert abs(int(alone.steps) - int(ends.steps[k])) <= 1

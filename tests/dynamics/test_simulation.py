@@ -35,11 +35,12 @@ from certreg.problem.lifting import lift
 from certreg.problem.moments import exact_moments
 from certreg.problem.problem import RegistrationProblem
 from certreg.registration.agreement import require_sound_trajectory
-from certreg.registration.any_certification import certify
-from certreg.registration.certification import certified
+from certreg.registration.certification import certify
 from certreg.registration.examples import STORIES, tell
 from certreg.registration.exit_codes import DONE, code_of_registration
+from certreg.registration.pipeline import Asked
 from certreg.registration.simulation import final_state
+from certreg.registration.squares import certified_squares
 from certreg.report.document import result_document
 from certreg.report.summary import registration_summary
 from certreg.results import Optimality
@@ -259,7 +260,8 @@ def test_a_body_that_weak_springs_leave_far_away_contradicts_nothing():
         source, 1e-5 * source @ random_rotation(rng).T, damping=math.sqrt(8.0)
     )
     few = SimulationSettings(max_steps=1000)
-    registration: Any = certified(problem, relaxation=False, integrator="euler", settings=few)
+    asked = Asked(simulation=Integrator.EULER, settings=few)
+    registration: Any = certified_squares(problem, asked)
     words, document = registration_summary(registration), result_document(registration)
 
     assert registration.status is Optimality.CERTIFIED

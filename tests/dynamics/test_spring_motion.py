@@ -48,7 +48,7 @@ def matrices(n: int = 9, seed: int = 1) -> RegistrationProblem:
 
 
 def objective_of(problem: RegistrationProblem) -> Springs:
-    return Springs(spring_moments(problem))
+    return Springs.of(problem)
 
 
 def any_state(seed: int) -> Any:

@@ -28,7 +28,6 @@ from certreg.geometry.so3 import davenport_matrix, rotation_matrix
 from certreg.objective.polynomials import multiplier_system
 from certreg.objective.springs import Springs
 from certreg.problem.moments import exact_moments
-from certreg.problem.moments_of_springs import spring_moments
 from certreg.problem.problem import RegistrationProblem
 
 FOLDER = os.environ.get("CERTREG_ORACLES")
@@ -161,7 +160,7 @@ def springs(seed):
         pytest.skip("half a minute each: make test-oracles")
     cell = spring_families.LISTED[seed % len(spring_families.LISTED)]
     stated = spring_families.statement(spring_families.instance(cell, seed))
-    objective = Springs(spring_moments(RegistrationProblem(**stated)))
+    objective = Springs.of(RegistrationProblem(**stated))
     found = search(objective, "homotopy").critical
     assert isinstance(found, LineSet)
     return objective.quartic, found

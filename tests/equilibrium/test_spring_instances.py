@@ -20,7 +20,6 @@ from certreg.equilibrium.presentation import unit_double
 from certreg.errors import InvalidProblemError
 from certreg.geometry.so3 import rotation_matrix
 from certreg.objective.springs import Springs
-from certreg.problem.moments_of_springs import spring_moments
 from certreg.results import Guarantee
 
 EACH = 2  # problems of a family
@@ -42,7 +41,7 @@ def instances(cell):
 def listed_alone(one) -> Any:
     """The proved list of one instance, by itself."""
     problem = RegistrationProblem(one.source, one.target, **one.springs)
-    return search(Springs(spring_moments(problem)), "homotopy").critical
+    return search(Springs.of(problem), "homotopy").critical
 
 
 @pytest.mark.one_in(4)

@@ -38,7 +38,6 @@ from certreg.objective.levelling import levelled_exactly, norm_fourth
 from certreg.objective.quartics import MONOMIALS, gradient
 from certreg.objective.springs import Springs
 from certreg.problem.moments import exact_moments
-from certreg.problem.moments_of_springs import spring_moments
 from certreg.results import Guarantee
 
 CLOUDS = (degenerate_springs.POINTS, np.asarray(degenerate_springs.isotropic().target))
@@ -50,9 +49,9 @@ RANKS = import_module("certreg.equilibrium.line_ranks")
 def objective(name):
     """Of a degenerate configuration by name, or of a random problem by the number of its cell."""
     if isinstance(name, str):
-        return Springs(spring_moments(degenerate_springs.NAMED[name]()))
+        return Springs.of(degenerate_springs.NAMED[name]())
     made = spring_families.instance(spring_families.LISTED[name], 0)
-    return Springs(spring_moments(RegistrationProblem(**spring_families.statement(made))))
+    return Springs.of(RegistrationProblem(**spring_families.statement(made)))
 
 
 @functools.cache
@@ -274,10 +273,8 @@ def test_a_line_counts_once_where_two_paths_end_at_it(monkeypatch):
 
 
 def test_an_energy_that_is_constant_has_every_rotation():
-    springs = Springs(
-        spring_moments(
-            RegistrationProblem(np.zeros((2, 3)), np.eye(3)[:2], factors=np.eye(6)[[0, 0]])
-        )
+    springs = Springs.of(
+        RegistrationProblem(np.zeros((2, 3)), np.eye(3)[:2], factors=np.eye(6)[[0, 0]])
     )
     found = checked(search(springs, "homotopy").critical)
 
@@ -377,7 +374,7 @@ def twins_of_springs(off: float) -> Springs:
     target[0, 0] = off
     source = np.vstack([x, x * [-1.0, -1.0, 1.0]])
     stated = RegistrationProblem(source, target, normals=np.vstack([normals, normals]))
-    return Springs(spring_moments(stated))
+    return Springs.of(stated)
 
 
 @pytest.mark.slow

@@ -19,6 +19,7 @@ import certreg
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+
 PACKAGE = Path(certreg.__file__).parent
 verify = import_module("certreg.verify")
 
@@ -46,8 +47,8 @@ WINGS = (
     "__main__",
 )
 FOLDERS_OF_DATA = {"data"}
-FINDERS = ("objective", "equilibrium", "relaxation")
-PROVERS = ("certificate", "verify")  # the only places that speak of proof
+FINDING = ("objective", "equilibrium", "relaxation")
+PROVING = ("certificate", "verify")  # the only places that speak of proof
 INNER_IMPORTS = 4  # within functions, each with its reason beside it
 
 
@@ -206,7 +207,7 @@ def test_no_modules_import_one_another_in_a_circle():
 def test_a_planted_upward_import_is_seen():
     planted = sources()
     planted["certreg.problem.moments"] += (
-        "\nfrom certreg.registration.any_certification import certify\n"
+        "\nfrom certreg.registration.certification import certify\n"
     )
     planted["certreg.geometry.so3"] += "\ndef f():\n    import certreg.problem.moments\n"
     planted["certreg.exact.balls"] += (
@@ -216,7 +217,7 @@ def test_a_planted_upward_import_is_seen():
     assert upward(planted) == [
         "certreg.exact.balls imports certreg.problem.moments.Moments",
         "certreg.geometry.so3 imports certreg.problem.moments",
-        "certreg.problem.moments imports certreg.registration.any_certification.certify",
+        "certreg.problem.moments imports certreg.registration.certification.certify",
     ]
 
 
@@ -350,8 +351,8 @@ def test_a_section_of_the_checker_is_read_beside_the_common_part_alone():
 
 def test_finding_does_not_know_proving():
     for one in all_imports(sources()):
-        if wing(one.by + ".") in FINDERS:
-            assert wing(one.source + ".") not in PROVERS, str(one)
+        if wing(one.by + ".") in FINDING:
+            assert wing(one.source + ".") not in PROVING, str(one)
 
 
 @pytest.mark.slow

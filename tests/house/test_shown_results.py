@@ -26,6 +26,7 @@ from certreg.results import REPR_LENGTH
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+
 DATA = Path(certreg.__file__).parent / "data"
 FILES = (DATA / "survey_source.csv", DATA / "survey_target.csv")
 DEPTH = 8  # of attributes of attributes
@@ -233,12 +234,12 @@ def test_save_writes_what_the_command_writes(registration, tmp_path):
 def test_report_writes_one_page_and_refuses_where_there_is_no_certificate(
     registration, problem, tmp_path, monkeypatch
 ):
-    from certreg.registration import certification
+    from certreg.registration import linear
 
     page = registration.report(tmp_path / "page.html")
     assert page.read_bytes().startswith(b"<!doctype html>")
 
-    monkeypatch.setattr(certification, "produce", lambda *_, **__: None)
+    monkeypatch.setattr(linear, "produce", lambda *_, **__: None)
     bare = certreg.certify(problem, relaxation=False, simulation=False)
     with pytest.raises(certreg.CertregError, match=r"other\.html: not written: there is no cert"):
         bare.report(tmp_path / "other.html")

@@ -15,7 +15,7 @@ from campaign_work import InProcess, finish, tree
 from commands import certreg as run_command
 
 from certreg.campaign.store import MANIFEST, SHARDS
-from certreg.campaign.table import SUMMARY
+from certreg.campaign.table import SUMMARY, records_bytes
 from certreg.cli import reproducing
 from certreg.cli.reproducing import LARGEST_RUNS
 from certreg.errors import InvalidFileError, InvalidProblemError
@@ -33,7 +33,7 @@ from certreg.paper.spring_maps import (
     SpringCounts,
     SpringObservation,
     measured,
-    spring_table,
+    spring_rows,
 )
 
 if TYPE_CHECKING:
@@ -72,7 +72,7 @@ def test_a_campaign_sees_what_is_seen_in_one_process(whole):
     expected = tuple(measured(cell, 5, 3) for cell in CELLS)
 
     assert counts == expected
-    assert spring_table(counts) == spring_table(expected)
+    assert records_bytes(spring_rows(counts)) == records_bytes(spring_rows(expected))
     assert len({seen for each in counts for seen in each.seen}) > 1  # a row knows its instance
 
 

@@ -22,10 +22,10 @@ from certreg.problem.exact_sums import (
     EMPTY,
     FACTORS,
     UPPER,
+    WEIGHTED,
     SumMethod,
     fastest_method,
     second_method,
-    sums,
     sums_by,
 )
 from certreg.problem.moments import exact_moments, moments_of
@@ -98,7 +98,7 @@ def test_the_integers_do_not_depend_on_how_the_points_are_divided(problem):
     for one in (exact_sums._by_integers, exact_sums._by_few_limbs):
         parts = [one(problem.block(row)) for row in rows]
 
-        assert sum(parts, start=EMPTY) == sum(reversed(parts), start=EMPTY) == sums(problem)
+        assert sum(parts, start=EMPTY) == sum(reversed(parts), start=EMPTY) == WEIGHTED.of(problem)
 
 
 @pytest.mark.one_in(4)

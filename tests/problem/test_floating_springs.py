@@ -10,7 +10,6 @@ from certreg.native.library import library_if_any
 from certreg.objective.springs import Springs
 from certreg.problem import floating_springs
 from certreg.problem.floating_springs import floating_spring_moments
-from certreg.problem.moments_of_springs import spring_moments
 from certreg.problem.problem import RegistrationProblem
 
 ROUNDING = 1e-12  # of the largest entry of the form; 1000 points
@@ -25,7 +24,7 @@ def problem_of(n=1000, *, scale=1.0, stiff=1.0, offset=0.0, seed=3):
 def worst_entry(problem):
     """The largest difference of both forms, over the largest entry of the exact one."""
     found = floating_spring_moments(problem)
-    exact, unit = Springs(spring_moments(problem)).floating_form()
+    exact, unit = Springs.of(problem).floating_form()
     own = power_of_two(found.weight_exponent + 2 * found.length_exponent)
     worth = float(unit / own)
     return np.abs(found.form / worth - exact).max() / np.abs(exact).max()

@@ -43,7 +43,7 @@ LOSSES: dict[Loss, dict[str, Any]] = {
     Loss.CONSENSUS: {"max_residual": 0.3},
     Loss.TRUNCATED: {"max_residual": 0.3, "objective": "truncated"},
 }
-ACCEPTED = 15  # of 60; a cell that opens, or closes, changes this number knowingly
+ACCEPTED = 18  # of 60; a cell that opens, or closes, changes this number knowingly
 CELLS = list(itertools.product(DATA, MOTIONS, LOSSES))
 
 

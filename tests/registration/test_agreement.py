@@ -18,7 +18,7 @@ from certreg.problem.lifting import lift
 from certreg.problem.moments import floating_moments
 from certreg.problem.problem import RegistrationProblem
 from certreg.registration.agreement import CLOSED_FORM_LOSS
-from certreg.registration.any_certification import certify
+from certreg.registration.certification import certify
 from certreg.registration.closed_form import arun, horn
 
 if TYPE_CHECKING:

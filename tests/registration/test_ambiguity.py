@@ -11,8 +11,8 @@ from strategies import random_rotation
 from certreg.problem.problem import RegistrationProblem
 from certreg.registration import headlines as listed
 from certreg.registration.ambiguity import NEARLY_AMBIGUOUS, PAIRS_IN_DOUBT
-from certreg.registration.any_certification import certify
 from certreg.registration.assessment import assess
+from certreg.registration.certification import certify
 from certreg.registration.enumeration import equilibria
 from certreg.registration.headlines import headline_of
 from certreg.registration.outlying import independent_rows

@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 
 import certreg
 from certreg.dynamics.integrators import SimulationSettings
-from certreg.registration import certification
+from certreg.registration import linear
 from certreg.registration.consensus import ConsensusRegistration
 from certreg.registration.row_names import RowNames
 from certreg.registration.truncated import TruncatedRegistration
@@ -80,7 +80,7 @@ def solvers(monkeypatch) -> list[str]:
         asked.append(str(solver))
         return relax(objective)
 
-    monkeypatch.setattr(certification, "relax", relaxed)
+    monkeypatch.setattr(linear, "relax", relaxed)
     return asked
 
 

@@ -14,7 +14,7 @@ from commands import certreg, write_csv
 
 from certreg.problem.problem import RegistrationProblem
 from certreg.registration import headlines as listed
-from certreg.registration.any_certification import certify
+from certreg.registration.certification import certify
 from certreg.registration.exit_codes import FitDemands, code_of_registration
 from certreg.registration.headlines import headline_of
 from certreg.report.document import result_document

@@ -12,8 +12,8 @@ from strategies import random_problem
 from benchmarks.rates.hard_instances import FAMILIES, outcome
 from certreg.dynamics.integrators import SimulationSettings
 from certreg.problem.problem import RegistrationProblem
-from certreg.registration.certification import simulate
 from certreg.registration.exit_codes import DONE, NOT_CERTIFIED
+from certreg.registration.simulation import simulate
 from certreg.results import Optimality
 
 

@@ -28,12 +28,10 @@ from certreg.objective.isotropic import Isotropic
 from certreg.problem.moments import exact_moments
 from certreg.problem.problem import RegistrationProblem
 from certreg.registration import headlines as listed
-from certreg.registration import spring_headlines as of_general
-from certreg.registration.any_certification import certify
 from certreg.registration.assessment import assess
+from certreg.registration.certification import certify
 from certreg.registration.exit_codes import code_of_registration
 from certreg.registration.headlines import HEADLINES, headline_of, headline_words
-from certreg.registration.spring_headlines import SPRING_HEADLINES
 from certreg.report.document import result_document
 from certreg.report.page import Report
 from certreg.report.pages import html_page
@@ -42,6 +40,7 @@ from certreg.results import Limits, Optimality
 
 if TYPE_CHECKING:
     from certreg.registration.result import Registration
+
 
 SCHEMAS = Path(__file__).parents[2] / "certreg" / "report" / "schemas"
 CLAIMS = Path(__file__).parents[2] / "derivations" / "claims"
@@ -325,9 +324,8 @@ CLAIM = re.compile(r"\[(\w+)\]\(\.\./proofs/\1\.md\)")
 def test_the_page_of_headlines_is_that_of_the_program():
     text = re.sub(OTHERS, "", PAGE.read_text("utf-8"))
     rows = {match["line"]: match for match in ROW.finditer(text)}
-    listed_headlines = (*HEADLINES, *SPRING_HEADLINES)
-    assert list(rows) == [f"{one.stamp}: {one.words}" for one in listed_headlines]
-    for headline, row in zip(listed_headlines, rows.values(), strict=True):
+    assert list(rows) == [f"{one.stamp}: {one.words}" for one in HEADLINES]
+    for headline, row in zip(HEADLINES, rows.values(), strict=True):
         names = re.findall(r"`([\w.]+)`|\[(\w+)\]", row["rests"])
         assert [field or claim for field, claim in names] == list(headline.rests_on)
         assert int(row["code"]) == headline.code
@@ -336,8 +334,7 @@ def test_the_page_of_headlines_is_that_of_the_program():
 def test_the_page_says_of_every_brace_how_it_is_rounded():
     text = PAGE.read_text("utf-8").split("## The numbers in braces")[1].split("## ")[0]
     listed_braces = re.findall(r"`\{(\w+)\}`", text)
-    told = (*HEADLINES, *SPRING_HEADLINES)
-    braces = {name for one in told for name in re.findall(r"\{(\w+)\}", one.words)}
+    braces = {name for one in HEADLINES for name in re.findall(r"\{(\w+)\}", one.words)}
     bounds = next(row for row in text.splitlines() if "`{gap}`" in row)
 
     assert sorted(listed_braces) == sorted(braces)
@@ -355,14 +352,11 @@ def test_every_headline_is_listed():
 
     assert defined | of_poses == set(HEADLINES)
     assert len(HEADLINES) == len(set(HEADLINES))
-    told = vars(of_general).values()
-    of_springs = {value for value in told if isinstance(value, listed.Headline)}
-    assert of_springs - set(HEADLINES) == set(SPRING_HEADLINES)
 
 
 def test_a_headline_rests_on_claims_and_figures_that_exist():
     schemas = [json.loads((SCHEMAS / f"certreg-{n}-1.json").read_text("utf-8")) for n in KINDS]
-    for headline in (*HEADLINES, *SPRING_HEADLINES):
+    for headline in HEADLINES:
         for name in headline.rests_on:
             figure = any(has_path(schema, name.split(".")) for schema in schemas)
             assert figure or (CLAIMS / f"{name}.py").exists(), name
@@ -388,7 +382,7 @@ def test_green_is_only_what_is_certified_unique_and_far_from_a_tie():
 
 
 def test_no_headline_says_more_than_its_numbers():
-    for headline in (*HEADLINES, *SPRING_HEADLINES):
+    for headline in HEADLINES:
         assert "this is the global optimum" not in headline.words.lower()
         assert "no other" not in headline.words
         optimum = "global optimum" in headline.words

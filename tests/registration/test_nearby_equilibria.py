@@ -19,8 +19,8 @@ from springs_certified import moved_springs
 from certreg.geometry.given import GivenPose
 from certreg.problem.problem import RegistrationProblem
 from certreg.registration import valley
-from certreg.registration.any_certification import certify
 from certreg.registration.assessment import assess
+from certreg.registration.certification import certify
 from certreg.registration.exit_codes import NOT_CERTIFIED
 from certreg.registration.findings import AssessmentSettings
 from certreg.registration.nearby_equilibrium import TIE, NearbyEquilibrium
@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from certreg.registration.valley import SimulatedSprings
+
 
 OPEN = "; whether its rotation is as good as the best found is not decided."
 AT_REST = "The body is at rest (slower than the tolerance)"

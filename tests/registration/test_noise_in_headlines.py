@@ -14,8 +14,8 @@ from strategies import random_rotation
 
 from certreg.problem.problem import RegistrationProblem
 from certreg.registration import headlines as listed
-from certreg.registration.any_certification import certify
 from certreg.registration.assessment import assess
+from certreg.registration.certification import certify
 from certreg.registration.findings import FIT_WARNED, SigmaDistance, rules_out
 from certreg.registration.headlines import headline_words, is_green, is_loose
 from certreg.registration.misfits import LEVEL

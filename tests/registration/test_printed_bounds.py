@@ -15,7 +15,7 @@ from test_truncated_results import certified as certified_rotation
 
 from certreg.exact.dyadic import root_above
 from certreg.problem.problem import RegistrationProblem
-from certreg.registration.any_certification import certify
+from certreg.registration.certification import certify
 from certreg.registration.scaled_consensus import ranges_words
 from certreg.registration.weak_shifts import WeakShift, weak_shift_words
 from certreg.report.summary import registration_summary

@@ -13,8 +13,8 @@ from exact_springs import two_optima
 
 from certreg.equilibrium.paths import critical_lines
 from certreg.problem.problem import RegistrationProblem
-from certreg.registration.any_certification import certify
 from certreg.registration.assessment import assess
+from certreg.registration.certification import certify
 from certreg.registration.covariance import OF_SPRINGS, covariance_at
 from certreg.registration.freedom import Freedom
 from certreg.report.pages import html_page, report_on

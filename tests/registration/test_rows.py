@@ -18,7 +18,7 @@ from certreg.problem import arrays as problems
 from certreg.problem.posing import PosedPairs
 from certreg.problem.problem import RegistrationProblem
 from certreg.registration import misfits, outlying
-from certreg.registration.any_certification import certify
+from certreg.registration.certification import certify
 from certreg.registration.misfits import FitCode
 from certreg.registration.motions import RigidMotion, WeightedPairs
 from certreg.registration.outlying import LISTED, OtherPairing, RowFit, row_fit

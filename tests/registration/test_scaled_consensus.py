@@ -15,7 +15,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import certreg
-from certreg.certificate.scaled_consensus import NONE, OPEN
+from certreg.certificate.consensus import NONE, OPEN
 from certreg.errors import InvalidProblemError
 from certreg.exact.dyadic import Dyadic
 from certreg.registration.consensus import ConsensusRegistration

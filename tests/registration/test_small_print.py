@@ -24,9 +24,9 @@ from certreg.problem.problem import RegistrationProblem
 from certreg.registration import misfits
 from certreg.registration.agreement import agreement, require_sound_trajectory
 from certreg.registration.ambiguity import narrow_words
-from certreg.registration.any_certification import certify
 from certreg.registration.assessment import NO_SLIP, NOT_TRIED, judged
 from certreg.registration.assessment_words import words_of_pose
+from certreg.registration.certification import certify
 from certreg.registration.closed_form import register
 from certreg.registration.covariance import effective_rows
 from certreg.registration.exit_codes import worst
@@ -42,6 +42,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from certreg.registration.result import Registration
+
 
 RNG = np.random.default_rng(31)
 SOURCE = RNG.standard_normal((9, 3)) * [3.0, 2.0, 1.0]

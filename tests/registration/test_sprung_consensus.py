@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
     from certreg.registration.consensus import ConsensusRegistration
 
+
 N = 24
 
 
@@ -73,7 +74,7 @@ def test_labels_are_those_of_points_and_the_fit_that_of_the_springs_alone(seeds:
         points = certified(given)
         assert found.labels == points.labels
         assert found.found.witness == points.found.witness
-        assert found.found.stages == points.found.stages
+        assert found.found.pieces == points.found.pieces
         rows = found.inliers
         kept = {name: values[rows] for name, values in springs(seed).items()}
         alone = certreg.certify(given.source[rows], given.target[rows], **kept)

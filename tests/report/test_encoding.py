@@ -100,7 +100,13 @@ def test_a_result_explains_exactly_what_is_none_and_can_be_missing(specimen: Spe
         missing = {
             name for name in dir(one) if not name.startswith("_") and getattr(one, name) is None
         }
-        unexplained = {"verdict", "doubt", "trajectory", "untested"}  # no fields of a document
+        unexplained = {
+            "verdict",
+            "doubt",
+            "freedom",
+            "trajectory",
+            "untested",
+        }  # no fields of a document
         assert missing - unexplained - later == set(one.absent)
         assert all(one.stated(name) is why for name, why in one.absent.items())
 

@@ -18,10 +18,9 @@ from strategies import random_rotation
 from certreg.campaign.pairs import PAIR_COLUMNS
 from certreg.geometry.orthogonality import why_no_rotation
 from certreg.problem.problem import RegistrationProblem
-from certreg.registration.any_certification import certify
 from certreg.registration.assessment import assess
-from certreg.registration.certification import simulate
-from certreg.registration.simulation import proved_end
+from certreg.registration.certification import certify
+from certreg.registration.simulation import proved_end, simulate
 from certreg.report import lines
 from certreg.report.any_report import ASSETS
 from certreg.report.judged_pose import assessment_summary

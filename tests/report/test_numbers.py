@@ -17,8 +17,8 @@ from certreg.dynamics.body import SimulationStatus
 from certreg.exact.decimals import at_least, at_most
 from certreg.problem.problem import RegistrationProblem
 from certreg.registration.agreement import Agreement
-from certreg.registration.any_certification import certify
 from certreg.registration.assessment import assess
+from certreg.registration.certification import certify
 from certreg.registration.enumeration import enumerated
 from certreg.registration.headlines import interval_words
 from certreg.report import thinning
@@ -33,6 +33,7 @@ from certreg.report.words import MethodAngles
 
 if TYPE_CHECKING:
     from certreg.registration.result import Registration
+
 
 AXES = np.vstack([np.diag([3.0, 2.0, 1.0]), -np.diag([3.0, 2.0, 1.0])])
 PI_BELOW = Fraction(314159265358979323846, 10**20)

@@ -26,7 +26,7 @@ from certreg.campaign import pairs
 from certreg.campaign.listing import read_listing
 from certreg.problem import arrays
 from certreg.problem.problem import RegistrationProblem
-from certreg.registration.any_certification import certify
+from certreg.registration.certification import certify
 from certreg.report.cards import registration_card
 from certreg.report.document import pose_document, result_document
 from certreg.report.lines import number

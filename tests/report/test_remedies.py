@@ -13,8 +13,8 @@ from commands import checked
 from certreg.problem.bounds import MOST_PAIRS
 from certreg.problem.problem import RegistrationProblem
 from certreg.registration.ambiguity import NEARLY_AMBIGUOUS
-from certreg.registration.any_certification import certify
 from certreg.registration.assessment import assess
+from certreg.registration.certification import certify
 from certreg.registration.misfits import PROVE_WRONG
 from certreg.report.cards import registration_card
 from certreg.report.document import result_document

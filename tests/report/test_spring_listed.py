@@ -15,7 +15,7 @@ from test_spring_page import registered, words_of
 from certreg.errors import MissingToolError
 from certreg.problem.problem import RegistrationProblem
 from certreg.registration import spring_release
-from certreg.registration.any_certification import certify
+from certreg.registration.certification import certify
 from certreg.report import spring_listed
 from certreg.report.pages import html_page
 from certreg.report.spring_listed import Listed, listed

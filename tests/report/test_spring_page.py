@@ -15,7 +15,7 @@ from jsonschema import Draft202012Validator
 from spring_families import line, plane
 
 from certreg.problem.problem import RegistrationProblem
-from certreg.registration.any_certification import certify
+from certreg.registration.certification import certify
 from certreg.report.document import dumps, pose_document, result_document
 from certreg.report.pages import html_page
 from certreg.report.reload import report_of

@@ -22,8 +22,8 @@ from strategies import AXES, LINE, SQUARE, TALL, TETRAHEDRON, random_problem
 from certreg.certificate.isotropic import RotationState
 from certreg.errors import CertregError
 from certreg.problem.problem import RegistrationProblem
-from certreg.registration.any_certification import certify
 from certreg.registration.assessment import assess
+from certreg.registration.certification import certify
 from certreg.report import lines, words
 from certreg.report.judged_pose import assessment_summary
 from certreg.report.overview import aligned

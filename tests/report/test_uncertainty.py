@@ -15,7 +15,7 @@ from scipy.stats import chi2
 from strategies import TETRAHEDRON
 
 from certreg.problem.problem import RegistrationProblem
-from certreg.registration.any_certification import certify
+from certreg.registration.certification import certify
 from certreg.registration.fit import ChiSquared
 from certreg.registration.loose_turns import LOOSE_SIGMA
 from certreg.registration.misfits import FitCode

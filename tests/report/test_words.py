@@ -13,8 +13,8 @@ import pytest
 from strategies import ZOO
 
 from certreg import RegistrationProblem
-from certreg.registration.any_certification import certify
 from certreg.registration.assessment import assess
+from certreg.registration.certification import certify
 from certreg.registration.enumeration import equilibria
 from certreg.report.lines import count_words, equilibria_words
 from certreg.report.page import Report

@@ -18,10 +18,11 @@ from scipy.spatial.transform import Rotation
 from certreg.geometry.given import given_pose
 from certreg.problem.motion import MAX_DAMPING, MIN_DAMPING
 from certreg.problem.problem import RegistrationProblem
-from certreg.registration.any_certification import certify
 from certreg.registration.assessment import judged
-from certreg.registration.certification import CROSS_CHECK, simulate
+from certreg.registration.certification import certify
 from certreg.registration.enumeration import enumerated
+from certreg.registration.linear import CROSS_CHECK
+from certreg.registration.simulation import simulate
 from certreg.report import any_report, lines, methods, page, summary, thinning, viewer
 from certreg.report.cards import assessment_card, registration_card
 from certreg.report.document import NOT_A_BOUND, assessment_document, result_document

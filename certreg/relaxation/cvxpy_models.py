@@ -1,6 +1,13 @@
 """The semidefinite programs in CVXPY's words, for any solver that it finds installed.
 
 Beside the road of `conic`, which makes the same cones by itself: another solver is another witness.
+
+That of a quartic on unit quaternions: minimise L(F) over linear functions L of the 35 monomials
+with L(|q|^4) = 1 whose 10x10 matrix of moments L(m m^T), m the products q_i q_j, is positive
+semidefinite. The dual is the largest value v with F - v |q|^4 = m^T G m for a positive semidefinite
+G: sums of squares of degree four. It is the relaxation in the ten entries of r = (1, vec R) by all
+21 quadratics of a rotation, as m and r are linear in each other and both have 20 dimensions of
+quadratics that vanish.
 """
 
 from __future__ import annotations
@@ -13,6 +20,8 @@ import numpy as np
 
 from certreg._loading import library
 from certreg.errors import MissingToolError
+from certreg.objective.levelling import norm_fourth
+from certreg.objective.quartics import MONOMIALS, PAIRS
 from certreg.relaxation.conic import ConicSolution, RelaxationStatus, named, status_of
 from certreg.relaxation.qcqp import RelaxationForm, quadratic_program
 
@@ -24,21 +33,26 @@ WHO = "a solver of your choice"
 OPTIONS: dict[str, dict[str, Any]] = {
     "SCS": {"eps_abs": 1e-9, "eps_rel": 1e-9, "max_iters": 100_000},
 }
+SIZE = len(PAIRS)
+PLACES = np.array(
+    [[MONOMIALS.index(tuple(sorted((*one, *other)))) for other in PAIRS] for one in PAIRS]
+)  # (10, 10): which monomial each entry of m m^T is
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class StatedRelaxation:
+class StatedProgram:
     """A program in CVXPY's words.
 
-    cross_covariance: the parameter C, (3, 3). solution: the variable Z, (n, n).
+    data: the parameter. matrix: of variables, positive semidefinite. constraints of the problem:
+    the normalisation first, the cone last.
     """
 
     problem: Any
-    cross_covariance: Any
-    solution: Any
+    data: Any
+    matrix: Any
 
 
-def statement(form: RelaxationForm) -> StatedRelaxation:
+def statement(form: RelaxationForm) -> StatedProgram:
     """Maximise <F, Z> / multiple, <N, Z> = 1, <A, Z> = 0 for every quadratic A, Z >= 0, over Z.
 
     With Z = v v^T this is the quadratic program; what is relaxed is that Z has rank one.
@@ -58,25 +72,37 @@ def statement(form: RelaxationForm) -> StatedRelaxation:
         Z >> 0,
     ]
     problem = modelling.Problem(modelling.Maximize(objective / program.multiple), constraints)
-    return StatedRelaxation(problem=problem, cross_covariance=C, solution=Z)
+    return StatedProgram(problem=problem, data=C, matrix=Z)
 
 
-def solve_stated(form: RelaxationForm, C: NDArray[np.float64], solver: str) -> ConicSolution:
+def quartic_statement() -> StatedProgram:
+    """Minimise <F, y>, <|q|^4, y> = 1, the matrix of the moments y positive semidefinite."""
+    modelling = library("cvxpy", WHO)
+    quartic, y = modelling.Parameter(len(MONOMIALS)), modelling.Variable(len(MONOMIALS))
+    matrix = modelling.reshape(y[PLACES.ravel()], (SIZE, SIZE), order="C")
+    constraints = [norm_fourth() @ y == 1, matrix >> 0]
+    problem = modelling.Problem(modelling.Minimize(quartic @ y), constraints)
+    return StatedProgram(problem=problem, data=quartic, matrix=matrix)
+
+
+def solve_stated(program: StatedProgram, data: NDArray[np.float64], solver: str) -> ConicSolution:
     """As `conic.solve`, by the solver that CVXPY knows by this name.
 
     Raises MissingToolError where CVXPY is not installed, or finds no solver of the name.
     """
-    program = statement(form)
-    program.cross_covariance.value = C
+    program.data.value = data
     status, said = outcome(program.problem, solver)
     if status is RelaxationStatus.FAILED:
         return ConicSolution(status=status, said=said)
+    first, *_, last = program.problem.constraints
+    dual = np.array(last.dual_value)
     return ConicSolution(
         status=status,
         said=said,
         value=float(program.problem.value),
-        multiplier=float(program.problem.constraints[0].dual_value),
-        matrix=np.array(program.solution.value),
+        multiplier=float(first.dual_value),
+        matrix=np.array(program.matrix.value),
+        dual=(dual + dual.T) / 2.0,
     )
 
 
