@@ -25,9 +25,12 @@ def test_a_weight_is_a_spring_of_its_root_times_the_unit_matrix(
     rng = np.random.default_rng(seed)
     source, target = rng.standard_normal((2, n, 3))
     roots = rng.integers(1, 9, n).astype(float)  # squares are doubles
-    motion = {"rotation_only": rotation_only}
-    weighed = RegistrationProblem(source, target, weights=roots * roots, **motion)
-    sprung = RegistrationProblem(source, target, factors=roots[:, None] * POINT, **motion)
+    weighed = RegistrationProblem(
+        source, target, weights=roots * roots, rotation_only=rotation_only
+    )
+    sprung = RegistrationProblem(
+        source, target, factors=roots[:, None] * POINT, rotation_only=rotation_only
+    )
     fast = Isotropic.of(weighed).joint_form
     general = objective_of(sprung).joint_form
 
@@ -37,8 +40,9 @@ def test_a_weight_is_a_spring_of_its_root_times_the_unit_matrix(
 
 def test_pairs_are_cut_into_rows_whatever_their_springs_are():
     source, target = np.arange(24.0).reshape(2, 4, 3)
-    for springs in ({"weights": [1.0, 2.0, 3.0, 4.0]}, {"factors": np.tile(POINT, (4, 1))}):
-        pairs = RegistrationProblem(source, target, **springs).points
+    weighed = RegistrationProblem(source, target, weights=[1.0, 2.0, 3.0, 4.0])
+    sprung = RegistrationProblem(source, target, factors=np.tile(POINT, (4, 1)))
+    for pairs in (weighed.points, sprung.points):
         some = pairs.rows(slice(1, 3))
 
         assert [len(array) for array in some.arrays] == [2, 2, 2]
