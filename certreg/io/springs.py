@@ -29,12 +29,13 @@ from certreg.verify import shown
 
 if TYPE_CHECKING:
     import os
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Callable, Iterable, Mapping
 
     from numpy.typing import NDArray
 
     from certreg.io import npy
     from certreg.io.pairing import Pair
+    from certreg.io.parsed import Parsed
     from certreg.io.streams import Place
 else:
     npy = late("certreg.io.npy")
@@ -190,7 +191,7 @@ def _taken(values: Any, kind: str, pair: Pair) -> Any:
 
 
 TABLES = (".csv", ".txt", ".xyz", ".asc", ".pts")
-CLOUDS = {  # each is loaded where a file has its ending
+CLOUDS: dict[str, Callable[[], Callable[..., Parsed]]] = {  # loaded when needed
     ".ply": found_late("certreg.io.ply", "parse_ply"),
     ".pcd": found_late("certreg.io.pcd", "parse_pcd"),
 }
