@@ -44,7 +44,7 @@ if TYPE_CHECKING:
     from certreg.equilibrium.quartics import QuarticDescent as QuarticDescent
     from certreg.equilibrium.quartics import descended as descended
     from certreg.equilibrium.spectral import by_eigenspaces as by_eigenspaces
-    from certreg.equilibrium.spring_batch import SpringSolutions as SpringSolutions
+    from certreg.equilibrium.spring_batch import QuarticSolutions as QuarticSolutions
     from certreg.equilibrium.spring_batch import many_springs as many_springs
     from certreg.equilibrium.spring_batch import solve_many_springs as solve_many_springs
     from certreg.equilibrium.spring_sets import LEAST_SPRINGS as LEAST_SPRINGS
@@ -110,7 +110,7 @@ __getattr__ = lazy_face(
         ),
         "spectral": ("by_eigenspaces",),
         "spring_batch": (
-            "SpringSolutions",
+            "QuarticSolutions",
             "many_springs",
             "solve_many_springs",
         ),

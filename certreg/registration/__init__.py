@@ -11,9 +11,6 @@ if TYPE_CHECKING:
     from certreg.registration.ambiguity import NEARLY_AMBIGUOUS as NEARLY_AMBIGUOUS
     from certreg.registration.ambiguity import ambiguous_words as ambiguous_words
     from certreg.registration.ambiguity import narrow_words as narrow_words
-    from certreg.registration.any_registration import UNDECIDED as UNDECIDED
-    from certreg.registration.any_registration import AnyRegistration as AnyRegistration
-    from certreg.registration.any_registration import Method as Method
     from certreg.registration.assessed import Assessment as Assessment
     from certreg.registration.assessment import assess as assess
     from certreg.registration.assessment import judged as judged
@@ -86,6 +83,7 @@ if TYPE_CHECKING:
     from certreg.registration.kept_pairs import LabelsVerdict as LabelsVerdict
     from certreg.registration.kept_pairs import judged_labels as judged_labels
     from certreg.registration.linear import CROSS_CHECK as CROSS_CHECK
+    from certreg.registration.linear import LinearSolution as LinearSolution
     from certreg.registration.loose_turns import TooLarge as TooLarge
     from certreg.registration.loose_turns import axis_words as axis_words
     from certreg.registration.loose_turns import beyond_first_order as beyond_first_order
@@ -96,6 +94,12 @@ if TYPE_CHECKING:
     from certreg.registration.pair_angles import widest_angles as widest_angles
     from certreg.registration.pipeline import NOT_ASKED as NOT_ASKED
     from certreg.registration.pipeline import Asked as Asked
+    from certreg.registration.quartic import NOT_LISTED as NOT_LISTED
+    from certreg.registration.quartic import NOT_SIMULATED as NOT_SIMULATED
+    from certreg.registration.quartic import SPRING_KINDS as SPRING_KINDS
+    from certreg.registration.quartic import QuarticSolution as QuarticSolution
+    from certreg.registration.result import UNDECIDED as UNDECIDED
+    from certreg.registration.result import Method as Method
     from certreg.registration.result import Registration as Registration
     from certreg.registration.result import Solution as Solution
     from certreg.registration.robustness import ROBUSTNESS_ANGLE as ROBUSTNESS_ANGLE
@@ -131,11 +135,6 @@ if TYPE_CHECKING:
     from certreg.registration.spring_headlines import spring_headline_words as spring_headline_words
     from certreg.registration.spring_release import listed_springs as listed_springs
     from certreg.registration.spring_release import returns as returns
-    from certreg.registration.spring_result import NOT_LISTED as NOT_LISTED
-    from certreg.registration.spring_result import NOT_SIMULATED as NOT_SIMULATED
-    from certreg.registration.spring_result import SPRING_KINDS as SPRING_KINDS
-    from certreg.registration.spring_result import SpringRegistration as SpringRegistration
-    from certreg.registration.spring_result import SpringSolution as SpringSolution
     from certreg.registration.spring_rows import SpringAxes as SpringAxes
     from certreg.registration.squares import BY_NAME as BY_NAME
     from certreg.registration.squares import certified_squares as certified_squares
@@ -159,7 +158,6 @@ __getattr__ = lazy_face(
             "ambiguous_words",
             "narrow_words",
         ),
-        "any_registration": ("UNDECIDED", "AnyRegistration", "Method"),
         "assessed": ("Assessment",),
         "assessment": (
             "assess",
@@ -256,7 +254,7 @@ __getattr__ = lazy_face(
             "share_words",
         ),
         "kept_pairs": ("KeptPairs", "LabelsVerdict", "judged_labels"),
-        "linear": ("CROSS_CHECK",),
+        "linear": ("CROSS_CHECK", "LinearSolution"),
         "loose_turns": ("TooLarge", "axis_words", "beyond_first_order"),
         "many": ("certify_many",),
         "misfits": (
@@ -267,8 +265,10 @@ __getattr__ = lazy_face(
         "pair_angles": ("widest_angles",),
         "pipeline": ("NOT_ASKED", "Asked"),
         "result": (
+            "Method",
             "Registration",
             "Solution",
+            "UNDECIDED",
         ),
         "robustness": (
             "ROBUSTNESS_ANGLE",
@@ -303,12 +303,11 @@ __getattr__ = lazy_face(
             "spring_headline_of",
             "spring_headline_words",
         ),
-        "spring_result": (
+        "quartic": (
             "NOT_LISTED",
             "NOT_SIMULATED",
             "SPRING_KINDS",
-            "SpringRegistration",
-            "SpringSolution",
+            "QuarticSolution",
         ),
         "spring_rows": ("SpringAxes",),
         "squares": ("BY_NAME", "certified_squares"),

@@ -45,9 +45,9 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from certreg.problem import FloatingPose, Moments
-    from certreg.registration import quartic
+    from certreg.registration import spring_equilibria
 else:  # not of one weight per pair
-    quartic = late("certreg.registration.quartic")
+    spring_equilibria = late("certreg.registration.spring_equilibria")
 
 
 class SpringArguments(TypedDict, total=False):
@@ -129,7 +129,7 @@ def register(
     require_supported(Cell(springs=on_springs, scale=kind, rotation_only=about_origin))
     if on_springs:
         problem = RegistrationProblem(source, target, weights=weights, **springs)
-        return quartic.spring_pose(problem)
+        return spring_equilibria.spring_pose(problem)
     x = _readable(cloud_array(source, "source"), "source")
     y = _readable(cloud_array(target, "target"), "target")
     if len(x) != len(y):

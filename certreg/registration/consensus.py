@@ -59,7 +59,6 @@ if TYPE_CHECKING:
     from certreg.problem import Cell, RegistrationProblem
     from certreg.registration.misfits import FitWarning
     from certreg.registration.result import Registration
-    from certreg.registration.spring_result import SpringRegistration
     from certreg.relaxation import Candidate, ScaledCandidate
     from certreg.results import Verdict
 
@@ -79,8 +78,8 @@ class ConsensusRegistration(Saved):
     found
         The witness, the rows that it meets and their labels.
     fit
-        The least squares over these rows, a registration with its own proof; of general springs a
-        `SpringRegistration`. Its row k is `inliers[k]`, and is called so in words.
+        The least squares over these rows, a registration with its own proof. Its row k is
+        `inliers[k]`, and is called so in words.
     certificate
         Of kind "consensus", of a free scale "consensus-similarity", the proof of the fit inside;
         the checker has accepted it.
@@ -95,7 +94,7 @@ class ConsensusRegistration(Saved):
 
     problem: RegistrationProblem
     found: ProvedConsensus
-    fit: Registration | SpringRegistration
+    fit: Registration
     certificate: Certificate[ConsensusBody | ConsensusSimilarityBody]
     verdict: Verdict
     second: int | None
@@ -229,7 +228,7 @@ class Counted:
 
     problem: RegistrationProblem
     found: ProvedConsensus
-    fit: Registration | SpringRegistration
+    fit: Registration
     certificate: Certificate[Any]
 
 
@@ -370,7 +369,7 @@ def most_proved(tried: Iterable[Proved | None]) -> Proved | None:
 
 def _fit(
     problem: RegistrationProblem, found: ProvedConsensus, asked: Asked, names: RowNames
-) -> Registration | SpringRegistration:
+) -> Registration:
     """The least squares over the pairs that are met; its rows say which of all they are."""
     met, factors = list(found.met), problem.factors
     own = problem.weights if factors is None else factors

@@ -11,7 +11,7 @@ from certreg.results import Optimality
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from certreg.registration.any_registration import AnyRegistration
+    from certreg.registration.result import Registration
 
 DONE, REFUSED, MISUSED, NOT_UNIQUE, NOT_CERTIFIED = 0, 1, 2, 3, 4
 DIGITS = 6  # of an RMSE, in words
@@ -43,7 +43,7 @@ class FitDemands:
     require_fit: bool = False
     max_rmse: float | None = None
 
-    def unmet(self, registration: AnyRegistration) -> list[str]:
+    def unmet(self, registration: Registration) -> list[str]:
         """In words, what a registration does not meet."""
         return self.unmet_by(registration.rmse, warned=bool(registration.fit.warnings))
 
@@ -67,7 +67,7 @@ def _told_above(value: float, limit: float) -> str:
 NOTHING_ASKED = FitDemands()
 
 
-def code_of_registration(registration: AnyRegistration, demands: FitDemands = NOTHING_ASKED) -> int:
+def code_of_registration(registration: Registration, demands: FitDemands = NOTHING_ASKED) -> int:
     """What `certify` ends with: the code of the proof, and 4 where a demand is not met."""
     proof = {
         Optimality.CERTIFIED: DONE,

@@ -17,7 +17,6 @@ from certreg.results import Limits, Optimality
 
 if TYPE_CHECKING:
     from certreg.certificate import PoseBounds
-    from certreg.registration.any_registration import AnyRegistration
     from certreg.registration.fit import Fit
     from certreg.registration.result import Registration
 
@@ -248,7 +247,7 @@ def is_green(registration: Registration) -> bool:
     return _meets_usual(registration) and headline_of(registration).good
 
 
-def is_loose(registration: AnyRegistration) -> bool:
+def is_loose(registration: Registration) -> bool:
     """Whether the noise, given or that of a good fit, leaves a turn about some axis open."""
     covariance, fit = registration.covariance, registration.fit
     if covariance is None or (covariance.estimated and (fit.warnings or fit.rounded)):
@@ -256,7 +255,7 @@ def is_loose(registration: AnyRegistration) -> bool:
     return covariance.loosest_sigma > LOOSE_SIGMA
 
 
-def loose_words(registration: AnyRegistration) -> str:
+def loose_words(registration: Registration) -> str:
     """That the noise leaves a turn open, and about which axis; empty where it does not."""
     covariance = registration.covariance
     if covariance is None or not is_loose(registration):

@@ -27,7 +27,8 @@ from certreg.registration.weak_shifts import weak_shift_words
 from certreg.results import Limits, Optimality
 
 if TYPE_CHECKING:
-    from certreg.registration.spring_result import SpringRegistration
+    from certreg.registration.quartic import QuarticSolution
+    from certreg.registration.result import Registration
 
 _GAP = ("optimality.growth", "optimality.gap_bound", "optimality.gap_share")
 _ANGLE = "optimality.angle_bound_rad"
@@ -118,7 +119,7 @@ SPRING_HEADLINES = (
 )
 
 
-def spring_headline_of(registration: SpringRegistration) -> Headline:
+def spring_headline_of(registration: Registration[QuarticSolution]) -> Headline:
     """Which headline a registration of general springs has."""
     status, turned = registration.status, registration.solution.unique_rotation
     if status is Optimality.NOT_CERTIFIED:
@@ -133,13 +134,13 @@ def spring_headline_of(registration: SpringRegistration) -> Headline:
     return FREE_SHIFT if turned else OTHERS_AS_GOOD
 
 
-def _meets_usual(registration: SpringRegistration) -> bool:
+def _meets_usual(registration: Registration[QuarticSolution]) -> bool:
     """Whether what is proved is within the usual limits, whatever others were asked for."""
     turned = registration.solution.unique_rotation is True
     return registration.bounds is not None and registration.bounds.meet(Limits(), unique=turned)
 
 
-def headline_of_spring_data(registration: SpringRegistration) -> Headline:
+def headline_of_spring_data(registration: Registration[QuarticSolution]) -> Headline:
     """Of a certified and unique optimum: what its data make of the first line."""
     if registration.solution.weak_shifts:
         return HARDLY_RESISTED
@@ -148,7 +149,7 @@ def headline_of_spring_data(registration: SpringRegistration) -> Headline:
     return POOR_FIT if registration.fit.warnings else CERTIFIED
 
 
-def _bounded(registration: SpringRegistration) -> Headline:
+def _bounded(registration: Registration[QuarticSolution]) -> Headline:
     degrees = spring_degrees(registration)
     if registration.unique is None:
         return UNDECIDED if degrees is None else UNDECIDED_NEAR
@@ -157,7 +158,7 @@ def _bounded(registration: SpringRegistration) -> Headline:
     return BOUNDED_WITHOUT_ANGLE if degrees is None else BOUNDED
 
 
-def spring_headline_words(registration: SpringRegistration) -> str:
+def spring_headline_words(registration: Registration[QuarticSolution]) -> str:
     """The first line, with its numbers."""
     bounds = registration.bounds
     numbers = dict.fromkeys(("gap", "share"), "")
@@ -173,7 +174,7 @@ def spring_headline_words(registration: SpringRegistration) -> str:
     )
 
 
-def free_words(registration: SpringRegistration) -> str:
+def free_words(registration: Registration[QuarticSolution]) -> str:
     """Why others are as good; where nothing is free, two poses tie."""
     free = registration.solution.freedom
     if registration.solution.unique_rotation:
@@ -181,11 +182,11 @@ def free_words(registration: SpringRegistration) -> str:
     return free.words() or TIE
 
 
-def spring_degrees(registration: SpringRegistration) -> str | None:
+def spring_degrees(registration: Registration[QuarticSolution]) -> str | None:
     """The proved bound on the angle to every optimum; None where nothing is said."""
     return None if registration.bounds is None else degrees_words(registration.bounds)
 
 
-def is_green_spring(registration: SpringRegistration) -> bool:
+def is_green_spring(registration: Registration[QuarticSolution]) -> bool:
     """Whether its headline is good, and within the usual limits, whatever others were asked for."""
     return _meets_usual(registration) and spring_headline_of(registration).good

@@ -36,11 +36,10 @@ if TYPE_CHECKING:
     from certreg.certificate import CertificateVerdict
     from certreg.equilibrium import EquilibriumSet
     from certreg.registration import (
-        AnyRegistration,
         Assessment,
         ProblemTrajectory,
+        QuarticSolution,
         Registration,
-        SpringRegistration,
     )
     from certreg.report.picture import Picture
 
@@ -103,7 +102,7 @@ def registration_card(registration: Registration) -> str:
     ).html()
 
 
-def spring_card(registration: SpringRegistration) -> str:
+def spring_card(registration: Registration[QuarticSolution]) -> str:
     """The same of a registration on general springs."""
     first, *further = spring_verdict_words(registration)
     pose = registration.pose
@@ -185,7 +184,7 @@ def verdict_card(verdict: CertificateVerdict) -> str:
     return Card(headline=first, notes=verdict.theorems, good=verdict.proved).html()
 
 
-def _deviations(registration: AnyRegistration) -> Iterator[tuple[str, str]]:
+def _deviations(registration: Registration) -> Iterator[tuple[str, str]]:
     """One standard deviation of each part of the pose, in few words; or why there is none."""
     for name, words in uncertainty_rows(registration):
         if name == "uncertainty":

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, cast
 from certreg import registration as made  # whose results with a free scale are few
 from certreg._loading import late
 from certreg.exact import double_above, nearest_double
+from certreg.objective import Structure
 from certreg.registration import (
     Method,
     SimulatedRegistration,
@@ -36,13 +37,11 @@ if TYPE_CHECKING:
 
     from certreg.equilibrium import Component, EquilibriumSet
     from certreg.registration import (
-        AnyRegistration,
         Assessment,
         Enumeration,
         Registration,
         ScaledEquilibria,
         SimulatedBreathing,
-        SpringRegistration,
     )
     from certreg.report import breathing, methods, spring_document
 else:  # of a free scale, of lists, and of general springs
@@ -79,16 +78,13 @@ def error_document(error: Exception, code: int, **about: str) -> Document:
 
 
 def result_document(
-    registration: AnyRegistration, certificate_path: str | None = None, *, notes: Sequence[str] = ()
+    registration: Registration, certificate_path: str | None = None, *, notes: Sequence[str] = ()
 ) -> Document:
     """A registration as `certreg-result/1`; the path is where the certificate was saved.
 
     notes: on how the clouds were read.
     """
-    if registration.problem.factors is not None:
-        own = spring_document.spring_fields(cast("SpringRegistration", registration))
-    else:
-        own = _fields(cast("Registration", registration))
+    own = FIELDS[registration.structure](registration)
     written: str | Absent | None = certificate_path
     if written is None:
         missing = registration.certificate is None
@@ -141,7 +137,14 @@ def _fields(registration: Registration) -> Document:
     }
 
 
-def pose_document(registration: AnyRegistration) -> Document:
+def _spring_fields(registration: Registration) -> Document:
+    return spring_document.spring_fields(registration)
+
+
+FIELDS = {Structure.LINEAR: _fields, Structure.QUARTIC: _spring_fields}
+
+
+def pose_document(registration: Registration) -> Document:
     """The pose with its uncertainty, as `certreg-pose/1`; `assess` and `apply` read it."""
     return encoded(
         {
@@ -378,7 +381,7 @@ def _simulation_fields(simulated: SimulatedRegistration) -> Document:
     }
 
 
-def _residuals(registration: AnyRegistration) -> list[Document]:
+def _residuals(registration: Registration) -> list[Document]:
     """The worst correspondences, largest distance first."""
     worst = registration.worst_residuals(WORST)
     return [{"row": one.row, "distance": one.distance} for one in worst]

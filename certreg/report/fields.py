@@ -19,14 +19,14 @@ if TYPE_CHECKING:
 
     from certreg.certificate import SimilarityClaims
     from certreg.geometry import Pose
-    from certreg.registration import AnyRegistration, Fit, FitRow, FitWarning
+    from certreg.registration import Fit, FitRow, FitWarning, Registration
     from certreg.report.encoding import Document
 
 NO_SCALE = Absent("the scale was not asked for")
 UNBOUNDED_SCALE = Absent("points that move so far may leave no size to the source, nor a bound")
 
 
-def pose_fields(registration: AnyRegistration) -> Document:
+def pose_fields(registration: Registration) -> Document:
     """The pose with its uncertainty."""
     pose = registration.pose
     return {
@@ -38,7 +38,7 @@ def pose_fields(registration: AnyRegistration) -> Document:
     }
 
 
-def _scale(registration: AnyRegistration) -> Document:
+def _scale(registration: Registration) -> Document:
     """The scale, and proved bounds of it."""
     scale = scale_of(registration.pose)
     interval = scale if isinstance(scale, Absent) else scale_interval(registration)
@@ -50,7 +50,7 @@ def scale_of(pose: Pose | Similarity) -> float | Absent:
     return pose.scale if isinstance(pose, Similarity) else NO_SCALE
 
 
-def scale_interval(registration: AnyRegistration) -> tuple[float, float] | Absent:
+def scale_interval(registration: Registration) -> tuple[float, float] | Absent:
     """Between which numbers a free scale is at every optimum, proved, rounded outwards."""
     certificate, bounds = registration.certificate, registration.stated("bounds")
     if certificate is None or isinstance(bounds, Absent):
@@ -60,7 +60,7 @@ def scale_interval(registration: AnyRegistration) -> tuple[float, float] | Absen
     return (max(0.0, ends[0]), ends[1]) if math.isfinite(ends[1]) else OUT_OF_RANGE
 
 
-def _covariance(registration: AnyRegistration) -> Document:
+def _covariance(registration: Registration) -> Document:
     """Covariance in the order (translation in the target's frame, rotation in the source's, scale).
 
     The scale only where it is free.
@@ -126,7 +126,7 @@ def _fit_row(one: FitRow) -> Document:
     return {"row": one.row, **label, "residual": one.residual}
 
 
-def hardly_determined(registration: AnyRegistration) -> bool | Absent:
+def hardly_determined(registration: Registration) -> bool | Absent:
     """Whether the noise leaves a turn open, where it is known how large it is."""
     covariance = covariance_of(registration)
     if isinstance(covariance, Absent):
@@ -152,7 +152,7 @@ def degrees(angle: float | Absent) -> float | Absent:
     return angle if isinstance(angle, Absent) else math.degrees(angle)
 
 
-def optimality_fields(registration: AnyRegistration) -> Document:
+def optimality_fields(registration: Registration) -> Document:
     """What is proved of the pose, and whether it is called certified."""
     bounds, unique = registration.stated("bounds"), registration.unique
     proved = not isinstance(bounds, Absent)
@@ -169,7 +169,7 @@ def optimality_fields(registration: AnyRegistration) -> Document:
     }
 
 
-def robustness_fields(registration: AnyRegistration) -> Document | Absent:
+def robustness_fields(registration: Registration) -> Document | Absent:
     """How far the points may be off, proved."""
     found = registration.stated("robustness")
     if isinstance(found, Absent):

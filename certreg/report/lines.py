@@ -38,7 +38,6 @@ if TYPE_CHECKING:
     from certreg.dynamics import Trajectory
     from certreg.equilibrium import Component, EquilibriumSet
     from certreg.registration import (
-        AnyRegistration,
         Fit,
         Registration,
     )
@@ -66,7 +65,7 @@ def untested_lines(fit: Fit) -> list[str]:
     return [] if fit.untested is None else [f"                    {fit.untested}"]
 
 
-def uncertainty_lines(registration: AnyRegistration) -> list[str]:
+def uncertainty_lines(registration: Registration) -> list[str]:
     """The rows of `uncertainty_rows`, in ASCII."""
     plain = ([part.replace("±", "+/-") for part in row] for row in uncertainty_rows(registration))
     return [f"  {name:<17} {words}" for name, words in plain]

@@ -10,10 +10,10 @@ from certreg.results import Optimality
 
 if TYPE_CHECKING:
     from certreg.geometry import Pose
-    from certreg.registration import AnyRegistration
+    from certreg.registration import Registration
 
 
-def motion_words(registration: AnyRegistration) -> str:
+def motion_words(registration: Registration) -> str:
     """The pose as a turn about an axis, a scale where it is free, and a shift if there is one."""
     pose, unique = registration.pose, registration.unique
     which = "The pose below" if registration.status is Optimality.BOUNDED else "The best motion"

@@ -20,19 +20,15 @@ from certreg.certificate import (
     ConsensusBody,
     ConsensusSimilarityBody,
     CountBody,
-    ExactPose,
     IsotropicBody,
     PoseBounds,
     SimilarityBody,
     SpringsListBody,
     TruncatedRotationBody,
     body_of,
-    pose_bounds,
-    spring_pose_bounds,
     verify,
 )
 from certreg.errors import InvalidFileError, RefusedCertificateError
-from certreg.geometry import Similarity
 from certreg.io import reading
 from certreg.native import Integrator
 from certreg.problem import MAX_DAMPING, MIN_DAMPING, Loss, RegistrationProblem, Scale, bounded
@@ -40,7 +36,6 @@ from certreg.registration import (
     CROSS_CHECK,
     SPRING_KINDS,
     Asked,
-    SpringRegistration,
     certified_squares,
     restated_consensus,
     restated_scaled_consensus,
@@ -56,8 +51,7 @@ if TYPE_CHECKING:
     import os
     from collections.abc import Callable
 
-    from certreg.geometry import Pose
-    from certreg.registration import Registration, Solution
+    from certreg.geometry import Pose, Similarity
     from certreg.report.any_report import AnyReport
     from certreg.results import Verdict
 
@@ -146,19 +140,14 @@ def report_of(
             about=loaded.about,
         ),
     )
-    given = _bounds(body, registration)
+    proved = registration.as_proved(body)
     return page_of(stated)(
-        registration=replace(
-            registration,
-            solution=_as_proved(registration.solution, body),
-            bounds=given,
-            verdict=verdict,
-        ),
+        registration=replace(proved, verdict=verdict),
         certificate=replace(loaded, body=body),
         content=content,
         verdict=verdict,
         name=file.name,
-        weak=_weaker(given, registration.bounds),
+        weak=_weaker(proved.bounds, registration.bounds),
     )
 
 
@@ -177,19 +166,6 @@ def certified_pose(certificate: str | os.PathLike[str]) -> Pose | Similarity:
         )
         raise InvalidFileError(message, path=file)
     return report_of(file).registration.pose
-
-
-def _as_proved(solution: Solution, given: IsotropicBody | SimilarityBody) -> Solution:
-    """The solution that was computed anew, with what the one given proves of robustness.
-
-    And of a free scale.
-    """
-    own = solution.certificate
-    if own is None:
-        return solution
-    if isinstance(given, SimilarityBody):
-        return replace(solution, certificate=replace(own, body=given))
-    return replace(solution, certificate=replace(own, body=replace(own.body, radius=given.radius)))
 
 
 def _loaded(content: bytes) -> Certificate[Any] | None:
@@ -258,21 +234,15 @@ def _spring_report(
 ) -> SpringReport:
     """The report of a certificate of general springs: its pose, and what it proves of that."""
     registration = certified_squares(problem, Asked(about=certificate.about))
-    place = ExactPose.of_doubles(registration.pose.quaternion_wxyz, registration.pose.translation)
-    solution = registration.solution
-    given = spring_pose_bounds(solution.objective, certificate.body, place)
+    proved = registration.as_proved(certificate.body)
+    given = replace(proved.solution, certificate=certificate)
     return SpringReport(
-        registration=replace(
-            registration,
-            solution=replace(solution, certificate=certificate),
-            bounds=given,
-            verdict=verdict,
-        ),
+        registration=replace(proved, solution=given, verdict=verdict),
         certificate=certificate,
         content=content,
         verdict=verdict,
         name=name,
-        weak=_weaker(given, registration.bounds),
+        weak=_weaker(proved.bounds, registration.bounds),
     )
 
 
@@ -288,15 +258,14 @@ def _consensus_report(
     scaled = isinstance(certificate.body, ConsensusSimilarityBody)
     restate = restated_scaled_consensus if scaled else restated_consensus
     result = restate(stated, certificate, verdict)
-    body: Any = body_of(fields)
-    given = _fit_bounds(body, result.fit)
+    proved = result.fit.as_proved(body_of(fields))
     return ConsensusReport(
-        registration=replace(result, fit=_fit_as_proved(result.fit, body, given)),
+        registration=replace(result, fit=proved),
         certificate=certificate,
         content=content,
         verdict=verdict,
         name=file.name,
-        weak=_weaker(given, result.fit.bounds),
+        weak=_weaker(proved.bounds, result.fit.bounds),
     )
 
 
@@ -344,36 +313,9 @@ def _bounded_problem(
     return bounded(stated, bounds)
 
 
-def _fit_bounds(body: Any, fit: Registration | SpringRegistration) -> PoseBounds:
-    """What the least squares in a certificate are proved to be, of the pose computed anew."""
-    if not isinstance(fit, SpringRegistration):
-        return _bounds(body, fit)
-    place = ExactPose.of_doubles(fit.pose.quaternion_wxyz, fit.pose.translation)
-    return spring_pose_bounds(fit.solution.objective, body, place)
-
-
-def _fit_as_proved(
-    fit: Registration | SpringRegistration, body: Any, given: PoseBounds
-) -> Registration | SpringRegistration:
-    """The least squares that were computed anew, with what the certificate proves of them."""
-    if not isinstance(fit, SpringRegistration):
-        return replace(fit, solution=_as_proved(fit.solution, body), bounds=given)
-    solution = fit.solution
-    own = None if solution.certificate is None else replace(solution.certificate, body=body)
-    return replace(fit, solution=replace(solution, certificate=own), bounds=given)
-
-
-def _bounds(body: IsotropicBody | SimilarityBody, registration: Registration) -> PoseBounds:
-    """What the certificate given proves of the pose that was computed anew."""
-    pose = registration.pose
-    scale = pose.scale if isinstance(pose, Similarity) else 1.0
-    place = ExactPose.of_doubles(pose.quaternion_wxyz, pose.translation, scale)
-    return pose_bounds(registration.solution.objective, body, place)
-
-
-def _weaker(given: PoseBounds, proved: PoseBounds | None) -> bool:
+def _weaker(given: PoseBounds | None, proved: PoseBounds | None) -> bool:
     """Whether a certificate proves far less of a pose than certreg does."""
-    if proved is None:
+    if given is None or proved is None:
         return False
     if given.greatest_gap > Fraction(WEAKER) * proved.greatest_gap:
         return True

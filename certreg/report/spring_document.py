@@ -17,7 +17,7 @@ from certreg.results import OUT_OF_RANGE, Absent
 
 if TYPE_CHECKING:
     from certreg.certificate import SpringsSosBody
-    from certreg.registration import SpringRegistration
+    from certreg.registration import QuarticSolution, Registration
     from certreg.report.encoding import Document
 
 FORM = "rotation-10"
@@ -27,7 +27,7 @@ NO_PROOF = Absent("not certified")
 NO_BOUND = Absent("the certificate uses what the relaxation proposes, and proves its own bound")
 
 
-def spring_fields(registration: SpringRegistration) -> Document:
+def spring_fields(registration: Registration[QuarticSolution]) -> Document:
     """What is told of general springs."""
     turned = degrees(registration.solution.angle_to_relaxation)
     return {
@@ -51,7 +51,7 @@ def spring_fields(registration: SpringRegistration) -> Document:
     }
 
 
-def _springs(registration: SpringRegistration) -> Document | Absent:
+def _springs(registration: Registration[QuarticSolution]) -> Document | Absent:
     summary, freedom = registration.problem.springs, registration.solution.freedom
     if summary is None:
         return Absent("")
@@ -68,7 +68,7 @@ def _springs(registration: SpringRegistration) -> Document | Absent:
     }
 
 
-def _optimality(registration: SpringRegistration) -> Document:
+def _optimality(registration: Registration[QuarticSolution]) -> Document:
     solution = registration.solution
     rotation = solution.unique_rotation
     certificate = solution.certificate
@@ -89,7 +89,7 @@ def _growth(body: SpringsSosBody) -> Document:
     }
 
 
-def _relaxation(registration: SpringRegistration) -> Document | Absent:
+def _relaxation(registration: Registration[QuarticSolution]) -> Document | Absent:
     """The relaxation, its value in the unit of the objective."""
     solution = registration.solution
     relaxation, value = solution.found.relaxation, solution.relaxation_value

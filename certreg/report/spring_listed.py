@@ -13,7 +13,7 @@ from certreg.report.spring_equilibria import magnitude, spring_count_words, spri
 from certreg.results import Guarantee
 
 if TYPE_CHECKING:
-    from certreg.registration import SpringEquilibrium, SpringRegistration
+    from certreg.registration import QuarticSolution, Registration, SpringEquilibrium
 
 COUNTED = {  # on what the number of equilibria rests
     Finiteness.FORTY: ("forty_lines",),
@@ -57,7 +57,7 @@ class Listed:
     theorems: tuple[str, ...]
 
 
-def listed(registration: SpringRegistration) -> Listed | None:
+def listed(registration: Registration[QuarticSolution]) -> Listed | None:
     """All equilibria of these springs; None where nothing can be listed.
 
     Without python-flint no rows, and the words say so: the proof of the optimum needs no list.

@@ -43,14 +43,14 @@ from certreg.report.uncertainty import (
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from certreg.registration import SpringRegistration
+    from certreg.registration import QuarticSolution, Registration
 
 WHOSE = "Rotation: about the source's axes. Centre: the source's mean, along its least sure axis."
 TESTED = "The test of the noise that was given raises no warning."
 NOT_TESTED = "Not tested: without a noise that is given there is nothing to hold residuals against."
 
 
-def spring_overview(registration: SpringRegistration) -> Overview:
+def spring_overview(registration: Registration[QuarticSolution]) -> Overview:
     """Of a registration with a certificate."""
     mark, tests = _judged(registration)
     return Overview(
@@ -62,7 +62,7 @@ def spring_overview(registration: SpringRegistration) -> Overview:
     )
 
 
-def _pose(registration: SpringRegistration) -> PoseFacts:
+def _pose(registration: Registration[QuarticSolution]) -> PoseFacts:
     pose, covariance = registration.pose, registration.covariance
     sure = dict(uncertainty_rows(registration))
     told = covariance if BASIS in sure else None
@@ -77,7 +77,7 @@ def _pose(registration: SpringRegistration) -> PoseFacts:
     return pose_facts(registration, facts, basis or f"Uncertainty {sure['uncertainty']}.")
 
 
-def _fit(registration: SpringRegistration) -> Iterator[Fact]:
+def _fit(registration: Registration[QuarticSolution]) -> Iterator[Fact]:
     fit = registration.fit
     yield Fact(name="Springs", value=springs_words(registration))
     rounding = ", at rounding" if fit.rounded else ""
@@ -86,7 +86,7 @@ def _fit(registration: SpringRegistration) -> Iterator[Fact]:
     yield from fit_facts(registration, "the median along the springs")
 
 
-def _judged(registration: SpringRegistration) -> tuple[Mark, str]:
+def _judged(registration: Registration[QuarticSolution]) -> tuple[Mark, str]:
     """Whether a fit is warned of; of general springs one test alone is made."""
     if registration.fit.warnings:
         return warned(registration.fit)
@@ -97,7 +97,7 @@ def _judged(registration: SpringRegistration) -> tuple[Mark, str]:
     return quiet_mark(good=spring_headline_of(registration).good), TESTED
 
 
-def _proved(registration: SpringRegistration) -> Iterator[Fact]:
+def _proved(registration: Registration[QuarticSolution]) -> Iterator[Fact]:
     solution = registration.solution
     which = "the exact optimum" if solution.unique_rotation else "every optimum"
     yield from bound_facts(registration, spring_degrees(registration), which)

@@ -13,7 +13,7 @@ from certreg.results import Guarantee
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from certreg.registration import SpringRegistration
+    from certreg.registration import QuarticSolution, Registration
     from certreg.report.spring_listed import Listed
 
 RESTS_ON = {
@@ -33,7 +33,9 @@ LIST_ALONE = "The list was made for this page, and the certificate below does no
 LIST_CERTIFIED = "certreg equilibria --out writes one that does."
 
 
-def spring_sentences(registration: SpringRegistration, listed: Listed | None) -> list[Sentence]:
+def spring_sentences(
+    registration: Registration[QuarticSolution], listed: Listed | None
+) -> list[Sentence]:
     """What the page says is known; the checker has accepted what the certificate claims."""
     return [
         *_optimality(registration),
@@ -46,7 +48,7 @@ def spring_sentences(registration: SpringRegistration, listed: Listed | None) ->
 
 
 def not_claimed_of_springs(
-    registration: SpringRegistration, listed: Listed | None
+    registration: Registration[QuarticSolution], listed: Listed | None
 ) -> tuple[str, ...]:
     """What the page does not say, with what is open of these springs."""
     *before, last = NOT_CLAIMED
@@ -60,7 +62,7 @@ def not_claimed_of_springs(
     return (*before, *own, last)
 
 
-def _optimality(registration: SpringRegistration) -> Iterator[Sentence]:
+def _optimality(registration: Registration[QuarticSolution]) -> Iterator[Sentence]:
     bounds, method = registration.bounds, registration.method
     if bounds is None or method is None:
         return
@@ -75,7 +77,7 @@ def _optimality(registration: SpringRegistration) -> Iterator[Sentence]:
     )
 
 
-def _uniqueness(registration: SpringRegistration) -> Iterator[Sentence]:
+def _uniqueness(registration: Registration[QuarticSolution]) -> Iterator[Sentence]:
     solution, degrees = registration.solution, spring_degrees(registration)
     exact, free = Guarantee.EXACT, solution.freedom
     if words := free.turn_words():
@@ -100,7 +102,7 @@ def _uniqueness(registration: SpringRegistration) -> Iterator[Sentence]:
             yield Sentence(words=sentence(few), guarantee=exact)
 
 
-def _growth(registration: SpringRegistration) -> Iterator[Sentence]:
+def _growth(registration: Registration[QuarticSolution]) -> Iterator[Sentence]:
     certificate = registration.certificate
     if certificate is None or not certificate.body.growth:
         return
@@ -127,7 +129,7 @@ def _list(listed: Listed | None) -> Iterator[Sentence]:
         )
 
 
-def _numbers(registration: SpringRegistration) -> Iterator[Sentence]:
+def _numbers(registration: Registration[QuarticSolution]) -> Iterator[Sentence]:
     yield Sentence(
         words="The pose and its energy are rounded to doubles from far more digits.",
         guarantee=Guarantee.NUMERICAL,

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
     from certreg.equilibrium import Component
     from certreg.problem import RegistrationProblem
-    from certreg.registration import Registration, Solution
+    from certreg.registration import LinearSolution, Registration
 
 SPRINGS_WORDS = (
     "Each pair is joined by a spring, and the source moves as one rigid body, with friction, until "
@@ -188,7 +188,7 @@ def colours_end(registration: Registration) -> dict[str, Any]:
     return {"end": None, "words": "the largest"}
 
 
-def ended_words(solution: Solution, run: Run) -> str:
+def ended_words(solution: LinearSolution, run: Run) -> str:
     """Where a run ended, and how."""
     unique = solution.equilibria.classification.unique
     kicked = "It stood at a saddle and was kicked off. " if run.escapes else ""

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from certreg.certificate import Claims, IsotropicBody
     from certreg.equilibrium import Component, EquilibriumSet
-    from certreg.registration import Agreement, AnyRegistration, Registration
+    from certreg.registration import Agreement, Registration
 
 THEOREMS = {  # claims of `certreg derive`, by the titles of their pages
     "optimality_certificate": "The optimality certificate",
@@ -133,7 +133,7 @@ def sentence(words: str) -> str:
     return whole.replace(" %", "\u00a0%")  # on one line
 
 
-def robustness_sentences(registration: AnyRegistration, *theorems: str) -> Iterator[Sentence]:
+def robustness_sentences(registration: Registration, *theorems: str) -> Iterator[Sentence]:
     """How far the points may be off, if it is proved."""
     if registration.robustness is not None:
         words = sentence(robustness_words(registration))

@@ -95,7 +95,8 @@ def doubts() -> str:
     }.items():
         first = checked(searches[0].critical)
         one_set = equilibrium_set(first, found.objective, 2.0)
-        doubted = type(listed).of(replace(found, searches=searches, equilibria=one_set))
+        again = replace(found, searches=searches, equilibria=one_set)
+        doubted = type(listed)(**again.kept(), enumeration=again)
         document = one_set.to_dict()
         document["equilibria"]["components"] = []
         texts[name] = "\n".join((_untimed(doubted), json.dumps(document)))
