@@ -27,7 +27,6 @@ from certreg.registration.consensus_words import (
     PairLabels,
     headline,
     repeated_rows,
-    repeated_words,
 )
 from certreg.registration.exit_codes import (
     DONE,
@@ -36,18 +35,17 @@ from certreg.registration.exit_codes import (
     code_of_registration,
     worst,
 )
+from certreg.registration.labelled import LabelledRegistration
 from certreg.registration.nothing_met import nothing_met
 from certreg.registration.pair_warnings import (
     few_warning,
     poor_warning,
-    reason_against,
     wide_warning,
 )
 from certreg.registration.pipeline import USUAL, Asked, Prover, Work
 from certreg.registration.row_names import RowNames
 from certreg.registration.squares import fitted
 from certreg.relaxation import candidates
-from certreg.results import Saved
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
@@ -68,7 +66,7 @@ SECOND_EFFORT = 0.3  # of the search among the other pairs: a hint, nothing of i
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class ConsensusRegistration(Saved):
+class ConsensusRegistration(LabelledRegistration):
     """The pose of the pairs that are met, and what is proved of every pair.
 
     Attributes
@@ -140,6 +138,11 @@ class ConsensusRegistration(Saved):
         return PairLabels(self.found.labels)
 
     @property
+    def met_rows(self) -> tuple[int, ...]:
+        """Rows of the pairs that the witness meets."""
+        return self.found.met
+
+    @property
     def inliers(self) -> NDArray[np.intp]:
         """Rows of the pairs that the witness meets."""
         return np.array(self.found.met, dtype=np.intp)
@@ -157,19 +160,9 @@ class ConsensusRegistration(Saved):
         return tuple(row for row in self.found.met if off[row])
 
     @property
-    def names(self) -> RowNames:
-        """Of the rows."""
-        return RowNames.of(self.certificate.about, self.problem.n)
-
-    @property
     def headline(self) -> str:
         """What is proved, in words."""
         return headline(self.problem, self.found, self.names, self.against)
-
-    @property
-    def against(self) -> str | None:
-        """What is to be said in the headline against pairs and pose; None where nothing is."""
-        return reason_against(self.fit, self.pair_warnings)
 
     @property
     def good(self) -> bool:
@@ -185,17 +178,6 @@ class ConsensusRegistration(Saved):
         few = few_warning(met, self.problem.n - again, kind)
         told = (few, wide_warning(self.problem), poor_warning(self.fit))
         return tuple(one for one in told if one is not None)
-
-    @property
-    def warnings(self) -> tuple[FitWarning, ...]:
-        """The same, and those of the least squares."""
-        return (*self.pair_warnings, *self.fit.fit.warnings)
-
-    @property
-    def notes(self) -> tuple[str, ...]:
-        """What the user should know of the pairs."""
-        again = repeated_rows(self.problem, self.found.met)
-        return (repeated_words(again, self.names),) if again else ()
 
     @property
     def exit_code(self) -> int:

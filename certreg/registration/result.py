@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Generic, NamedTuple
 import numpy as np
 
 from certreg._loading import cached_property
+from certreg.registration.exit_codes import code_of_status
 from certreg.registration.optimum import exact_pose
 from certreg.registration.robustness import NONE_PROVED, Robustness
 from certreg.registration.row_names import RowNames
@@ -40,7 +41,7 @@ else:
 
     Solved_co = TypeVar("Solved_co", covariant=True)
 
-HELD = ("covariance", "equilibria")  # by the solution, which says why one is missing
+HELD = ("covariance", "equilibria", "trajectory")  # by the solution, which says why one is missing
 UNDECIDED = Absent("whether the optimum is unique is not decided")
 
 
@@ -239,6 +240,16 @@ class Registration(Explained, Saved, Generic[Solved_co]):
         if self.unique is None or not self.bounds.meet(self.limits, unique=turned):
             return Optimality.BOUNDED
         return Optimality.CERTIFIED if self.unique else Optimality.CERTIFIED_NOT_UNIQUE
+
+    @property
+    def exit_code(self) -> int:
+        """What `certify` ends with: 0; 3 where several poses are optimal; 4 for less."""
+        return code_of_status(self.status)
+
+    @property
+    def headline(self) -> str:
+        """What is proved, in words: the first line that the command line prints."""
+        return presenter().headline(self)
 
     def stated(self, name: str) -> Any:
         """The attribute of that name, or the Absent that stands for it.

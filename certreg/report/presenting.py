@@ -12,7 +12,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from certreg._loading import late
+from certreg._loading import found_late, late
 from certreg.errors import InvalidFileError
 from certreg.io import write_atomically
 from certreg.objective import Structure
@@ -128,6 +128,10 @@ REGISTRATIONS = {  # by the structure of their objective
         card="cards.spring_card",
     ),
 }
+HEADLINES = {  # functions of `certreg.registration`
+    Structure.LINEAR: found_late("certreg.registration.headlines", "headline_words"),
+    Structure.QUARTIC: found_late("certreg.registration.spring_headlines", "spring_headline_words"),
+}
 # A verdict writes its own text and has no document.
 CARDS = {
     "CertificateVerdict": "cards.verdict_card",
@@ -154,6 +158,10 @@ class ReportPresenter:
     def words(self, result: Any) -> str:
         """The text of the command line."""
         return function(shape_of(result).words)(result)
+
+    def headline(self, result: Registration) -> str:
+        """The first line of a registration."""
+        return HEADLINES[result.structure]()(result)
 
     def document(self, result: Any) -> Document:
         """What `--json` prints."""
