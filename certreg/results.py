@@ -79,6 +79,10 @@ class Presenter(Protocol):
         """The text of the command line."""
         ...
 
+    def headline(self, result: Any) -> str:
+        """The first line of a registration."""
+        ...
+
     def document(self, result: Any) -> dict[str, Any]:
         """What `--json` prints."""
         ...

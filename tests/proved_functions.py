@@ -167,7 +167,7 @@ PROVED = (
     _of("equilibrium/line_set", "LineSet.separated finiteness_of", "equilibrium/test_spring_lists"),
     _of(
         "equilibrium/spring_batch",
-        "SpringSolutions.guarantee",
+        "QuarticSolutions.guarantee",
         "registration/test_flags_enumerated",
     ),
     _of("equilibrium/counting", "at_most_four", "certificate/test_count_certificate"),
@@ -266,8 +266,8 @@ PROVED = (
         "registration/test_flags_enumerated",
     ),
     _of(
-        "registration/spring_result",
-        "SpringSolution.near_minima SpringSolution.unique_rotation SpringSolution.unique",
+        "registration/quartic",
+        "QuarticSolution.near_minima QuarticSolution.unique_rotation QuarticSolution.unique",
         "registration/test_flags_enumerated registration/test_spring_flags",
     ),
     _of(
@@ -298,8 +298,8 @@ PROVED = (
         "registration/test_flags_enumerated",
     ),
     _of(
-        "registration/any_registration",
-        "AnyRegistration.status",
+        "registration/result",
+        "Registration.status",
         "registration/test_flags_enumerated",
     ),
     _of("registration/headlines", "_meets_usual", "registration/test_flags_enumerated"),

@@ -47,7 +47,7 @@ UNKNOWN_INDEX = -1
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class SpringSolutions(Brief):
+class QuarticSolutions(Brief):
     """All equilibria of each problem, by ascending energy: row j of problem k, j < counts[k].
 
     What stands behind them is NaN, and -1 in `indices`.
@@ -106,7 +106,7 @@ def solve_many_springs(  # noqa: PLR0913 - each is one question, and has its usu
     threads: int = 2,
     prove: bool = False,
     progress: Callable[[int, int], object] | None = None,
-) -> SpringSolutions:
+) -> QuarticSolutions:
     """All equilibria of many problems of general springs; the same numbers on any threads.
 
     Floating point unless `prove` is set. The interpreter's lock is free while paths are followed.
@@ -129,7 +129,7 @@ def solve_many_springs(  # noqa: PLR0913 - each is one question, and has its usu
 
     Returns
     -------
-    SpringSolutions
+    QuarticSolutions
         And what became of the paths of each problem.
 
     Raises
@@ -181,7 +181,7 @@ def many_springs(
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class _Rows:
-    """Equilibria one after another: which problem (m,), and the columns of `SpringSolutions`."""
+    """Equilibria one after another: which problem (m,), and the columns of `QuarticSolutions`."""
 
     problem: NDArray[np.int64]
     quaternions: NDArray[np.float64]
@@ -330,7 +330,7 @@ def _concatenated(parts: list[_Rows]) -> _Rows:
     return _Rows(**{name: np.concatenate([getattr(p, name) for p in parts]) for name in names})
 
 
-def _joined(parts: list[_Portion], given: ManySprings) -> SpringSolutions:
+def _joined(parts: list[_Portion], given: ManySprings) -> QuarticSolutions:
     """The rows of all portions, every problem's in a row of its own."""
     for number, part in enumerate(parts):
         part.rows.problem[:] += number * PORTION
@@ -347,7 +347,7 @@ def _joined(parts: list[_Portion], given: ManySprings) -> SpringSolutions:
         table[rows.problem, place] = column
         return table
 
-    return SpringSolutions(
+    return QuarticSolutions(
         counts=counts,
         quaternions=spread(rows.quaternions, np.nan),
         translations=spread(rows.translations, np.nan),

@@ -8,10 +8,10 @@ from certreg.errors import InvalidProblemError
 from certreg.exact.dyadic import double_above, nearest_double, nearest_root
 from certreg.geometry.given import given_pose
 from certreg.geometry.pose_matrix import why_no_rotation
+from certreg.objective.structure import Structure
 from certreg.problem.bounds import bounded
 from certreg.problem.problem import RegistrationProblem
 from certreg.problem.support import Loss
-from certreg.registration.any_registration import AnyRegistration
 from certreg.registration.assessed import Assessment
 from certreg.registration.assessment_words import headline_of_pose, note_on, words_of_pose
 from certreg.registration.certification import certify
@@ -27,10 +27,10 @@ from certreg.registration.findings import (
 )
 from certreg.registration.headlines import NO_ROTATION
 from certreg.registration.kept_pairs import judged_labels
+from certreg.registration.result import Registration
 from certreg.registration.scaled_poses import NOT_SCALED, read_for, scale_note
 from certreg.registration.slips import slip_of
 from certreg.registration.spring_assessment import judged_on_springs
-from certreg.registration.spring_result import SpringRegistration
 from certreg.registration.stating import ProblemOptions, stated_in_clouds, stated_problem_of
 from certreg.registration.truncated_labels import judged_truncated_labels
 from certreg.results import OUT_OF_RANGE, Absent, PoseVerdict, present
@@ -40,7 +40,6 @@ if TYPE_CHECKING:
     from certreg.geometry.given import GivenPose
     from certreg.registration.findings import Findings
     from certreg.registration.kept_pairs import KeptPairs
-    from certreg.registration.result import Registration
     from certreg.registration.slips import Slip
     from certreg.registration.truncated_labels import TruncatedLabels
 
@@ -139,8 +138,8 @@ def assess(  # noqa: PLR0913 - each is one question, and has its usual answer
         sought = {"objective": objective, "effort": effort}
         judged_pairs = _judged_pairs(problem, pose, translation, given, sought, statement)
         return cast("Assessment", judged_pairs)
-    if not isinstance(problem, RegistrationProblem | AnyRegistration):
-        if translation is None or isinstance(pose, RegistrationProblem | AnyRegistration):
+    if not isinstance(problem, RegistrationProblem | Registration):
+        if translation is None or isinstance(pose, RegistrationProblem | Registration):
             raise InvalidProblemError(_unstated(problem, pose), array="problem")
         stated, _ = stated_in_clouds(problem, pose, statement, depth=3)
         problem, pose, translation = stated, translation, None
@@ -151,10 +150,9 @@ def assess(  # noqa: PLR0913 - each is one question, and has its usual answer
         message = "pose is a RegistrationProblem: that comes first, and then the pose"
         raise InvalidProblemError(message, array="pose")
     given = given_pose(pose, translation)
-    known: Any = problem
     if isinstance(problem, RegistrationProblem):
-        known = certify(problem, relaxation=False, simulation=False)
-    return judged(known, given, settings)
+        problem = certify(problem, relaxation=False, simulation=False)
+    return judged(cast("Registration", problem), given, settings)
 
 
 def _judged_pairs(
@@ -180,7 +178,7 @@ def _judged_pairs(
 
 def _unstated(problem: Any, pose: Any) -> str:
     """What was given where a problem is expected, in words."""
-    swapped = isinstance(pose, RegistrationProblem | AnyRegistration)
+    swapped = isinstance(pose, RegistrationProblem | Registration)
     found = "the two the other way round" if swapped else f"a {type(problem).__name__}"
     return (
         "assess takes a RegistrationProblem, or what certify returned, and then the pose: "
@@ -190,14 +188,14 @@ def _unstated(problem: Any, pose: Any) -> str:
 
 
 def judged(
-    registration: Registration | SpringRegistration,
+    registration: Registration,
     given: GivenPose,
     settings: AssessmentSettings | None = None,
 ) -> Assessment:
     """As `assess`, of a problem that is certified already."""
     settings, problem = settings or AssessmentSettings(), registration.problem
     given = read_for(problem, given)
-    if isinstance(registration, SpringRegistration):
+    if registration.structure is Structure.QUARTIC:
         return judged_on_springs(registration, given, settings)
     turn = given.scaled_apart().turn if problem.scaled else given.turn
     fault = why_no_rotation(turn, settings.rotation_tolerance)

@@ -98,9 +98,9 @@ def certify(  # noqa: PLR0913 - each is one question, and has its usual answer
     Returns
     -------
     Registration
-        The pose, what is proved of it, all equilibria, and the certificate. Of general springs a
-        `SpringRegistration`, which has the same but no equilibria and no simulation; its relaxation
-        is a part of the search, and always taken. With `max_residual` a `ConsensusRegistration`,
+        The pose, what is proved of it, all equilibria, and the certificate. Of general springs it
+        has no equilibria and no simulation; their relaxation is a part of the search, and always
+        taken. With `max_residual` a `ConsensusRegistration`,
         or a `TruncatedRegistration`.
 
     Raises

@@ -38,9 +38,9 @@ if TYPE_CHECKING:
 
     from certreg.problem.moments import Moments
     from certreg.problem.posing import FloatingPose
-    from certreg.registration import quartic
+    from certreg.registration import spring_equilibria
 else:
-    quartic = late("certreg.registration.quartic")
+    spring_equilibria = late("certreg.registration.spring_equilibria")
 
 
 class SpringArguments(TypedDict, total=False):
@@ -124,7 +124,7 @@ def register(
         problem = RegistrationProblem(
             source, target, weights=weights, rotation_only=about_origin, **springs
         )
-        return quartic.spring_pose(problem)
+        return spring_equilibria.spring_pose(problem)
     x = _readable(cloud_array(source, "source"), "source")
     y = _readable(cloud_array(target, "target"), "target")
     if len(x) != len(y):

@@ -28,13 +28,7 @@ from certreg.problem.arrays import apart
 from certreg.problem.bounds import LEAST_PAIRS
 from certreg.problem.effort import checked_effort
 from certreg.problem.motion import Scale
-from certreg.registration.consensus_words import (
-    PairLabels,
-    headline,
-    ranges_words,
-    repeated_rows,
-    repeated_words,
-)
+from certreg.registration.consensus_words import PairLabels, headline, ranges_words, repeated_rows
 from certreg.registration.exit_codes import (
     DONE,
     NOT_CERTIFIED,
@@ -42,18 +36,13 @@ from certreg.registration.exit_codes import (
     code_of_registration,
     worst,
 )
+from certreg.registration.labelled import LabelledRegistration
 from certreg.registration.nothing_met import nothing_met
-from certreg.registration.pair_warnings import (
-    few_warning,
-    poor_warning,
-    reason_against,
-    wide_warning,
-)
+from certreg.registration.pair_warnings import few_warning, poor_warning, wide_warning
 from certreg.registration.pipeline import USUAL, Asked, Prover, Work
 from certreg.registration.row_names import RowNames
 from certreg.registration.squares import fitted
 from certreg.relaxation.consensus_search import candidates
-from certreg.results import Saved
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -67,7 +56,6 @@ if TYPE_CHECKING:
     from certreg.problem.support import Cell
     from certreg.registration.misfits import FitWarning
     from certreg.registration.result import Registration
-    from certreg.registration.spring_result import SpringRegistration
     from certreg.results import Verdict
 
 
@@ -76,7 +64,7 @@ SECOND_EFFORT = 0.3  # of the search among the other pairs: a hint, nothing of i
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class ConsensusRegistration(Saved):
+class ConsensusRegistration(LabelledRegistration):
     """The pose of the pairs that are met, and what is proved of every pair.
 
     Attributes
@@ -86,8 +74,8 @@ class ConsensusRegistration(Saved):
     found
         The witness, the rows that it meets and their labels.
     fit
-        The least squares over these rows, a registration with its own proof; of general springs a
-        `SpringRegistration`. Its row k is `inliers[k]`, and is called so in words.
+        The least squares over these rows, a registration with its own proof. Its row k is
+        `inliers[k]`, and is called so in words.
     certificate
         Of kind "consensus", of a free scale "consensus-similarity", the proof of the fit inside;
         the checker has accepted it.
@@ -102,7 +90,7 @@ class ConsensusRegistration(Saved):
 
     problem: RegistrationProblem
     found: ProvedConsensus
-    fit: Registration | SpringRegistration
+    fit: Registration
     certificate: Certificate[ConsensusBody | ConsensusSimilarityBody]
     verdict: Verdict
     second: int | None
@@ -177,6 +165,11 @@ class ConsensusRegistration(Saved):
         return PairLabels(self.found.labels)
 
     @property
+    def met_rows(self) -> tuple[int, ...]:
+        """Rows of the pairs that the witness meets."""
+        return self.found.met
+
+    @property
     def inliers(self) -> NDArray[np.intp]:
         """Rows of the pairs that the witness meets."""
         return np.array(self.found.met, dtype=np.intp)
@@ -194,11 +187,6 @@ class ConsensusRegistration(Saved):
         return tuple(row for row in self.found.met if off[row])
 
     @property
-    def names(self) -> RowNames:
-        """Of the rows."""
-        return RowNames.of(self.certificate.about, self.problem.n)
-
-    @property
     def headline(self) -> str:
         """What is proved, in words; where it is not proved of all scales, of which it is."""
         told = headline(self.problem, self.found, self.names, self.against)
@@ -211,11 +199,6 @@ class ConsensusRegistration(Saved):
             f"{told} With scales {where} it is not proved which {met} are met; with all others "
             f"no motion brings {others} within."
         )
-
-    @property
-    def against(self) -> str | None:
-        """What is to be said in the headline against pairs and pose; None where nothing is."""
-        return reason_against(self.fit, self.pair_warnings)
 
     @property
     def good(self) -> bool:
@@ -233,17 +216,6 @@ class ConsensusRegistration(Saved):
         return tuple(one for one in told if one is not None)
 
     @property
-    def warnings(self) -> tuple[FitWarning, ...]:
-        """The same, and those of the least squares."""
-        return (*self.pair_warnings, *self.fit.fit.warnings)
-
-    @property
-    def notes(self) -> tuple[str, ...]:
-        """What the user should know of the pairs."""
-        again = repeated_rows(self.problem, self.found.met)
-        return (repeated_words(again, self.names),) if again else ()
-
-    @property
     def exit_code(self) -> int:
         """0: all labels proved; 3: the maximum, but not the labels; 4: less; or that of the fit."""
         own = NOT_UNIQUE if self.upper == self.lower else NOT_CERTIFIED
@@ -256,7 +228,7 @@ class Counted:
 
     problem: RegistrationProblem
     found: ProvedConsensus
-    fit: Registration | SpringRegistration
+    fit: Registration
     certificate: Certificate[Any]
 
 
@@ -398,7 +370,7 @@ def most_proved(tried: Iterable[ProvedConsensus | None]) -> ProvedConsensus | No
 
 def _fit(
     problem: RegistrationProblem, found: ProvedConsensus, asked: Asked, names: RowNames
-) -> Registration | SpringRegistration:
+) -> Registration:
     """The least squares over the pairs that are met; its rows say which of all they are."""
     met, factors = list(found.met), problem.factors
     own = problem.weights if factors is None else factors

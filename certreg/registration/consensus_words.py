@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -18,9 +18,9 @@ if TYPE_CHECKING:
 
     from certreg.certificate.producing_consensus import ProvedConsensus
     from certreg.problem.problem import RegistrationProblem
+    from certreg.registration.quartic import QuarticSolution
     from certreg.registration.result import Registration
     from certreg.registration.row_names import RowNames
-    from certreg.registration.spring_result import SpringRegistration
 
 
 WORDS = {"i": "inlier", "o": "outlier", "?": "undecided"}
@@ -90,13 +90,13 @@ def headline(
     )
 
 
-def against_pose(fit: Registration | SpringRegistration) -> str | None:
+def against_pose(fit: Registration) -> str | None:
     """Why not to rely on the pose of pairs though their labels are proved; None where one may."""
     if fit.status in {Optimality.BOUNDED, Optimality.NOT_CERTIFIED}:
         return "THE POSE IS NOT CERTIFIED"
     if fit.problem.factors is not None:
-        return _against_sprung(cast("SpringRegistration", fit))
-    equilibria = cast("Registration", fit).equilibria
+        return _against_sprung(fit)
+    equilibria = fit.equilibria
     if not equilibria.classification.unique:
         return "THE POSE IS NOT UNIQUE"
     if equilibria.nearly_ambiguous:
@@ -104,13 +104,13 @@ def against_pose(fit: Registration | SpringRegistration) -> str | None:
     return _against_turn(fit)
 
 
-def _against_sprung(fit: SpringRegistration) -> str | None:
+def _against_sprung(fit: Registration[QuarticSolution]) -> str | None:
     if fit.unique is False:
         return "A SHIFT IS FREE" if fit.solution.unique_rotation else "THE POSE IS NOT UNIQUE"
     return "A SHIFT IS HARDLY RESISTED" if fit.solution.weak_shifts else _against_turn(fit)
 
 
-def _against_turn(fit: Registration | SpringRegistration) -> str | None:
+def _against_turn(fit: Registration) -> str | None:
     return "THE ROTATION IS HARDLY DETERMINED" if is_loose(fit) else None
 
 

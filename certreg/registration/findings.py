@@ -31,8 +31,8 @@ if TYPE_CHECKING:
     from certreg.certificate.bounds import PoseBounds
     from certreg.geometry.given import GivenPose
     from certreg.objective.isotropic import Isotropic
-    from certreg.registration.any_registration import AnyRegistration
-    from certreg.registration.result import Registration, Solution
+    from certreg.registration.linear import LinearSolution
+    from certreg.registration.result import Registration
 
 
 GOOD = (PoseVerdict.OPTIMAL, PoseVerdict.NEAR_OPTIMAL)
@@ -169,7 +169,7 @@ def findings(registration: Registration, pose: ExactPose, cost: Fraction) -> Fin
     )
 
 
-def _energy_range(solution: Solution) -> Fraction:
+def _energy_range(solution: LinearSolution) -> Fraction:
     """Energy between the best and the worst rotation; the clouds' own where all are equal."""
     objective, moments = solution.objective, solution.moments
     spaces = len(objective.classification.pattern)
@@ -242,7 +242,7 @@ def sigma_distance(facts: Findings, given: GivenPose) -> SigmaDistance | Absent:
     return loose if loose is not None and not rules_out(facts.registration, distance) else distance
 
 
-def rules_out(registration: AnyRegistration, distance: SigmaDistance) -> bool:
+def rules_out(registration: Registration, distance: SigmaDistance) -> bool:
     """Whether the noise rules a pose out: the true one is as far with a probability below LEVEL.
 
     Of a fit without a warning, as the distance is.

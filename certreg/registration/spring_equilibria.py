@@ -9,12 +9,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from certreg._loading import late
 from certreg.equilibrium.line_set import Finiteness
 from certreg.equilibrium.presentation import unit_double
+from certreg.errors import DegenerateProblemError
 from certreg.exact.dyadic import nearest_double, nearest_root
 from certreg.geometry.so3 import canonical, dot, squared_norm
-from certreg.registration.curvature import slope_and_curvature
+from certreg.objective.springs import Springs
+from certreg.registration.curvature import slope_and_curvature, soft_axes
 from certreg.registration.freedom import Freedom
+from certreg.registration.loose_turns import axis_words
 from certreg.registration.optimum import pose_at
 from certreg.registration.outlying import LISTED
 from certreg.registration.spring_rows import ResidualSums
@@ -26,8 +30,10 @@ if TYPE_CHECKING:
 
     from certreg.equilibrium.line_set import LineSet
     from certreg.geometry.pose import Pose
-    from certreg.objective.springs import Springs
     from certreg.problem.problem import RegistrationProblem
+    from certreg.relaxation import optimum
+else:
+    optimum = late("certreg.relaxation.optimum")
 
 
 LINES = 40
@@ -280,3 +286,20 @@ def _margin(critical: LineSet) -> float | None:
         return None
     apart = max(values[1] - values[0], Fraction(0))  # known to be positive, in more digits
     return float(apart / (values[-1] - values[0]))
+
+
+def spring_pose(problem: RegistrationProblem) -> Pose:
+    """The best pose of a problem with general springs, found and not proved.
+
+    Raises DegenerateProblemError where a shift or a turn is undetermined, or nearly so.
+    """
+    objective = Springs.of(problem)
+    found = optimum.find_optimum(objective)
+    open_ = Freedom.of(objective).words() or weak_shift_words(weak_shifts(objective))
+    if not open_ and len(soft := soft_axes(objective, found.quaternion)):
+        about = " and ".join(axis_words(axis) for axis in soft)
+        open_ = f"rotation about the source's axis {about} is undetermined to first order"
+    if open_:
+        message = f"{open_}; certreg.certify says what is proved of it"
+        raise DegenerateProblemError(message)
+    return pose_at(objective, found.quaternion)

@@ -42,7 +42,8 @@ if TYPE_CHECKING:
     from certreg.geometry.given import GivenPose
     from certreg.registration.findings import AssessmentSettings
     from certreg.registration.nearby_equilibrium import NearbyEquilibrium
-    from certreg.registration.spring_result import SpringRegistration
+    from certreg.registration.quartic import QuarticSolution
+    from certreg.registration.result import Registration
 
 
 SLACK = 1.01  # of a rounding cost: its parts are computed in doubles
@@ -58,7 +59,7 @@ class SpringFindings:
     equilibrium than the optimum, right at the pose.
     """
 
-    registration: SpringRegistration
+    registration: Registration[QuarticSolution]
     bounds: PoseBounds
     rounding_cost: Fraction
     energy: Fraction
@@ -99,7 +100,7 @@ class SpringFindings:
 
 
 def spring_findings(
-    registration: SpringRegistration, given: GivenPose, settings: AssessmentSettings
+    registration: Registration[QuarticSolution], given: GivenPose, settings: AssessmentSettings
 ) -> SpringFindings:
     """What is known of a pose. Raises UndecidedError where the optimum could not be certified."""
     solution = registration.solution
@@ -128,7 +129,7 @@ def spring_findings(
     )
 
 
-def _exact_pose(registration: SpringRegistration, given: GivenPose) -> ExactPose:
+def _exact_pose(registration: Registration[QuarticSolution], given: GivenPose) -> ExactPose:
     """Exactly the pose that is judged: a matrix as the nearest rotation about the source's mean."""
     q = nearest_quaternion(given.turn)
     if given.translation is None:
@@ -141,7 +142,7 @@ def _exact_pose(registration: SpringRegistration, given: GivenPose) -> ExactPose
     return pose_through(q, x, added(turned(given.turn, x), shift))
 
 
-def _cost_of_rounding(registration: SpringRegistration, given: GivenPose) -> Fraction:
+def _cost_of_rounding(registration: Registration[QuarticSolution], given: GivenPose) -> Fraction:
     """What rounding the optimal pose to doubles can cost, to second order; of many, that printed.
 
     A turn by a about the source's mean and a shift of its image by d cost at most
@@ -163,7 +164,7 @@ def _cost_of_rounding(registration: SpringRegistration, given: GivenPose) -> Fra
 
 
 def _critical_near(
-    registration: SpringRegistration, q: tuple[int, ...], settings: AssessmentSettings
+    registration: Registration[QuarticSolution], q: tuple[int, ...], settings: AssessmentSettings
 ) -> NearbyEquilibrium | None:
     """The equilibrium at a rotation, by Newton's steps from there; None if there is none near."""
     solution = registration.solution

@@ -20,17 +20,17 @@ from certreg.geometry.so3 import rotation_matrix
 from certreg.problem.arrays import apart
 from certreg.problem.effort import checked_effort
 from certreg.problem.problem import RegistrationProblem
-from certreg.registration.consensus_words import others_words, repeated_rows, repeated_words
+from certreg.registration.consensus_words import others_words
 from certreg.registration.exit_codes import DONE, NOT_CERTIFIED, NOT_UNIQUE
+from certreg.registration.labelled import LabelledRegistration
 from certreg.registration.nothing_met import nothing_turned
 from certreg.registration.pair_angles import angles_between
-from certreg.registration.pair_warnings import poor_warning, reason_against, wide_warning
+from certreg.registration.pair_warnings import poor_warning, wide_warning
 from certreg.registration.pipeline import USUAL, Asked, Prover, Work
 from certreg.registration.result import Registration
 from certreg.registration.row_names import RowNames
 from certreg.registration.squares import fitted
 from certreg.relaxation.rotation_boxes import BoxSearch, search_boxes
-from certreg.results import Saved
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -50,7 +50,7 @@ COST_DIGITS = 6  # of a cost in the first line
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class TruncatedRegistration(Saved):
+class TruncatedRegistration(LabelledRegistration):
     """The rotation of least truncated cost, and what is proved of it and of every pair.
 
     Attributes
@@ -123,10 +123,9 @@ class TruncatedRegistration(Saved):
         return angles_between(self.problem.source @ self.pose.rotation.T, self.problem.target)
 
     @property
-    def names(self) -> RowNames:
-        """Of the rows."""
-        about = {} if self.certificate is None else self.certificate.about
-        return RowNames.of(about, self.problem.n)
+    def met_rows(self) -> list[int]:
+        """`rows`, as integers."""
+        return self.rows.tolist()
 
     @property
     def pair_warnings(self) -> tuple[FitWarning, ...]:
@@ -135,25 +134,9 @@ class TruncatedRegistration(Saved):
         return tuple(one for one in told if one is not None)
 
     @property
-    def warnings(self) -> tuple[FitWarning, ...]:
-        """The same, and those of the least squares."""
-        return (*self.pair_warnings, *self.fit.fit.warnings)
-
-    @property
-    def against(self) -> str | None:
-        """What is to be said in the headline against pairs and rotation; None where nothing is."""
-        return reason_against(self.fit, self.pair_warnings)
-
-    @property
     def good(self) -> bool:
         """Whether all is proved, and nothing is to be said against pairs and rotation."""
         return self.exit_code == DONE and self.against is None
-
-    @property
-    def notes(self) -> tuple[str, ...]:
-        """What the user should know of the pairs."""
-        again = repeated_rows(self.problem, self.rows.tolist())
-        return (repeated_words(again, self.names),) if again else ()
 
     @property
     def certified(self) -> bool:

@@ -20,10 +20,11 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
     from certreg.certificate.envelope import Certificate
-    from certreg.registration.any_registration import AnyRegistration
+    from certreg.registration.result import Registration
     from certreg.results import Verdict
 
-R = TypeVar("R", bound="AnyRegistration")
+
+R = TypeVar("R", bound="Registration")
 
 ASSETS = files("certreg.report") / "assets"
 GUARANTEE_WORDS = (
@@ -125,7 +126,7 @@ def pairs_words(n: int) -> str:
     return f"{n} pair{'s' * (n != 1)}"
 
 
-def worst_rows(registration: AnyRegistration) -> list[dict[str, Any]]:
+def worst_rows(registration: Registration) -> list[dict[str, Any]]:
     """The pairs that are farthest off, for the table of a page without a script."""
     return [
         {"row": one.row, "label": one.label or "", "words": number(one.residual)}
@@ -164,7 +165,7 @@ def file_fields(report: AnyReport[Any]) -> dict[str, Any]:
     }
 
 
-def required_proof(registration: AnyRegistration) -> tuple[Certificate[Any], Verdict]:
+def required_proof(registration: Registration) -> tuple[Certificate[Any], Verdict]:
     """The certificate and the checker's verdict. Raises ValueError where there is none."""
     certificate, verdict = registration.certificate, registration.verdict
     if certificate is None or verdict is None:

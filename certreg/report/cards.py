@@ -35,11 +35,10 @@ if TYPE_CHECKING:
 
     from certreg.certificate.checking import CertificateVerdict
     from certreg.equilibrium.presentation import EquilibriumSet
-    from certreg.registration.any_registration import AnyRegistration
     from certreg.registration.assessed import Assessment
+    from certreg.registration.quartic import QuarticSolution
     from certreg.registration.result import Registration
     from certreg.registration.simulation import ProblemTrajectory
-    from certreg.registration.spring_result import SpringRegistration
     from certreg.report.picture import Picture
 
 
@@ -102,7 +101,7 @@ def registration_card(registration: Registration) -> str:
     ).html()
 
 
-def spring_card(registration: SpringRegistration) -> str:
+def spring_card(registration: Registration[QuarticSolution]) -> str:
     """The same of a registration on general springs."""
     first, *further = spring_verdict_words(registration)
     pose = registration.pose
@@ -184,7 +183,7 @@ def verdict_card(verdict: CertificateVerdict) -> str:
     return Card(headline=first, notes=verdict.theorems, good=verdict.proved).html()
 
 
-def _deviations(registration: AnyRegistration) -> Iterator[tuple[str, str]]:
+def _deviations(registration: Registration) -> Iterator[tuple[str, str]]:
     """One standard deviation of each part of the pose, in few words; or why there is none."""
     for name, words in uncertainty_rows(registration):
         if name == "uncertainty":

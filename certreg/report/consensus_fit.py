@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from certreg.registration.spring_result import SpringRegistration
+from certreg.objective.structure import Structure
 from certreg.report.lines import explained_words, method_lines, verdict_words
 from certreg.report.overview import Mark, Overview
 from certreg.report.remedies import causes, remedies
@@ -24,39 +24,43 @@ if TYPE_CHECKING:
     from certreg.registration.consensus import ConsensusRegistration
     from certreg.registration.result import Registration
 
-    AnyFit = Registration | SpringRegistration
 
 DISTANCES = "of the least squares alone: a bound is on the distance of two points"
 
 
-def fit_verdict(fit: AnyFit) -> list[str]:
+def on_springs(fit: Registration) -> bool:
+    """Whether its pairs have general springs."""
+    return fit.structure is Structure.QUARTIC
+
+
+def fit_verdict(fit: Registration) -> list[str]:
     """Its headline, and what the springs leave undetermined."""
-    if isinstance(fit, SpringRegistration):
+    if on_springs(fit):
         return spring_verdict_words(fit)
     return verdict_words(fit)[:1]
 
 
-def fit_causes(fit: AnyFit) -> list[str]:
+def fit_causes(fit: Registration) -> list[str]:
     """What is said against it, so that it is known what the remedies are for."""
-    return [] if isinstance(fit, SpringRegistration) else causes(fit)
+    return [] if on_springs(fit) else causes(fit)
 
 
-def fit_remedies(fit: AnyFit) -> list[str]:
+def fit_remedies(fit: Registration) -> list[str]:
     """What may help where something is said against it."""
-    return spring_remedies(fit) if isinstance(fit, SpringRegistration) else remedies(fit)
+    return spring_remedies(fit) if on_springs(fit) else remedies(fit)
 
 
-def further_lines(fit: AnyFit) -> list[str]:
+def further_lines(fit: Registration) -> list[str]:
     """How far its points may be off, and what other methods say of it, where one was named."""
     lines: list[str] = []
     if fit.robustness is not None:
         lines.append(f"  robustness        of the least squares: {robustness_words(fit)}")
-    return lines if isinstance(fit, SpringRegistration) else lines + method_lines(fit)
+    return lines if on_springs(fit) else lines + method_lines(fit)
 
 
-def fit_overview(fit: AnyFit) -> Overview:
+def fit_overview(fit: Registration) -> Overview:
     """The first screen of its page."""
-    if isinstance(fit, SpringRegistration):
+    if on_springs(fit):
         return spring_overview(fit)
     return similarity_overview(fit) if fit.problem.scaled else Overview.of(fit)
 
@@ -74,7 +78,7 @@ def marked(overview: Overview, against: str | None) -> Overview:
 def rmse_words(result: ConsensusRegistration) -> str:
     """What its RMSE is of."""
     fit, found = result.fit, result.lower
-    if isinstance(fit, SpringRegistration):
+    if on_springs(fit):
         return f"of these {found}, {RMSE_WORDS}"
     return f"of these {found}; explained {explained_words(fit.fit)}"
 
@@ -82,11 +86,11 @@ def rmse_words(result: ConsensusRegistration) -> str:
 def kinds_words(result: ConsensusRegistration) -> str | None:
     """What kind of springs the pairs have that are met, and what for; None where they weigh."""
     fit = result.fit
-    return f"{springs_words(fit)}, {DISTANCES}" if isinstance(fit, SpringRegistration) else None
+    return f"{springs_words(fit)}, {DISTANCES}" if on_springs(fit) else None
 
 
-def fit_theorems(fit: AnyFit) -> tuple[str, ...]:
+def fit_theorems(fit: Registration) -> tuple[str, ...]:
     """What its optimality rests on."""
-    if not isinstance(fit, SpringRegistration):
+    if not on_springs(fit):
         return ("optimality_certificate",)
     return () if fit.method is None else (*RESTS_ON[fit.method], "spring_translation")

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, cast
 
 from certreg._loading import late
 from certreg.exact.dyadic import double_above, nearest_double
-from certreg.registration.any_registration import Method
+from certreg.objective.structure import Structure
+from certreg.registration.result import Method
 from certreg.registration.simulation import SimulatedRegistration
 from certreg.report.encoding import Document, Noted, encoded
 from certreg.report.fields import (
@@ -31,12 +32,10 @@ if TYPE_CHECKING:
 
     from certreg.equilibrium.presentation import Component, EquilibriumSet
     from certreg.registration import breathing as registration_breathing
-    from certreg.registration.any_registration import AnyRegistration
     from certreg.registration.assessed import Assessment
     from certreg.registration.breathing import ScaledEquilibria, SimulatedBreathing
     from certreg.registration.enumeration import Enumeration
     from certreg.registration.result import Registration
-    from certreg.registration.spring_result import SpringRegistration
     from certreg.report import breathing, methods, spring_document
 else:
     # of a free scale
@@ -75,16 +74,13 @@ def error_document(error: Exception, code: int, **about: str) -> Document:
 
 
 def result_document(
-    registration: AnyRegistration, certificate_path: str | None = None, *, notes: Sequence[str] = ()
+    registration: Registration, certificate_path: str | None = None, *, notes: Sequence[str] = ()
 ) -> Document:
     """A registration as `certreg-result/1`; the path is where the certificate was saved.
 
     notes: on how the clouds were read.
     """
-    if registration.problem.factors is not None:
-        own = spring_document.spring_fields(cast("SpringRegistration", registration))
-    else:
-        own = _fields(cast("Registration", registration))
+    own = FIELDS[registration.structure](registration)
     written: str | Absent | None = certificate_path
     if written is None:
         missing = registration.certificate is None
@@ -139,7 +135,14 @@ def _fields(registration: Registration) -> Document:
     }
 
 
-def pose_document(registration: AnyRegistration) -> Document:
+def _spring_fields(registration: Registration) -> Document:
+    return spring_document.spring_fields(registration)
+
+
+FIELDS = {Structure.LINEAR: _fields, Structure.QUARTIC: _spring_fields}
+
+
+def pose_document(registration: Registration) -> Document:
     """The pose with its uncertainty, as `certreg-pose/1`; `assess` and `apply` read it."""
     return encoded(
         {
@@ -376,7 +379,7 @@ def _simulation_fields(simulated: SimulatedRegistration) -> Document:
     }
 
 
-def _residuals(registration: AnyRegistration) -> list[Document]:
+def _residuals(registration: Registration) -> list[Document]:
     """The worst correspondences, largest distance first."""
     worst = registration.worst_residuals(WORST)
     return [{"row": one.row, "distance": one.distance} for one in worst]

@@ -27,11 +27,11 @@ if TYPE_CHECKING:
     import os
     from collections.abc import Iterator, Sequence
 
-    from certreg.registration.any_registration import AnyRegistration
+    from certreg.registration.result import Registration
 
 
 def write_folder(
-    registration: AnyRegistration, folder: str | os.PathLike[str], *, notes: Sequence[str] = ()
+    registration: Registration, folder: str | os.PathLike[str], *, notes: Sequence[str] = ()
 ) -> Path | None:
     """Write the files of a registration; the path of the certificate, None if there is none.
 

@@ -24,22 +24,16 @@ from certreg.registration.rounding import rounding_remedy
 from certreg.registration.squares import BY_NAME
 from certreg.report.thinning import kicked_words, unspent_words
 from certreg.report.uncertainty import uncertainty_rows
-from certreg.results import (
-    Absent,
-    ComponentKind,
-    Guarantee,
-    Limits,
-    Optimality,
-)
+from certreg.results import Absent, ComponentKind, Guarantee, Limits, Optimality
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from certreg.dynamics.trajectory import Trajectory
     from certreg.equilibrium.presentation import Component, EquilibriumSet
-    from certreg.registration.any_registration import AnyRegistration
     from certreg.registration.fit import Fit
     from certreg.registration.result import Registration
+
 
 UNMET = "Not called certified: that asks for a proof that it is"
 MEANS = "Certified means here"
@@ -64,7 +58,7 @@ def untested_lines(fit: Fit) -> list[str]:
     return [] if fit.untested is None else [f"                    {fit.untested}"]
 
 
-def uncertainty_lines(registration: AnyRegistration) -> list[str]:
+def uncertainty_lines(registration: Registration) -> list[str]:
     """The rows of `uncertainty_rows`, in ASCII."""
     plain = ([part.replace("±", "+/-") for part in row] for row in uncertainty_rows(registration))
     return [f"  {name:<17} {words}" for name, words in plain]

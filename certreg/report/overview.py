@@ -40,7 +40,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
     from certreg.geometry.pose import Pose
-    from certreg.registration.any_registration import AnyRegistration
     from certreg.registration.covariance import PoseCovariance
     from certreg.registration.fit import Fit
     from certreg.registration.result import Registration
@@ -123,7 +122,7 @@ def _pose(registration: Registration) -> PoseFacts:
     return pose_facts(registration, place_facts(registration), basis_words(registration, WHOSE))
 
 
-def basis_words(registration: AnyRegistration, whose: str) -> str:
+def basis_words(registration: Registration, whose: str) -> str:
     """What the deviations are of, or why there are none; whose: of which places they are."""
     sure = dict(uncertainty_rows(registration))
     if BASIS not in sure:
@@ -142,7 +141,7 @@ def place_facts(registration: Registration) -> list[Fact]:
     return [*facts, translation_fact(pose, None)]
 
 
-def pose_facts(registration: AnyRegistration, facts: Iterable[Fact], uncertainty: str) -> PoseFacts:
+def pose_facts(registration: Registration, facts: Iterable[Fact], uncertainty: str) -> PoseFacts:
     """The pose with these facts beside its digits."""
     pose = registration.pose
     exact = pose.T_target_source.tolist()
@@ -238,7 +237,7 @@ def figures(registration: Registration) -> Iterator[Fact]:
     yield from fit_facts(registration, "the median distance")
 
 
-def fit_facts(registration: AnyRegistration, median: str) -> Iterator[Fact]:
+def fit_facts(registration: Registration, median: str) -> Iterator[Fact]:
     """The worst pair beside the median one, called so; chi-squared where a noise is known."""
     ratio = registration.fit.largest_over_median_residual
     if ratio is not None:
@@ -328,7 +327,7 @@ def _proved(registration: Registration) -> Iterator[Fact]:
 
 
 def bound_facts(
-    registration: AnyRegistration, degrees: str | None, of: str = "the exact optimum"
+    registration: Registration, degrees: str | None, of: str = "the exact optimum"
 ) -> Iterator[Fact]:
     """The proved gap, and how far at most the rotation is from an optimum."""
     bounds = registration.bounds
@@ -346,7 +345,7 @@ def bound_facts(
         )
 
 
-def robustness_facts(registration: AnyRegistration) -> Iterator[Fact]:
+def robustness_facts(registration: Registration) -> Iterator[Fact]:
     """The same as a fact of the first screen; none where nothing is proved."""
     found = registration.robustness
     if found is not None:

@@ -2,23 +2,22 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 from certreg._loading import late
-from certreg.registration.any_registration import AnyRegistration
+from certreg.objective.structure import Structure
+from certreg.registration.result import Registration
 from certreg.report.page import Report
 
 if TYPE_CHECKING:
     from certreg.problem.problem import RegistrationProblem
     from certreg.registration import truncated
     from certreg.registration.consensus import ConsensusRegistration
-    from certreg.registration.result import Registration
-    from certreg.registration.spring_result import SpringRegistration
     from certreg.registration.truncated import TruncatedRegistration
     from certreg.report import consensus_page, similarity_page, spring_page, truncated_page
     from certreg.report.any_report import AnyReport
 
-    Reported = AnyRegistration | ConsensusRegistration | TruncatedRegistration
+    Reported = Registration | ConsensusRegistration | TruncatedRegistration
 else:
     consensus_page = late("certreg.report.consensus_page")
     similarity_page = late("certreg.report.similarity_page")
@@ -30,10 +29,10 @@ else:
 
 def report_on(registration: Reported) -> AnyReport[Any]:
     """The report of a registration just made. Raises ValueError where it is not certified."""
-    if isinstance(registration, AnyRegistration):
-        if registration.problem.factors is not None:
-            return spring_page.SpringReport.of(cast("SpringRegistration", registration))
-        return page_of(registration.problem).of(cast("Registration", registration))
+    if isinstance(registration, Registration):
+        if registration.structure is Structure.QUARTIC:
+            return spring_page.SpringReport.of(registration)
+        return page_of(registration.problem).of(registration)
     if isinstance(registration, truncated.TruncatedRegistration):
         return truncated_page.TruncatedReport.of(registration)
     return consensus_page.ConsensusReport.of(registration)

@@ -14,10 +14,10 @@ if TYPE_CHECKING:
 
     from certreg.geometry.pose import Pose
     from certreg.problem.motion import Motion
-    from certreg.registration.any_registration import AnyRegistration
+    from certreg.registration.result import Registration
 
 
-def motion_words(registration: AnyRegistration) -> str:
+def motion_words(registration: Registration) -> str:
     """The pose as a turn about an axis, a scale where it is free, and a shift if there is one."""
     pose, unique = registration.pose, registration.unique
     which = "The pose below" if registration.status is Optimality.BOUNDED else "The best motion"

@@ -1,7 +1,7 @@
 """Who shows results: what the classes further up ask, see `certreg.results.Shown`.
 
 `certreg/__init__.py` tells them. A result that is to be shown has its line in SHAPES;
-one of which there is only a card, in CARDS. Both name classes and functions, and load none: a
+a card, in CARDS. Both name classes and functions, and load none: a
 process shows results of one type or two.
 """
 
@@ -12,10 +12,11 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from certreg._loading import late
+from certreg._loading import found_late, late
 from certreg.errors import InvalidFileError
 from certreg.io.atomic import write_atomically
-from certreg.registration.any_registration import AnyRegistration
+from certreg.objective.structure import Structure
+from certreg.registration.result import Registration
 from certreg.verify import shown
 
 if TYPE_CHECKING:
@@ -47,11 +48,6 @@ SHAPES: dict[str, Shape] = {  # by the name of the type
         words="summary.registration_summary",
         document="document.result_document",
         card="cards.registration_card",
-    ),
-    "SpringRegistration": Shape(
-        words="spring_summary.spring_summary",
-        document="document.result_document",
-        card="cards.spring_card",
     ),
     "ConsensusRegistration": Shape(
         words="consensus_summary.consensus_summary",
@@ -119,11 +115,27 @@ SHAPES: dict[str, Shape] = {  # by the name of the type
         card="cards.trajectory_card",
     ),
 }
+headline_words = found_late("certreg.registration.headlines", "headline_words")
+REGISTRATIONS = {  # by the structure of their objective
+    Structure.LINEAR: SHAPES["Registration"],
+    Structure.QUARTIC: Shape(
+        words="spring_summary.spring_summary",
+        document="document.result_document",
+        card="cards.spring_card",
+    ),
+}
 # A verdict writes its own text and has no document.
 CARDS = {
     "CertificateVerdict": "cards.verdict_card",
     **{kind: shape.card for kind, shape in SHAPES.items()},
 }
+
+
+def shape_of(result: Any) -> Shape:
+    """How a result is shown."""
+    if isinstance(result, Registration):
+        return REGISTRATIONS[result.structure]
+    return SHAPES[type(result).__name__]
 
 
 def function(name: str) -> Any:
@@ -137,15 +149,20 @@ class ReportPresenter:
 
     def words(self, result: Any) -> str:
         """The text of the command line."""
-        return function(SHAPES[type(result).__name__].words)(result)
+        return function(shape_of(result).words)(result)
+
+    def headline(self, result: Registration) -> str:
+        """The first line of a registration."""
+        return headline_words()(result)
 
     def document(self, result: Any) -> Document:
         """What `--json` prints."""
-        return function(SHAPES[type(result).__name__].document)(result)
+        return function(shape_of(result).document)(result)
 
     def card(self, result: Any) -> str:
         """HTML for a notebook."""
-        return function(CARDS[type(result).__name__])(result)
+        only = CARDS if type(result).__name__ not in SHAPES else {}
+        return function(only.get(type(result).__name__) or shape_of(result).card)(result)
 
     def report(self, result: Reported, path: str | os.PathLike[str]) -> Path:
         """Write the page of a registration; where it was written."""
@@ -162,11 +179,11 @@ class ReportPresenter:
         folder: str | os.PathLike[str],
     ) -> Path | None:
         """Write the files of a registration; the certificate's path."""
-        if isinstance(result, AnyRegistration):
+        if isinstance(result, Registration):
             return registration_folder.write_folder(result, folder)
         return consensus_folder.write_wrong_pairs(result, folder)
 
-    def plot(self, result: AnyRegistration, axes: Any) -> Any:
+    def plot(self, result: Registration, axes: Any) -> Any:
         """Draw a registration into axes of Matplotlib; the axes."""
         return plotting.plotted(result, axes)
 

@@ -14,13 +14,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.certificate.bounds import ExactPose, PoseBounds, pose_bounds
 from certreg.certificate.checking import CertificateVerdict, verify
 from certreg.certificate.consensus import ConsensusBody, ConsensusSimilarityBody
 from certreg.certificate.count import CountBody
 from certreg.certificate.envelope import Certificate, body_of
 from certreg.certificate.isotropic import IsotropicBody, SimilarityBody
-from certreg.certificate.spring_bounds import spring_pose_bounds
 from certreg.certificate.springs_list import SpringsListBody
 from certreg.certificate.truncated import TruncatedRotationBody
 from certreg.errors import InvalidFileError, RefusedCertificateError
@@ -34,7 +32,7 @@ from certreg.problem.support import Loss
 from certreg.registration.consensus import restated_consensus
 from certreg.registration.linear import CROSS_CHECK
 from certreg.registration.pipeline import Asked
-from certreg.registration.spring_result import SPRING_KINDS, SpringRegistration
+from certreg.registration.quartic import SPRING_KINDS
 from certreg.registration.squares import certified_squares
 from certreg.registration.truncated import restated_truncated
 from certreg.report.consensus_page import ConsensusReport
@@ -47,8 +45,9 @@ if TYPE_CHECKING:
     import os
     from collections.abc import Callable
 
+    from certreg.certificate.bounds import PoseBounds
     from certreg.geometry.pose import Pose
-    from certreg.registration.result import Registration, Solution
+    from certreg.geometry.similarity import Similarity
     from certreg.report.any_report import AnyReport
     from certreg.results import Verdict
 
@@ -138,19 +137,14 @@ def report_of(
             about=loaded.about,
         ),
     )
-    given = _bounds(body, registration)
+    proved = registration.as_proved(body)
     return page_of(stated)(
-        registration=replace(
-            registration,
-            solution=_as_proved(registration.solution, body),
-            bounds=given,
-            verdict=verdict,
-        ),
+        registration=replace(proved, verdict=verdict),
         certificate=replace(loaded, body=body),
         content=content,
         verdict=verdict,
         name=file.name,
-        weak=_weaker(given, registration.bounds),
+        weak=_weaker(proved.bounds, registration.bounds),
     )
 
 
@@ -169,19 +163,6 @@ def certified_pose(certificate: str | os.PathLike[str]) -> Pose | Similarity:
         )
         raise InvalidFileError(message, path=file)
     return report_of(file).registration.pose
-
-
-def _as_proved(solution: Solution, given: IsotropicBody | SimilarityBody) -> Solution:
-    """The solution that was computed anew, with what the one given proves of robustness.
-
-    And of a free scale.
-    """
-    own = solution.certificate
-    if own is None:
-        return solution
-    if isinstance(given, SimilarityBody):
-        return replace(solution, certificate=replace(own, body=given))
-    return replace(solution, certificate=replace(own, body=replace(own.body, radius=given.radius)))
 
 
 def _loaded(content: bytes) -> Certificate[Any] | None:
@@ -250,21 +231,15 @@ def _spring_report(
 ) -> SpringReport:
     """The report of a certificate of general springs: its pose, and what it proves of that."""
     registration = certified_squares(problem, Asked(about=certificate.about))
-    place = ExactPose.of_doubles(registration.pose.quaternion_wxyz, registration.pose.translation)
-    solution = registration.solution
-    given = spring_pose_bounds(solution.objective, certificate.body, place)
+    proved = registration.as_proved(certificate.body)
+    given = replace(proved.solution, certificate=certificate)
     return SpringReport(
-        registration=replace(
-            registration,
-            solution=replace(solution, certificate=certificate),
-            bounds=given,
-            verdict=verdict,
-        ),
+        registration=replace(proved, solution=given, verdict=verdict),
         certificate=certificate,
         content=content,
         verdict=verdict,
         name=name,
-        weak=_weaker(given, registration.bounds),
+        weak=_weaker(proved.bounds, registration.bounds),
     )
 
 
@@ -278,15 +253,14 @@ def _consensus_report(
         raise InvalidFileError(message, path=file)
     stated = _bounded_problem(certificate.body, n, data)
     result = restated_consensus(stated, certificate, verdict)
-    body: Any = body_of(fields)
-    given = _fit_bounds(body, result.fit)
+    proved = result.fit.as_proved(body_of(fields))
     return ConsensusReport(
-        registration=replace(result, fit=_fit_as_proved(result.fit, body, given)),
+        registration=replace(result, fit=proved),
         certificate=certificate,
         content=content,
         verdict=verdict,
         name=file.name,
-        weak=_weaker(given, result.fit.bounds),
+        weak=_weaker(proved.bounds, result.fit.bounds),
     )
 
 
@@ -334,36 +308,9 @@ def _bounded_problem(
     return bounded(stated, bounds)
 
 
-def _fit_bounds(body: Any, fit: Registration | SpringRegistration) -> PoseBounds:
-    """What the least squares in a certificate are proved to be, of the pose computed anew."""
-    if not isinstance(fit, SpringRegistration):
-        return _bounds(body, fit)
-    place = ExactPose.of_doubles(fit.pose.quaternion_wxyz, fit.pose.translation)
-    return spring_pose_bounds(fit.solution.objective, body, place)
-
-
-def _fit_as_proved(
-    fit: Registration | SpringRegistration, body: Any, given: PoseBounds
-) -> Registration | SpringRegistration:
-    """The least squares that were computed anew, with what the certificate proves of them."""
-    if not isinstance(fit, SpringRegistration):
-        return replace(fit, solution=_as_proved(fit.solution, body), bounds=given)
-    solution = fit.solution
-    own = None if solution.certificate is None else replace(solution.certificate, body=body)
-    return replace(fit, solution=replace(solution, certificate=own), bounds=given)
-
-
-def _bounds(body: IsotropicBody | SimilarityBody, registration: Registration) -> PoseBounds:
-    """What the certificate given proves of the pose that was computed anew."""
-    pose = registration.pose
-    scale = pose.scale if isinstance(pose, Similarity) else 1.0
-    place = ExactPose.of_doubles(pose.quaternion_wxyz, pose.translation, scale)
-    return pose_bounds(registration.solution.objective, body, place)
-
-
-def _weaker(given: PoseBounds, proved: PoseBounds | None) -> bool:
+def _weaker(given: PoseBounds | None, proved: PoseBounds | None) -> bool:
     """Whether a certificate proves far less of a pose than certreg does."""
-    if proved is None:
+    if given is None or proved is None:
         return False
     if given.greatest_gap > Fraction(WEAKER) * proved.greatest_gap:
         return True

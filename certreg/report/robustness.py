@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING
 from certreg.exact.decimals import as_given, at_least, at_most
 
 if TYPE_CHECKING:
-    from certreg.registration.any_registration import AnyRegistration
+    from certreg.registration.result import Registration
     from certreg.registration.robustness import Robustness
 
 
-def robustness_words(registration: AnyRegistration) -> str:
+def robustness_words(registration: Registration) -> str:
     """How far points may be off, proved, in one line."""
     found = registration.robustness
     if found is None:
@@ -24,7 +24,7 @@ def robustness_words(registration: AnyRegistration) -> str:
     )
 
 
-def meanwhile_words(registration: AnyRegistration, found: Robustness) -> str:
+def meanwhile_words(registration: Registration, found: Robustness) -> str:
     """How far a free scale moves meanwhile; nothing of others."""
     if not registration.problem.scaled:
         return ""

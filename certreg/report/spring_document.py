@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from certreg.exact.dyadic import double_above, double_below, nearest_double
-from certreg.registration.any_registration import UNDECIDED
-from certreg.registration.spring_result import NOT_LISTED, NOT_SIMULATED
+from certreg.registration.quartic import NOT_LISTED, NOT_SIMULATED
+from certreg.registration.result import UNDECIDED
 from certreg.report.fields import (
     degrees,
     finite,
@@ -18,8 +18,10 @@ from certreg.results import OUT_OF_RANGE, Absent
 
 if TYPE_CHECKING:
     from certreg.certificate.springs_sos import SpringsSosBody
-    from certreg.registration.spring_result import SpringRegistration
+    from certreg.registration.quartic import QuarticSolution
+    from certreg.registration.result import Registration
     from certreg.report.encoding import Document
+
 
 FORM = "rotation-10"
 NO_CLOSED_FORM = Absent("general springs have no closed form")
@@ -28,7 +30,7 @@ NO_PROOF = Absent("not certified")
 NO_BOUND = Absent("the certificate uses what the relaxation proposes, and proves its own bound")
 
 
-def spring_fields(registration: SpringRegistration) -> Document:
+def spring_fields(registration: Registration[QuarticSolution]) -> Document:
     """What is told of general springs."""
     turned = degrees(registration.solution.angle_to_relaxation)
     return {
@@ -52,7 +54,7 @@ def spring_fields(registration: SpringRegistration) -> Document:
     }
 
 
-def _springs(registration: SpringRegistration) -> Document | Absent:
+def _springs(registration: Registration[QuarticSolution]) -> Document | Absent:
     summary, freedom = registration.problem.springs, registration.solution.freedom
     if summary is None:
         return Absent("")
@@ -69,7 +71,7 @@ def _springs(registration: SpringRegistration) -> Document | Absent:
     }
 
 
-def _optimality(registration: SpringRegistration) -> Document:
+def _optimality(registration: Registration[QuarticSolution]) -> Document:
     solution = registration.solution
     rotation = solution.unique_rotation
     certificate = solution.certificate
@@ -90,7 +92,7 @@ def _growth(body: SpringsSosBody) -> Document:
     }
 
 
-def _relaxation(registration: SpringRegistration) -> Document | Absent:
+def _relaxation(registration: Registration[QuarticSolution]) -> Document | Absent:
     """The relaxation, its value in the unit of the objective."""
     solution = registration.solution
     relaxation, value = solution.found.relaxation, solution.relaxation_value

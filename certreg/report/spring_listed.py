@@ -13,8 +13,10 @@ from certreg.report.spring_equilibria import magnitude, spring_count_words, spri
 from certreg.results import Guarantee
 
 if TYPE_CHECKING:
+    from certreg.registration.quartic import QuarticSolution
+    from certreg.registration.result import Registration
     from certreg.registration.spring_equilibria import SpringEquilibrium
-    from certreg.registration.spring_result import SpringRegistration
+
 
 COUNTED = {  # on what the number of equilibria rests
     Finiteness.FORTY: ("forty_lines",),
@@ -58,7 +60,7 @@ class Listed:
     theorems: tuple[str, ...]
 
 
-def listed(registration: SpringRegistration) -> Listed | None:
+def listed(registration: Registration[QuarticSolution]) -> Listed | None:
     """All equilibria of these springs; None where nothing can be listed.
 
     Without python-flint no rows, and the words say so: the proof of the optimum needs no list.

@@ -35,7 +35,8 @@ from certreg.report.uncertainty import rotation_words, shift_words, two_digits, 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from certreg.registration.spring_result import SpringRegistration
+    from certreg.registration.quartic import QuarticSolution
+    from certreg.registration.result import Registration
 
 
 CENTRE = " Centre: the source's mean, along its least sure axis."
@@ -43,7 +44,7 @@ TESTED = "The test of the noise that was given raises no warning."
 NOT_TESTED = "Not tested: without a noise that is given there is nothing to hold residuals against."
 
 
-def spring_overview(registration: SpringRegistration) -> Overview:
+def spring_overview(registration: Registration[QuarticSolution]) -> Overview:
     """Of a registration with a certificate."""
     mark, tests = _judged(registration)
     return Overview(
@@ -55,7 +56,7 @@ def spring_overview(registration: SpringRegistration) -> Overview:
     )
 
 
-def _pose(registration: SpringRegistration) -> PoseFacts:
+def _pose(registration: Registration[QuarticSolution]) -> PoseFacts:
     pose, covariance = registration.pose, registration.covariance
     sure = dict(uncertainty_rows(registration))
     told = covariance if BASIS in sure else None
@@ -72,7 +73,7 @@ def _pose(registration: SpringRegistration) -> PoseFacts:
     return pose_facts(registration, facts, basis_words(registration, WHOSE_TURN + CENTRE * moves))
 
 
-def _fit(registration: SpringRegistration) -> Iterator[Fact]:
+def _fit(registration: Registration[QuarticSolution]) -> Iterator[Fact]:
     fit = registration.fit
     yield Fact(name="Springs", value=springs_words(registration))
     rounding = ", at rounding" if fit.rounded else ""
@@ -81,7 +82,7 @@ def _fit(registration: SpringRegistration) -> Iterator[Fact]:
     yield from fit_facts(registration, "the median along the springs")
 
 
-def _judged(registration: SpringRegistration) -> tuple[Mark, str]:
+def _judged(registration: Registration[QuarticSolution]) -> tuple[Mark, str]:
     """Whether a fit is warned of; of general springs one test alone is made."""
     if registration.fit.warnings:
         return warned(registration.fit)
@@ -92,7 +93,7 @@ def _judged(registration: SpringRegistration) -> tuple[Mark, str]:
     return quiet_mark(good=headline_of(registration).good), TESTED
 
 
-def _proved(registration: SpringRegistration) -> Iterator[Fact]:
+def _proved(registration: Registration[QuarticSolution]) -> Iterator[Fact]:
     solution = registration.solution
     which = "the exact optimum" if solution.unique_rotation else "every optimum"
     yield from bound_facts(registration, proved_degrees(registration), which)

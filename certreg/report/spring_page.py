@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from certreg.registration.headlines import WEAK, is_green
-from certreg.registration.spring_result import SpringRegistration
+from certreg.registration.quartic import QuarticSolution
+from certreg.registration.result import Registration
 from certreg.report.any_report import AnyReport, head_of, worst_rows
 from certreg.report.picture import ON_PAGE, shown_words, springs_picture
 from certreg.report.spring_listed import listed
@@ -27,7 +28,7 @@ WEAK_WORDS = "The certificate that certreg certify writes for these points and s
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class SpringReport(AnyReport[SpringRegistration]):
+class SpringReport(AnyReport[Registration[QuarticSolution]]):
     """What a page shows of a registration on general springs."""
 
     TEMPLATE: ClassVar = "report/templates/springs.html"
@@ -56,7 +57,7 @@ class SpringReport(AnyReport[SpringRegistration]):
         }
 
 
-def picture_words(registration: SpringRegistration) -> str:
+def picture_words(registration: Registration[QuarticSolution]) -> str:
     """What the picture shows of these springs, and of how many."""
     springs = registration.problem.springs
     planes, lines = (springs.ranks[1], springs.ranks[2]) if springs is not None else (0, 0)

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 from certreg.exact.decimals import as_given, at_most
 from certreg.exact.dyadic import nearest_or_zero
-from certreg.registration.any_registration import Method
 from certreg.registration.headlines import headline_words, is_loose, proved_degrees, share_words
 from certreg.registration.loose_turns import axis_words
+from certreg.registration.result import Method
 from certreg.registration.weak_shifts import weak_shift_words
 from certreg.report.lines import MEANS, UNMET, number
 from certreg.report.remedies import ADVICE, FIX_TURN
@@ -18,7 +18,8 @@ from certreg.report.uncertainty import uncertainty_rows
 from certreg.results import Absent, Limits, Optimality
 
 if TYPE_CHECKING:
-    from certreg.registration.spring_result import SpringRegistration
+    from certreg.registration.quartic import QuarticSolution
+    from certreg.registration.result import Registration
 
 
 NAMES = {
@@ -42,7 +43,7 @@ RMSE_WORDS = "along the springs, unit of the clouds"
 NOT_LISTED_WORDS = "the proof needs none of them; see `certreg equilibria`"
 
 
-def spring_summary(registration: SpringRegistration) -> str:
+def spring_summary(registration: Registration[QuarticSolution]) -> str:
     """The result of `certify` for general springs, readable."""
     pose, status = registration.pose, spring_verdict_words(registration)
     return "\n".join(
@@ -64,7 +65,7 @@ def spring_summary(registration: SpringRegistration) -> str:
     )
 
 
-def spring_verdict_words(registration: SpringRegistration) -> list[str]:
+def spring_verdict_words(registration: Registration[QuarticSolution]) -> list[str]:
     """What is proved of the pose: a headline, then what else must be said before any number."""
     lines = [headline_words(registration)]
     if registration.status is Optimality.NOT_CERTIFIED:
@@ -88,12 +89,12 @@ def spring_verdict_words(registration: SpringRegistration) -> list[str]:
     return lines
 
 
-def weak_words(registration: SpringRegistration) -> str:
+def weak_words(registration: Registration[QuarticSolution]) -> str:
     """Which shifts are hardly resisted; empty where none is."""
     return weak_shift_words(registration.solution.weak_shifts)
 
 
-def soft_words(registration: SpringRegistration) -> str:
+def soft_words(registration: Registration[QuarticSolution]) -> str:
     """Why it may not be decided which pose is optimal; empty where nothing is known of it."""
     axes = registration.solution.soft_axes
     if len(axes) == 3:
@@ -110,7 +111,7 @@ def soft_words(registration: SpringRegistration) -> str:
     return ""
 
 
-def few_words(registration: SpringRegistration) -> str:
+def few_words(registration: Registration[QuarticSolution]) -> str:
     """That there are too few springs for a pose that fits exactly; empty where there are enough.
 
     Where every residual L^T r is zero the Hessian is 2 J^T J, J their Jacobian, of a rank that is
@@ -127,7 +128,7 @@ def few_words(registration: SpringRegistration) -> str:
     )
 
 
-def _limit_words(registration: SpringRegistration) -> str:
+def _limit_words(registration: Registration[QuarticSolution]) -> str:
     """What is called certified, where that is asked for or not reached."""
     limits, bounds = registration.limits, registration.bounds
     within = f"within {as_given(limits.max_gap)} of the range of energies"
@@ -142,7 +143,7 @@ def _limit_words(registration: SpringRegistration) -> str:
     return f"{UNMET if bounded else MEANS} {within}{angle}."
 
 
-def _proved_lines(registration: SpringRegistration) -> list[str]:
+def _proved_lines(registration: Registration[QuarticSolution]) -> list[str]:
     bounds = registration.bounds
     if registration.status is Optimality.NOT_CERTIFIED or bounds is None:
         return []
@@ -157,13 +158,13 @@ def _proved_lines(registration: SpringRegistration) -> list[str]:
     return [*lines, f"  proved by         {how_words(registration)}"]
 
 
-def how_words(registration: SpringRegistration) -> str:
+def how_words(registration: Registration[QuarticSolution]) -> str:
     """What proves the gap; empty where nothing is proved."""
     method = registration.method
     return "" if method is None else HOW[method]
 
 
-def springs_words(registration: SpringRegistration) -> str:
+def springs_words(registration: Registration[QuarticSolution]) -> str:
     """What kind of springs there are, and how many of each."""
     summary = registration.problem.springs
     if summary is None:
@@ -174,7 +175,7 @@ def springs_words(registration: SpringRegistration) -> str:
     return ", ".join(f"{count} {word}{'s' * (count != 1)}" for count, word in counts)
 
 
-def relaxation_words(registration: SpringRegistration) -> str:
+def relaxation_words(registration: Registration[QuarticSolution]) -> str:
     """What the relaxation proposed, and how far its value is below where it is not tight."""
     solution = registration.solution
     value, bounds, away = (
@@ -200,7 +201,7 @@ def relaxation_words(registration: SpringRegistration) -> str:
     return f"{rank}, {math.degrees(away):.1g} degrees from the optimum"
 
 
-def spring_remedies(registration: SpringRegistration) -> list[str]:
+def spring_remedies(registration: Registration[QuarticSolution]) -> list[str]:
     """What may help where something is said against the pose."""
     told = [one.remedy for one in registration.fit.warnings]
     if registration.unique and is_loose(registration):
@@ -210,14 +211,14 @@ def spring_remedies(registration: SpringRegistration) -> list[str]:
     return [f"{words}." for words in told]
 
 
-def spring_warnings(registration: SpringRegistration, headline: str) -> list[str]:
+def spring_warnings(registration: Registration[QuarticSolution], headline: str) -> list[str]:
     """What is true of the data and should not be overlooked, and is not in the headline."""
     summary = registration.problem.springs
     notes = [] if summary is None else list(summary.notes)
     return notes + [one.text for one in registration.fit.warnings if one.text not in headline]
 
 
-def _uncertainty_lines(registration: SpringRegistration) -> list[str]:
+def _uncertainty_lines(registration: Registration[QuarticSolution]) -> list[str]:
     """The rows of `uncertainty_rows`, in ASCII."""
     rows = uncertainty_rows(registration)
     plain = ([part.replace("±", "+/-") for part in row] for row in rows)

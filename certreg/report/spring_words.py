@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from certreg.exact.decimals import at_least, at_most
-from certreg.registration.any_registration import Method
 from certreg.registration.headlines import proved_degrees
+from certreg.registration.result import Method
 from certreg.report.pose_words import gap_words
 from certreg.report.spring_summary import few_words, how_words, relaxation_words, soft_words
 from certreg.report.words import NOT_CLAIMED, Sentence, robustness_sentences, sentence
@@ -15,7 +15,8 @@ from certreg.results import Guarantee
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from certreg.registration.spring_result import SpringRegistration
+    from certreg.registration.quartic import QuarticSolution
+    from certreg.registration.result import Registration
     from certreg.report.spring_listed import Listed
 
 
@@ -36,7 +37,9 @@ LIST_ALONE = "The list was made for this page, and the certificate below does no
 LIST_CERTIFIED = "certreg equilibria --out writes one that does."
 
 
-def spring_sentences(registration: SpringRegistration, listed: Listed | None) -> list[Sentence]:
+def spring_sentences(
+    registration: Registration[QuarticSolution], listed: Listed | None
+) -> list[Sentence]:
     """What the page says is known; the checker has accepted what the certificate claims."""
     return [
         *_optimality(registration),
@@ -49,7 +52,7 @@ def spring_sentences(registration: SpringRegistration, listed: Listed | None) ->
 
 
 def not_claimed_of_springs(
-    registration: SpringRegistration, listed: Listed | None
+    registration: Registration[QuarticSolution], listed: Listed | None
 ) -> tuple[str, ...]:
     """What the page does not say, with what is open of these springs."""
     *before, last = NOT_CLAIMED
@@ -63,7 +66,7 @@ def not_claimed_of_springs(
     return (*before, *own, last)
 
 
-def _optimality(registration: SpringRegistration) -> Iterator[Sentence]:
+def _optimality(registration: Registration[QuarticSolution]) -> Iterator[Sentence]:
     bounds, method = registration.bounds, registration.method
     if bounds is None or method is None:
         return
@@ -76,7 +79,7 @@ def _optimality(registration: SpringRegistration) -> Iterator[Sentence]:
     )
 
 
-def _uniqueness(registration: SpringRegistration) -> Iterator[Sentence]:
+def _uniqueness(registration: Registration[QuarticSolution]) -> Iterator[Sentence]:
     solution, degrees = registration.solution, proved_degrees(registration)
     exact, free = Guarantee.EXACT, solution.freedom
     if words := free.turn_words():
@@ -101,7 +104,7 @@ def _uniqueness(registration: SpringRegistration) -> Iterator[Sentence]:
             yield Sentence(words=sentence(few), guarantee=exact)
 
 
-def _growth(registration: SpringRegistration) -> Iterator[Sentence]:
+def _growth(registration: Registration[QuarticSolution]) -> Iterator[Sentence]:
     certificate = registration.certificate
     if certificate is None or not certificate.body.growth:
         return
@@ -128,7 +131,7 @@ def _list(listed: Listed | None) -> Iterator[Sentence]:
         )
 
 
-def _numbers(registration: SpringRegistration) -> Iterator[Sentence]:
+def _numbers(registration: Registration[QuarticSolution]) -> Iterator[Sentence]:
     yield Sentence(
         words="The pose and its energy are rounded to doubles from far more digits.",
         guarantee=Guarantee.NUMERICAL,

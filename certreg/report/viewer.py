@@ -27,7 +27,9 @@ if TYPE_CHECKING:
 
     from certreg.equilibrium.presentation import Component
     from certreg.problem.problem import RegistrationProblem
-    from certreg.registration.result import Registration, Solution
+    from certreg.registration.linear import LinearSolution
+    from certreg.registration.result import Registration
+
 
 SPRINGS_WORDS = (
     "Each pair is joined by a spring, and the source moves as one rigid body, with friction, until "
@@ -188,7 +190,7 @@ def colours_end(registration: Registration) -> dict[str, Any]:
     return {"end": None, "words": "the largest"}
 
 
-def ended_words(solution: Solution, run: Run) -> str:
+def ended_words(solution: LinearSolution, run: Run) -> str:
     """Where a run ended, and how."""
     unique = solution.equilibria.classification.unique
     kicked = "It stood at a saddle and was kicked off. " if run.escapes else ""

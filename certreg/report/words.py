@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     from certreg.certificate.isotropic import Claims, IsotropicBody
     from certreg.equilibrium.presentation import Component, EquilibriumSet
     from certreg.registration.agreement import Agreement
-    from certreg.registration.any_registration import AnyRegistration
     from certreg.registration.result import Registration
 
 
@@ -139,7 +138,7 @@ def sentence(words: str) -> str:
     return whole.replace(" %", "\u00a0%")  # on one line
 
 
-def robustness_sentences(registration: AnyRegistration, *theorems: str) -> Iterator[Sentence]:
+def robustness_sentences(registration: Registration, *theorems: str) -> Iterator[Sentence]:
     """How far the points may be off, if it is proved."""
     if registration.robustness is not None:
         words = sentence(robustness_words(registration))

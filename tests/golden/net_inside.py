@@ -12,17 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from answers import answered
 from commands import checked
-from net_python import (
-    bare,
-    lost,
-    page,
-    problem,
-    refused,
-    sentences_of,
-    told,
-    uncertified,
-    whole,
-)
+from net_python import bare, lost, page, problem, refused, sentences_of, told, uncertified, whole
 
 from certreg import Registration, SimulationSettings, certify, equilibria
 from certreg.equilibrium.presentation import equilibrium_set

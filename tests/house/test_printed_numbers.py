@@ -35,7 +35,7 @@ ALLOWED = {  # what the last digit of a number to the nearest is worth, and wher
     """,
     "of a result in the `repr`": """
         results.py {float(value):.6g}
-        registration/any_registration.py {self.rmse:.6g}
+        registration/result.py {self.rmse:.6g}
         registration/assessed.py {away:.6g}
     """,
     "a constant, rounded down: 1 and 3.14159, below pi": """

@@ -220,7 +220,7 @@ def test_what_is_for_one_weight_per_pair_alone_says_so_in_one_line():
 def test_a_registration_on_springs_is_short_and_shows_itself():
     found = registered("plane")
 
-    assert repr(found).startswith("<SpringRegistration: certified; n=20, rmse=")
+    assert repr(found).startswith("<Registration: certified; n=20, rmse=")
     assert len(repr(found)) <= 200
     assert found.summary() == str(found)
     assert "CERTIFIED" in found._repr_html_()

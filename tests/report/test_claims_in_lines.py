@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from certreg.dynamics.body import SimulationStatus
-from certreg.registration.any_registration import Method
+from certreg.registration.result import Method
 from certreg.report import lines, spring_summary, truncated_summary
 from certreg.report.lines import MEANS, UNMET
 from certreg.results import Limits, Optimality

@@ -14,7 +14,7 @@ from flint import arb, ctx
 
 from certreg.geometry.pose import Pose
 from certreg.problem.motion import Motion
-from certreg.registration.any_registration import Method
+from certreg.registration.result import Method
 from certreg.registration.robustness import Robustness
 from certreg.report import spring_document, spring_summary, spring_words
 from certreg.report import words as page_words
