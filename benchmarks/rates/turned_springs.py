@@ -100,7 +100,7 @@ def accepted_alone(text: bytes, seed: int) -> str:
         path = Path(folder) / "certificate.json"
         path.write_bytes(text)
         command = [sys.executable, "-I", "-S", CHECKER, str(path)]
-        run = subprocess.run(command, capture_output=True, text=True, check=False)
+        run = subprocess.run(command, capture_output=True, text=True, check=False, encoding="utf-8")
     return "" if run.returncode == 0 else f"{seed}: {run.stdout}"
 
 
