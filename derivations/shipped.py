@@ -217,7 +217,7 @@ def eliminated_springs(H: Any) -> tuple[list[Any], Any]:
         _dyadic=lambda number, _: number,
         Fraction=lambda *_: Entry(ring.zero, met),
     )
-    form, over, free, *_ = left(lambda *parts: parts, rows, 0)
+    form, over, free, *_ = left(lambda *parts: parts, rows, 0, moves=True)
     modelled(free == 0, "a pivot that is zero")
     return [entry.value.as_expr() for entry in form], over
 

@@ -164,7 +164,7 @@ def _checked(factors: Sequence[Sequence[int]], q: Sequence[int]) -> tuple[Fracti
     H = objective.joint_form.rows
     order = (10, 11, 12, *range(1, 10), 0)
     rows = [[H[i][j] for j in order[k:]] for k, i in enumerate(order)]
-    found = CheckedSprings.of(rows, 0)
+    found = CheckedSprings.of(rows, 0, moves=True)
     same = found.free == len(objective.free_translations)
     return found.at(q), found.free if same else -1
 
