@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from benchmarks.clouds import random_problem
 from benchmarks.measuring import Figure, Quantity, fastest
 from certreg.certificate.producing import produce
-from certreg.equilibrium.presentation import equilibrium_set
+from certreg.equilibrium.equilibrium_set import equilibrium_set
 from certreg.equilibrium.spectral import by_eigenspaces
 from certreg.exact.eigenbasis import integer_eigenbasis
 from certreg.objective.classification import classify
@@ -21,7 +21,7 @@ from certreg.verify import check
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from certreg.equilibrium.presentation import EquilibriumSet
+    from certreg.equilibrium.equilibrium_set import EquilibriumSet
 
 SIZES = (10, 100, 1000, 100_000)
 ROUNDS = 3

@@ -69,14 +69,18 @@ PROVED = (
         "isotropic_radius growth_radius _weight_and_lever sines",
         "certificate/test_radius_bounds",
     ),
-    _of("certificate/shared_motion", "is_refuted", "certificate/test_pair_edges"),
+    _of("certificate/joint_feasibility", "is_refuted", "certificate/test_pair_edges"),
     _of(
         "certificate/consistency",
         "ExactRows.agree ExactRows.met_by ConsistentPairs.met_by _at_most",
         "certificate/test_pair_edges",
     ),
-    _of("certificate/thinning", "GraphThinning.closed transversal", "certificate/test_pair_edges"),
-    _of("certificate/staging", "Stager.upper", "certificate/test_pair_edges"),
+    _of(
+        "certificate/vertex_elimination",
+        "GraphThinning.closed transversal",
+        "certificate/test_pair_edges",
+    ),
+    _of("certificate/proof_stages", "Stager.upper", "certificate/test_pair_edges"),
     _of(
         "certificate/cones",
         "CappedMinimum.floor _curvature _width",
@@ -123,7 +127,7 @@ PROVED = (
         "objective/test_springs",
     ),
     _of(
-        "objective/levelling",
+        "objective/normalisation",
         "LevelledExactly.is_constant levelled_exactly",
         "objective/test_springs",
     ),
@@ -177,7 +181,7 @@ PROVED = (
         "equilibrium/test_equilibria",
     ),
     _of(
-        "equilibrium/presentation",
+        "equilibrium/equilibrium_set",
         "EquilibriumSet.narrow EquilibriumSet.nearly_ambiguous EquilibriumSet.count _margin",
         "registration/test_flags_enumerated equilibrium/test_equilibria",
     ),
@@ -208,12 +212,12 @@ PROVED = (
         "proved_scales moved_scale moved_symmetric_scale",
         "registration/test_exact_ends",
     ),
-    _of("registration/weak_shifts", "weak_shifts", "registration/test_weak_shifts"),
+    _of("registration/weakly_constrained", "weak_shifts", "registration/test_weakly_constrained"),
     _of(
-        "registration/freedom",
+        "registration/unobservable",
         "Freedom.of Freedom.flat Freedom.moves_optimum Freedom.target_axis "
         "Freedom.source_axis Freedom._alone",
-        "registration/test_freedom",
+        "registration/test_unobservable",
     ),
     _of(
         "registration/consensus",
@@ -254,7 +258,7 @@ PROVED = (
         "registration/test_truncated_labels",
     ),
     _of(
-        "registration/kept_pairs",
+        "registration/label_assessment",
         "KeptPairs.verdict KeptPairs.upper KeptPairs.unique",
         "registration/test_flags_enumerated",
     ),
@@ -303,7 +307,7 @@ PROVED = (
         "registration/test_flags_enumerated",
     ),
     _of("registration/headlines", "_meets_usual", "registration/test_flags_enumerated"),
-    _of("registration/nothing_met", "nothing_turned", "registration/test_nothing_met"),
+    _of("registration/no_consensus", "nothing_turned", "registration/test_no_consensus"),
     _of("report/spring_words", "_growth", "report/test_printed_angles"),
     _of("report/spring_document", "_growth", "report/test_printed_angles"),
     _of("report/spring_equilibria", "_road", "report/test_spring_list_words"),

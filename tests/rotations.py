@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from certreg.equilibrium.presentation import unit_double
+from certreg.equilibrium.equilibrium_set import unit_double
 
 
 def hat(v):

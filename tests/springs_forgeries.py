@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from certreg.equilibrium.quartics import FloatingQuartic, descended
-from certreg.objective.levelling import levelled
+from certreg.objective.normalisation import levelled
 
 if TYPE_CHECKING:
     import random

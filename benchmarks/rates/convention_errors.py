@@ -18,8 +18,8 @@ from strategies import random_rotation
 from certreg import Pose, assess, register
 from certreg.geometry.so3 import rotation_matrix
 from certreg.problem.problem import RegistrationProblem
+from certreg.registration.convention_errors import SlipCode
 from certreg.registration.findings import GOOD
-from certreg.registration.slips import SlipCode
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator

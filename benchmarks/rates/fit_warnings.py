@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.equilibrium.presentation import rotation_double, unit_double
+from certreg.equilibrium.equilibrium_set import rotation_double, unit_double
 from certreg.geometry.pose import Pose
 from certreg.objective.isotropic import Isotropic
 from certreg.problem.moments import exact_moments

@@ -24,12 +24,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.certificate.assuming import Assuming
+from certreg.certificate.clique_refutation import Assuming
 from certreg.certificate.consistency import ConsistentPairs, consistent_pairs
 from certreg.certificate.edge_elimination import Parting
 from certreg.certificate.producing_consensus import ConsensusProver, consensus_certificate
-from certreg.certificate.thinning import Graph, GraphThinning
-from certreg.native.bit_rows import mask_of
+from certreg.certificate.vertex_elimination import Graph, GraphThinning
+from certreg.native.bitset_graph import mask_of
 from certreg.problem.losses import Consensus
 from certreg.problem.problem import RegistrationProblem
 
@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from certreg.native.bit_rows import BitRows
+    from certreg.native.bitset_graph import BitRows
 
 
 INSTANCES = 100_000

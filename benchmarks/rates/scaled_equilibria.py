@@ -22,7 +22,7 @@ from scipy.spatial.transform import Rotation
 from certreg.dynamics.breathing import breathing_body
 from certreg.dynamics.states import breathing_state
 from certreg.equilibrium.breathing import BreathingEquilibrium, breathing_equilibria
-from certreg.equilibrium.presentation import unit_double
+from certreg.equilibrium.equilibrium_set import unit_double
 from certreg.objective.isotropic import Isotropic
 from certreg.problem.moments import exact_moments
 from certreg.problem.problem import RegistrationProblem

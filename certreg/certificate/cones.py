@@ -35,7 +35,7 @@ from certreg.exact.dyadic import dyadic_above, dyadic_below
 from certreg.exact.elimination import is_positive_definite
 from certreg.geometry.so3 import body_frame, dot, squared_norm
 from certreg.native.cones import ConesEnding, search_cones
-from certreg.objective.levelling import levelled_exactly
+from certreg.objective.normalisation import levelled_exactly
 from certreg.objective.quartics import MONOMIALS
 from certreg.relaxation.refining import refined
 from certreg.results import Brief

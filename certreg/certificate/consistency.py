@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 
 from certreg._loading import cached_property
 from certreg.certificate.consensus import RIGID
-from certreg.certificate.refuting import PointRows
+from certreg.certificate.infeasibility_weights import PointRows
 from certreg.exact.dyadic import power_of_two
 from certreg.geometry.so3 import rotation_matrix, squared_norm
-from certreg.native.bit_rows import BitRows, agreeing
+from certreg.native.bitset_graph import BitRows, agreeing
 from certreg.problem.lifting import lift
 from certreg.relaxation.similarity_fit import lengths_between, scale_ranges
 

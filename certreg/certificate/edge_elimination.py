@@ -13,15 +13,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from certreg.certificate.consensus import Strike
-from certreg.native.bit_rows import mask_of, rows_of
+from certreg.native.bitset_graph import mask_of, rows_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
 
     from numpy.typing import NDArray
 
-    from certreg.certificate.refuting import PointRows
-    from certreg.certificate.thinning import GraphThinning
+    from certreg.certificate.infeasibility_weights import PointRows
+    from certreg.certificate.vertex_elimination import GraphThinning
 
 
 MOST_STRUCK = 5000  # pairs of rows: each is four of the 50,000 commas and brackets of a certificate

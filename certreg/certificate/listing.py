@@ -37,7 +37,7 @@ from certreg.equilibrium.paths import PathsOutcome
 from certreg.equilibrium.quartics import FloatingQuartic
 from certreg.exact.dyadic import Dyadic, dyadic_above, dyadic_below
 from certreg.geometry.so3 import body_frame, dot, squared_norm
-from certreg.objective.levelling import levelled_exactly
+from certreg.objective.normalisation import levelled_exactly
 from certreg.results import Brief
 
 if TYPE_CHECKING:
@@ -45,7 +45,7 @@ if TYPE_CHECKING:
 
     from certreg.equilibrium.paths import CriticalLines
     from certreg.exact.spaces import IntegerQuaternion
-    from certreg.objective.levelling import LevelledExactly
+    from certreg.objective.normalisation import LevelledExactly
     from certreg.objective.springs import Springs
 
 Complexes = NDArray[np.complex128]

@@ -23,6 +23,7 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 
 from certreg._loading import cached_property
+from certreg.certificate.angle_bound import ANGLE_BITS, reach_of, turn_about
 from certreg.certificate.consensus import (
     OPEN,
     RIGID,
@@ -38,23 +39,22 @@ from certreg.certificate.consensus import (
 from certreg.certificate.consistency import ConsistentPairs
 from certreg.certificate.isotropic import IsotropicBody, SimilarityBody
 from certreg.certificate.producing import enclosed
-from certreg.certificate.reach import ANGLE_BITS, reach_of, turn_about
+from certreg.certificate.proof_stages import MOST, Part, Stager, length_of, settled
 from certreg.certificate.springs_cones import SpringsConesBody
 from certreg.certificate.springs_sos import SpringsSosBody
-from certreg.certificate.staging import MOST, Part, Stager, length_of, settled
-from certreg.certificate.thinning import Graph
+from certreg.certificate.vertex_elimination import Graph
 from certreg.errors import UndecidedError
 from certreg.exact.dyadic import Dyadic, dyadic_above, dyadic_below
 from certreg.geometry.pose import Pose
 from certreg.geometry.so3 import davenport_matrix, quaternion_from_matrix, rotation_matrix
-from certreg.native.bit_rows import mask_of, rows_of
+from certreg.native.bitset_graph import mask_of, rows_of
 from certreg.problem.bounds import LEAST_PAIRS
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.certificate.envelope import Certificate
-    from certreg.native.bit_rows import Neighbours
+    from certreg.native.bitset_graph import Neighbours
     from certreg.problem.problem import RegistrationProblem
 
 FitBody = IsotropicBody | SpringsSosBody | SpringsConesBody | SimilarityBody

@@ -30,7 +30,7 @@ from certreg.registration.certification import certify
 from certreg.registration.exit_codes import DONE, NOT_CERTIFIED, REFUSED
 from certreg.registration.findings import GOOD
 from certreg.registration.headlines import NO_ROTATION
-from certreg.registration.kept_pairs import judged_labels
+from certreg.registration.label_assessment import judged_labels
 from certreg.registration.truncated_labels import judged_truncated_labels
 from certreg.report.document import assessment_document, dumps
 from certreg.report.file_names import REPORT

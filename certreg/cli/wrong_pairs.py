@@ -26,12 +26,12 @@ if TYPE_CHECKING:
     from certreg.io import row_values as io_bounds
     from certreg.io.pairing import Pair
     from certreg.problem import bounds as problem_bounds
-    from certreg.problem import effort as problem_effort
+    from certreg.problem import budget as problem_effort
 else:
     # These load NumPy, and are loaded where they are needed.
     io_bounds = late("certreg.io.row_values")
     problem_bounds = late("certreg.problem.bounds")
-    problem_effort = late("certreg.problem.effort")
+    problem_effort = late("certreg.problem.budget")
 
 
 SEARCH = "certreg.registration.consensus"  # the logger that tells what was found

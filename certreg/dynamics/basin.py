@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.equilibrium.presentation import unit_entries
+from certreg.equilibrium.equilibrium_set import unit_entries
 from certreg.errors import DegenerateProblemError
 from certreg.native.layout import BASIN, record_of
 from certreg.results import Brief

@@ -33,7 +33,7 @@ from certreg.dynamics.integrators import (
 )
 from certreg.dynamics.rigid import body_on_weights, core_of
 from certreg.dynamics.trajectory import Course, Trajectory
-from certreg.equilibrium.presentation import unit_double
+from certreg.equilibrium.equilibrium_set import unit_double
 from certreg.equilibrium.stability import TRANSLATION_STIFFNESS
 from certreg.errors import DegenerateProblemError
 from certreg.exact.elimination import rank

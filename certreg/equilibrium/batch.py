@@ -56,14 +56,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.equilibrium.presentation import equilibrium_set
+from certreg.equilibrium.equilibrium_set import equilibrium_set
 from certreg.equilibrium.spectral import by_eigenspaces
 from certreg.equilibrium.stability import Oscillations
 from certreg.errors import InvalidProblemError
 from certreg.native.engine import current_engine
 from certreg.native.stationary import ManyClouds
 from certreg.objective.isotropic import Isotropic
-from certreg.problem.effort import checked_threads
+from certreg.problem.budget import checked_threads
 from certreg.problem.moments import exact_moments
 from certreg.problem.motion import DEFAULT_DAMPING, checked_damping
 from certreg.problem.problem import RegistrationProblem
@@ -75,7 +75,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import ArrayLike, NDArray
 
-    from certreg.equilibrium.presentation import EquilibriumSet
+    from certreg.equilibrium.equilibrium_set import EquilibriumSet
     from certreg.native.stationary import StationaryPoses
 
 Array = Any  # NDArray[np.float64]

@@ -33,7 +33,7 @@ from certreg.equilibrium.eigenlines import eigenlines, energy_is_at_least
 from certreg.errors import UndecidedError
 from certreg.exact.dyadic import power_of_two
 from certreg.geometry.so3 import dot, rotation_matrix, squared_norm
-from certreg.native.bit_rows import rows_of
+from certreg.native.bitset_graph import rows_of
 from certreg.objective.isotropic import Isotropic
 from certreg.problem.lifting import exact_springs
 from certreg.results import Brief

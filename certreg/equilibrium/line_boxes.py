@@ -30,7 +30,7 @@ from certreg.objective.quartics import MONOMIALS, PAIR_PLACE, PAIRS
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from certreg.objective.levelling import LevelledExactly
+    from certreg.objective.normalisation import LevelledExactly
 
 GUARD_BITS = 16  # of a coefficient, beyond those of the arithmetic
 PAIR_BITS = 64  # where to begin with a line that is not real: its box only has to be apart

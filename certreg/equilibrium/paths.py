@@ -32,7 +32,7 @@ from certreg.equilibrium.tracking import (
     track,
 )
 from certreg.native.paths import REACHED, PathEnds, PathRules, many_quartic_paths, quartic_paths
-from certreg.objective.levelling import levelled
+from certreg.objective.normalisation import levelled
 from certreg.objective.quartics import MONOMIALS
 from certreg.results import Brief
 

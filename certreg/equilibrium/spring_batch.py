@@ -16,16 +16,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from certreg.equilibrium.batch import clouds, require_finite
+from certreg.equilibrium.equilibrium_set import unit_double
 from certreg.equilibrium.paths import CriticalLines, PathsOutcome, many_critical_lines
-from certreg.equilibrium.presentation import unit_double
 from certreg.equilibrium.quartics import LEAST_CURVATURE, StackedQuartics
 from certreg.equilibrium.spring_homotopy import proved_list
 from certreg.exact.dyadic import nearest_double
 from certreg.geometry.so3 import rotation_matrix
-from certreg.objective.levelling import levelled
+from certreg.objective.normalisation import levelled
 from certreg.objective.quartics import quartic_of_form
 from certreg.objective.springs import Springs
-from certreg.problem.effort import checked_threads
+from certreg.problem.budget import checked_threads
 from certreg.problem.many_springs import many_spring_moments, stated_many
 from certreg.problem.springs import GivenSprings
 from certreg.results import Brief, Guarantee

@@ -48,14 +48,14 @@ from certreg.equilibrium.line_set import (
 )
 from certreg.errors import UndecidedError
 from certreg.exact.balls import fixed_point, negative_eigenvalues, orthonormal, radius_bits
-from certreg.objective.levelling import levelled_exactly
+from certreg.objective.normalisation import levelled_exactly
 from certreg.results import Guarantee
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from certreg.equilibrium.critical_set import Critical
-    from certreg.objective.levelling import LevelledExactly
+    from certreg.objective.normalisation import LevelledExactly
     from certreg.objective.springs import Springs
 
 

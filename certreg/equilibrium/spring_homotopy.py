@@ -28,7 +28,7 @@ from certreg.equilibrium.line_set import (
 from certreg.equilibrium.paths import REAL, critical_lines
 from certreg.equilibrium.tracking import REGULAR
 from certreg.exact.balls import fixed_point, orthonormal
-from certreg.objective.levelling import levelled_exactly
+from certreg.objective.normalisation import levelled_exactly
 from certreg.results import Guarantee
 
 if TYPE_CHECKING:

@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.native.bit_rows import rows_of
+from certreg.native.bitset_graph import rows_of
 from certreg.native.library import little_library
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from certreg.native.bit_rows import BitRows
+    from certreg.native.bitset_graph import BitRows
 
     Rows = NDArray[np.int64]
 

@@ -18,7 +18,7 @@ typedef int64_t masks __attribute__((vector_size(8 * LANES)));
 
 #define SWEEPS 8           /* of Jacobi's method; four are usual */
 #define NEGLIGIBLE 0x1p-64 /* of the matrix: such an entry moves no eigenvalue by a rounding */
-/* As in certificate/refuting.py. */
+/* As in certificate/infeasibility_weights.py. */
 #define ROUNDS 100
 #define WEIGHT_MAX 65535.0
 #define MARGIN 1e-9

@@ -1,4 +1,4 @@
-/* What the pose of two clouds and its caller agree on; problem/posing.py does the same. */
+/* What the pose of two clouds and its caller agree on; problem/fast_pose.py does the same. */
 #ifndef CERTREG_POSE_H
 #define CERTREG_POSE_H
 

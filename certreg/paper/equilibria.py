@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from certreg.dynamics.rigid import rigid_body
+from certreg.equilibrium.equilibrium_set import rotation_double, unit_double
 from certreg.equilibrium.methods import FINDERS
-from certreg.equilibrium.presentation import rotation_double, unit_double
 from certreg.geometry.so3 import rotation_matrix
 from certreg.objective.isotropic import Isotropic
 from certreg.paper.particles import Particles, at_rest

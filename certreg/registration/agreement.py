@@ -15,9 +15,9 @@ from certreg.dynamics.body import SimulationStatus
 from certreg.errors import ContradictionError
 from certreg.exact.dyadic import power_of_two
 from certreg.native.layout import MATRIX_STATE, named
+from certreg.problem.fast_pose import floating_pose
 from certreg.problem.lifting import lift
 from certreg.problem.moments import floating_moments
-from certreg.problem.posing import floating_pose
 from certreg.registration.closed_form import arun, horn
 from certreg.results import Absent, Explained
 

@@ -12,10 +12,10 @@ from certreg.results import Absent, Explained, PoseVerdict, Presented
 if TYPE_CHECKING:
     from certreg.geometry.pose import Pose
     from certreg.geometry.similarity import Similarity
+    from certreg.registration.convention_errors import Slip
     from certreg.registration.findings import JudgedEnergies, SigmaDistance
     from certreg.registration.fit import Fit
     from certreg.registration.scaled_poses import GapParts
-    from certreg.registration.slips import Slip
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

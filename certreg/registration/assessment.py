@@ -15,6 +15,7 @@ from certreg.problem.support import Loss
 from certreg.registration.assessed import Assessment
 from certreg.registration.assessment_words import headline_of_pose, note_on, words_of_pose
 from certreg.registration.certification import certify
+from certreg.registration.convention_errors import slip_of
 from certreg.registration.findings import (
     GOOD,
     AssessmentSettings,
@@ -26,21 +27,24 @@ from certreg.registration.findings import (
     verdict_of,
 )
 from certreg.registration.headlines import NO_ROTATION
-from certreg.registration.kept_pairs import judged_labels
+from certreg.registration.label_assessment import judged_labels
+from certreg.registration.problem_arguments import (
+    ProblemOptions,
+    stated_in_clouds,
+    stated_problem_of,
+)
 from certreg.registration.result import Registration
 from certreg.registration.scaled_poses import NOT_SCALED, read_for, scale_note
-from certreg.registration.slips import slip_of
 from certreg.registration.spring_assessment import judged_on_springs
-from certreg.registration.stating import ProblemOptions, stated_in_clouds, stated_problem_of
 from certreg.registration.truncated_labels import judged_truncated_labels
 from certreg.results import OUT_OF_RANGE, Absent, PoseVerdict, present
 
 if TYPE_CHECKING:
     from certreg.certificate.bounds import PoseBounds
     from certreg.geometry.given import GivenPose
+    from certreg.registration.convention_errors import Slip
     from certreg.registration.findings import Findings
-    from certreg.registration.kept_pairs import KeptPairs
-    from certreg.registration.slips import Slip
+    from certreg.registration.label_assessment import KeptPairs
     from certreg.registration.truncated_labels import TruncatedLabels
 
 

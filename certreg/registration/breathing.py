@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
     from certreg.dynamics.breathing import BreathingBody
     from certreg.equilibrium.breathing import BreathingEquilibria
-    from certreg.equilibrium.presentation import Component, EquilibriumSet
+    from certreg.equilibrium.equilibrium_set import Component, EquilibriumSet
     from certreg.objective.isotropic import Isotropic
 
 CONTINUUM = Absent("the equilibria form a continuum: there are infinitely many")

@@ -9,11 +9,11 @@ from certreg.dynamics.integrators import SimulationSettings
 from certreg.native.loops import Integrator
 from certreg.objective.structure import Structure
 from certreg.problem.support import Loss
-from certreg.registration.parts import counted
 from certreg.registration.pipeline import Asked, Work, accepting
+from certreg.registration.problem_arguments import stated_problem_of
+from certreg.registration.progress import counted
 from certreg.registration.robustness import ROBUSTNESS_ANGLE, checked_angle
 from certreg.registration.squares import SQUARES
-from certreg.registration.stating import stated_problem_of
 from certreg.results import MAX_ANGLE, MAX_GAP, Limits
 
 if TYPE_CHECKING:
@@ -22,10 +22,10 @@ if TYPE_CHECKING:
 
     from certreg.problem import bounds
     from certreg.problem.support import Cell
-    from certreg.registration.parts import Progress
     from certreg.registration.pipeline import Prover, Provers
+    from certreg.registration.problem_arguments import ProblemOptions
+    from certreg.registration.progress import Progress
     from certreg.registration.result import Registration
-    from certreg.registration.stating import ProblemOptions
 else:
     # of whose names most calls need none
     bounds = late("certreg.problem.bounds")

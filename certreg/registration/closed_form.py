@@ -24,10 +24,10 @@ from certreg.geometry.so3 import (
     rotation_matrix,
 )
 from certreg.problem.arrays import cloud_array, finite_doubles, real_numbers
-from certreg.problem.effort import checked_threads
+from certreg.problem.budget import checked_threads
+from certreg.problem.fast_pose import floating_pose
 from certreg.problem.moments import davenport_error, moments_of_clouds
 from certreg.problem.motion import Scale, checked_rotation_only, checked_scale
-from certreg.problem.posing import floating_pose
 from certreg.problem.problem import RegistrationProblem
 from certreg.problem.row_labels import require_same_labels
 from certreg.problem.spring_rows import warn_of_unused
@@ -36,8 +36,8 @@ from certreg.problem.support import Cell, require_supported
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
+    from certreg.problem.fast_pose import FloatingPose
     from certreg.problem.moments import Moments
-    from certreg.problem.posing import FloatingPose
     from certreg.registration import spring_equilibria
 else:
     spring_equilibria = late("certreg.registration.spring_equilibria")

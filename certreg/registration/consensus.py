@@ -26,7 +26,7 @@ from certreg.exact.dyadic import double_above, double_below
 from certreg.geometry.similarity import Similarity
 from certreg.problem.arrays import apart
 from certreg.problem.bounds import LEAST_PAIRS
-from certreg.problem.effort import checked_effort
+from certreg.problem.budget import checked_effort
 from certreg.problem.motion import Scale
 from certreg.registration.consensus_words import PairLabels, headline, ranges_words, repeated_rows
 from certreg.registration.exit_codes import (
@@ -37,7 +37,7 @@ from certreg.registration.exit_codes import (
     worst,
 )
 from certreg.registration.labelled import LabelledRegistration
-from certreg.registration.nothing_met import nothing_met
+from certreg.registration.no_consensus import nothing_met
 from certreg.registration.pair_warnings import few_warning, poor_warning, wide_warning
 from certreg.registration.pipeline import USUAL, Asked, Prover, Work
 from certreg.registration.row_names import RowNames

@@ -28,7 +28,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from certreg._loading import cached_property
-from certreg.equilibrium.presentation import rotation_double
+from certreg.equilibrium.equilibrium_set import rotation_double
 from certreg.exact.dyadic import (
     dyadic_below,
     nearest_double,

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any, Generic, TypeVar, cast
 
 from certreg._loading import late
 from certreg.certificate.checking import check_own, require_accepted
+from certreg.equilibrium.equilibrium_set import EquilibriumSet
 from certreg.equilibrium.methods import FINDERS, compare, search
-from certreg.equilibrium.presentation import EquilibriumSet
 from certreg.errors import UndecidedError
 from certreg.objective.isotropic import Isotropic
 from certreg.objective.objective import objective_of
@@ -17,8 +17,8 @@ from certreg.registration.ambiguity import equilibria_at
 from certreg.registration.covariance import pose_covariance
 from certreg.registration.fit import fit_of
 from certreg.registration.optimum import optimal_pose, pose_at
-from certreg.registration.parts import counted
-from certreg.registration.stating import require_method, require_problem
+from certreg.registration.problem_arguments import require_method, require_problem
+from certreg.registration.progress import counted
 from certreg.results import Brief
 
 if TYPE_CHECKING:
@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     from certreg.problem.problem import RegistrationProblem
     from certreg.registration import breathing, spring_equilibria
     from certreg.registration.fit import Fit
-    from certreg.registration.parts import Progress
+    from certreg.registration.progress import Progress
     from certreg.registration.spring_equilibria import SpringEquilibria
 else:
     breathing = late("certreg.registration.breathing")

@@ -19,7 +19,7 @@ from certreg.registration.loose_turns import LOOSE_SIGMA, TURNED_FAR, beyond_fir
 from certreg.registration.misfits import LEVEL
 from certreg.registration.rounding import rounding_cost
 from certreg.registration.scaled_poses import GapParts, gap_parts, scaled_rounding_cost
-from certreg.registration.tails import log_chi2_above
+from certreg.registration.tail_probabilities import log_chi2_above
 from certreg.results import OUT_OF_RANGE, Absent, Brief, Limits, PoseVerdict
 
 if TYPE_CHECKING:

@@ -32,7 +32,7 @@ from certreg.registration.misfits import (
 )
 from certreg.registration.outlying import LISTED, independent_rows, row_fit
 from certreg.registration.row_names import RowNames
-from certreg.registration.tails import log_chi2_above, log_ratio_below
+from certreg.registration.tail_probabilities import log_chi2_above, log_ratio_below
 from certreg.results import OUT_OF_RANGE, Absent, Explained, present
 
 if TYPE_CHECKING:

@@ -14,7 +14,7 @@ from certreg.exact.decimals import at_least, at_most
 from certreg.exact.dyadic import degrees_above
 from certreg.registration.loose_turns import LOOSE_SIGMA, axis_words
 from certreg.registration.misfits import FitCode
-from certreg.registration.weak_shifts import weak_shift_words
+from certreg.registration.weakly_constrained import weak_shift_words
 from certreg.results import Limits, Optimality
 
 if TYPE_CHECKING:

@@ -13,7 +13,7 @@ from certreg.results import Saved
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from certreg.equilibrium.presentation import EquilibriumSet
+    from certreg.equilibrium.equilibrium_set import EquilibriumSet
     from certreg.problem.problem import RegistrationProblem
     from certreg.registration.covariance import PoseCovariance
     from certreg.registration.misfits import FitWarning

@@ -41,7 +41,7 @@ if TYPE_CHECKING:
     from certreg.certificate.envelope import Certificate
     from certreg.certificate.isotropic import RotationState
     from certreg.dynamics.integrators import SimulationSettings
-    from certreg.equilibrium.presentation import EquilibriumSet
+    from certreg.equilibrium.equilibrium_set import EquilibriumSet
     from certreg.problem.moments import ExactMoments
     from certreg.problem.problem import RegistrationProblem
     from certreg.problem.support import Cell

@@ -45,7 +45,7 @@ from certreg.geometry.so3 import squared_norm
 from certreg.problem.bounds import MOST_PAIRS
 from certreg.problem.moments import trace
 from certreg.registration.outlying import PAIRINGS, ROUNDING
-from certreg.registration.tails import log_beta_below, log_choices, log_ratio_below
+from certreg.registration.tail_probabilities import log_beta_below, log_choices, log_ratio_below
 from certreg.registration.units import UNITS
 from certreg.results import Brief
 

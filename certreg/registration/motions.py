@@ -9,7 +9,7 @@ import numpy as np
 
 from certreg._loading import cached_property
 from certreg.geometry.so3 import is_reflection
-from certreg.problem.posing import PosedPairs
+from certreg.problem.fast_pose import PosedPairs
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

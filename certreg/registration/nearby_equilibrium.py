@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
     from fractions import Fraction
 
-    from certreg.objective.levelling import LevelledExactly
+    from certreg.objective.normalisation import LevelledExactly
     from certreg.objective.springs import Springs
 
 # Of the oscillation. Doubles hold the data to 1e-16 of them: what is closer is a tie but for their

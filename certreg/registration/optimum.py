@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, overload
 import numpy as np
 
 from certreg.certificate.bounds import ExactPose
-from certreg.equilibrium.presentation import rotation_double, unit_double
+from certreg.equilibrium.equilibrium_set import rotation_double, unit_double
 from certreg.errors import OutOfRangeError
 from certreg.exact.dyadic import nearest_double
 from certreg.geometry.pose import Pose

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.equilibrium.presentation import rotation_double
+from certreg.equilibrium.equilibrium_set import rotation_double
 from certreg.exact.dyadic import nearest_or_zero, power_of_two
 from certreg.problem.arrays import row_blocks
 from certreg.problem.terms import Pairs

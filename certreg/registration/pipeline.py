@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeVar
 
 from certreg.native.loops import Integrator
-from certreg.registration.parts import logged
+from certreg.registration.progress import logged
 from certreg.results import Absent, Limits
 
 if TYPE_CHECKING:

@@ -17,13 +17,13 @@ from certreg.problem.lifting import lift
 from certreg.registration.covariance import FLAT, NOT_UNIQUE, OF_SPRINGS, covariance_at
 from certreg.registration.curvature import soft_axes
 from certreg.registration.fit import spring_fit
-from certreg.registration.freedom import Freedom
 from certreg.registration.optimum import pose_at
 from certreg.registration.outlying import LISTED
 from certreg.registration.result import UNDECIDED, Method, PoseWorth, Solution
 from certreg.registration.spring_rows import ResidualSums, blocks_at, source_centre
 from certreg.registration.squares import NOT_CERTIFIED, SquaresProver
-from certreg.registration.weak_shifts import WeakShift, weak_shifts
+from certreg.registration.unobservable import Freedom
+from certreg.registration.weakly_constrained import WeakShift, weak_shifts
 from certreg.results import Absent
 
 if TYPE_CHECKING:

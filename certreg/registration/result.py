@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
     from certreg.certificate.bounds import ExactPose, PoseBounds
     from certreg.certificate.envelope import Certificate
-    from certreg.equilibrium.presentation import EquilibriumSet
+    from certreg.equilibrium.equilibrium_set import EquilibriumSet
     from certreg.geometry.pose import Pose
     from certreg.geometry.similarity import Similarity
     from certreg.objective.isotropic import Isotropic
@@ -35,9 +35,9 @@ if TYPE_CHECKING:
     from certreg.problem.problem import RegistrationProblem
     from certreg.registration.covariance import PoseCovariance, Residual
     from certreg.registration.fit import Fit
-    from certreg.registration.freedom import Freedom
     from certreg.registration.simulation import SimulatedMotion
-    from certreg.registration.weak_shifts import WeakShift
+    from certreg.registration.unobservable import Freedom
+    from certreg.registration.weakly_constrained import WeakShift
     from certreg.results import Limits, Verdict
 
     ResidualBlock = tuple[slice, NDArray[np.float64], NDArray[np.float64]]

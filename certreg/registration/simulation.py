@@ -22,7 +22,7 @@ from certreg.objective.objective import objective_of
 from certreg.problem.lifting import lift
 from certreg.problem.support import Verb, require_supported
 from certreg.registration.agreement import require_sound_trajectory
-from certreg.registration.stating import require_problem
+from certreg.registration.problem_arguments import require_problem
 from certreg.results import OUT_OF_RANGE, Absent, Brief, Presented
 
 if TYPE_CHECKING:

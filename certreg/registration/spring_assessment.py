@@ -36,7 +36,7 @@ from certreg.registration.spring_findings import (
     spring_sigma_distance,
     spring_verdict_of,
 )
-from certreg.registration.weak_shifts import weak_shift_words
+from certreg.registration.weakly_constrained import weak_shift_words
 from certreg.results import OUT_OF_RANGE, Absent, PoseVerdict, present
 
 if TYPE_CHECKING:

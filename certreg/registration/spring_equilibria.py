@@ -10,19 +10,19 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from certreg._loading import late
+from certreg.equilibrium.equilibrium_set import unit_double
 from certreg.equilibrium.line_set import Finiteness
-from certreg.equilibrium.presentation import unit_double
 from certreg.errors import DegenerateProblemError
 from certreg.exact.dyadic import nearest_double, nearest_root
 from certreg.geometry.so3 import canonical, dot, squared_norm
 from certreg.objective.springs import Springs
 from certreg.registration.curvature import slope_and_curvature, soft_axes
-from certreg.registration.freedom import Freedom
 from certreg.registration.loose_turns import axis_words
 from certreg.registration.optimum import pose_at
 from certreg.registration.outlying import LISTED
 from certreg.registration.spring_rows import ResidualSums
-from certreg.registration.weak_shifts import weak_shift_words, weak_shifts
+from certreg.registration.unobservable import Freedom
+from certreg.registration.weakly_constrained import weak_shift_words, weak_shifts
 from certreg.results import OUT_OF_RANGE, Absent, ComponentKind, Explained, Guarantee, Presented
 
 if TYPE_CHECKING:

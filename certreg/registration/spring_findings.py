@@ -34,7 +34,7 @@ from certreg.registration.findings import UNDECIDED as UNPROVED
 from certreg.registration.loose_turns import LOOSE_SIGMA, TURNED_FAR, beyond_first_order
 from certreg.registration.nearby_equilibrium import equilibrium_near
 from certreg.registration.rounding import rounding_errors
-from certreg.registration.tails import log_chi2_above
+from certreg.registration.tail_probabilities import log_chi2_above
 from certreg.results import OUT_OF_RANGE, Absent, Limits, PoseVerdict
 
 if TYPE_CHECKING:

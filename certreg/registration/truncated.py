@@ -18,12 +18,12 @@ from certreg.exact.dyadic import double_above
 from certreg.geometry.pose import Pose
 from certreg.geometry.so3 import rotation_matrix
 from certreg.problem.arrays import apart
-from certreg.problem.effort import checked_effort
+from certreg.problem.budget import checked_effort
 from certreg.problem.problem import RegistrationProblem
 from certreg.registration.consensus_words import others_words
 from certreg.registration.exit_codes import DONE, NOT_CERTIFIED, NOT_UNIQUE
 from certreg.registration.labelled import LabelledRegistration
-from certreg.registration.nothing_met import nothing_turned
+from certreg.registration.no_consensus import nothing_turned
 from certreg.registration.pair_angles import angles_between
 from certreg.registration.pair_warnings import poor_warning, wide_warning
 from certreg.registration.pipeline import USUAL, Asked, Prover, Work

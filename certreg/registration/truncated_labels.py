@@ -13,7 +13,7 @@ from certreg.certificate.truncated import disproves_labels
 from certreg.problem.bounds import LEAST_DIRECTIONS, checked_inliers
 from certreg.registration.consensus_words import within_words
 from certreg.registration.exit_codes import DONE, NOT_CERTIFIED, REFUSED
-from certreg.registration.kept_pairs import NAMED_ROWS, LabelsVerdict
+from certreg.registration.label_assessment import NAMED_ROWS, LabelsVerdict
 from certreg.registration.pipeline import Asked, Work
 from certreg.registration.truncated import PROVER
 from certreg.results import Presented

@@ -14,15 +14,15 @@ from certreg.certificate.checking import check_own, require_accepted
 from certreg.certificate.producing_springs import springs_list_certificate
 from certreg.certificate.springs_basin import SpringState, barrier_of, basin_of_springs
 from certreg.dynamics.trajectory import Trajectory
+from certreg.equilibrium.equilibrium_set import unit_double
 from certreg.equilibrium.paths import critical_lines
-from certreg.equilibrium.presentation import unit_double
 from certreg.exact.dyadic import power_of_two
 from certreg.geometry.so3 import angle_between, dot, rotation_matrix, squared_norm
 from certreg.problem.lifting import lift
-from certreg.registration.freedom import Freedom
 from certreg.registration.nearby_equilibrium import TIE, equilibrium_near
 from certreg.registration.simulation import SimulatedMotion
-from certreg.registration.weak_shifts import weak_shift_words, weak_shifts
+from certreg.registration.unobservable import Freedom
+from certreg.registration.weakly_constrained import weak_shift_words, weak_shifts
 from certreg.relaxation.optimum import find_optimum
 from certreg.results import Ruling, Verdict
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.native.bit_rows import BitRows, rows_of, thinned
+from certreg.native.bitset_graph import BitRows, rows_of, thinned
 from certreg.native.cliques import enumeration, greedy_clique, triangles
 
 if TYPE_CHECKING:

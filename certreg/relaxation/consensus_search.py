@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from certreg.native.bit_rows import BitRows, rows_of
+from certreg.native.bitset_graph import BitRows, rows_of
 from certreg.relaxation.cliques import CliqueSearch, consistency, core, greedy_cliques
 from certreg.relaxation.edge_rows import Held, best_that_fits, exchanged, grown, held, widened
 from certreg.relaxation.paired_rows import (

@@ -20,7 +20,7 @@ import numpy as np
 
 from certreg._loading import library
 from certreg.errors import MissingToolError
-from certreg.objective.levelling import norm_fourth
+from certreg.objective.normalisation import norm_fourth
 from certreg.objective.quartics import MONOMIALS, PAIRS
 from certreg.relaxation.conic import ConicSolution, RelaxationStatus, named, status_of
 from certreg.relaxation.qcqp import RelaxationForm, quadratic_program

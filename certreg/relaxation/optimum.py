@@ -18,7 +18,7 @@ import numpy as np
 from certreg.equilibrium.paths import PathsOutcome, critical_lines
 from certreg.equilibrium.quartics import FloatingQuartic, descended
 from certreg.geometry.so3 import squared_norm
-from certreg.objective.levelling import levelled_exactly
+from certreg.objective.normalisation import levelled_exactly
 from certreg.relaxation.quartic import relax_quartic
 from certreg.relaxation.refining import POSE_BITS, newton, refined
 from certreg.results import Brief
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from certreg.equilibrium.paths import CriticalLines
     from certreg.equilibrium.quartics import QuarticDescent
     from certreg.exact.spaces import IntegerQuaternion
-    from certreg.objective.levelling import LevelledExactly
+    from certreg.objective.normalisation import LevelledExactly
     from certreg.objective.springs import Springs
     from certreg.relaxation.quartic import QuarticRelaxation
 

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from certreg.geometry.so3 import canonical
-from certreg.objective.levelling import levelled
+from certreg.objective.normalisation import levelled
 from certreg.objective.quartics import PAIR_PLACE
 from certreg.relaxation.conic import RelaxationStatus, solve, solver_name
 from certreg.relaxation.cvxpy_models import quartic_statement, solve_stated, stated_name

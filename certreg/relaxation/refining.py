@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     from certreg.exact.spaces import IntegerQuaternion
     from certreg.geometry.so3 import Matrix3, Vector3
-    from certreg.objective.levelling import LevelledExactly
+    from certreg.objective.normalisation import LevelledExactly
 
 POSE_BITS = 96  # of the quaternion: far below what is proved of its angle
 GUARD_BITS = 32  # of the work beyond it

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from certreg.certificate.checking import CertificateVerdict
-    from certreg.equilibrium.presentation import EquilibriumSet
+    from certreg.equilibrium.equilibrium_set import EquilibriumSet
     from certreg.registration.assessed import Assessment
     from certreg.registration.quartic import QuarticSolution
     from certreg.registration.result import Registration

@@ -30,7 +30,7 @@ from certreg.results import OUT_OF_RANGE, Absent
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from certreg.equilibrium.presentation import Component, EquilibriumSet
+    from certreg.equilibrium.equilibrium_set import Component, EquilibriumSet
     from certreg.registration import breathing as registration_breathing
     from certreg.registration.assessed import Assessment
     from certreg.registration.breathing import ScaledEquilibria, SimulatedBreathing

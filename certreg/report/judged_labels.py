@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from certreg.registration.kept_pairs import LabelsVerdict
+from certreg.registration.label_assessment import LabelsVerdict
 from certreg.report.cards import Card
 from certreg.report.encoding import Document, encoded
 from certreg.results import Absent
 
 if TYPE_CHECKING:
-    from certreg.registration.kept_pairs import KeptPairs
+    from certreg.registration.label_assessment import KeptPairs
 
 LABELS_SCHEMA = "certreg-labels/1"
 NO_WITNESS = Absent("no motion was found that meets all of them")

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from certreg.dynamics.trajectory import Trajectory
-    from certreg.equilibrium.presentation import Component, EquilibriumSet
+    from certreg.equilibrium.equilibrium_set import Component, EquilibriumSet
     from certreg.registration.fit import Fit
     from certreg.registration.result import Registration
 

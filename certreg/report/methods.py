@@ -15,8 +15,8 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from certreg.equilibrium.critical_set import CriticalSet
+    from certreg.equilibrium.equilibrium_set import EquilibriumSet
     from certreg.equilibrium.methods import Comparison, Search
-    from certreg.equilibrium.presentation import EquilibriumSet
     from certreg.registration.enumeration import Enumeration
 
 

@@ -10,7 +10,7 @@ from certreg.exact.dyadic import nearest_or_zero
 from certreg.registration.headlines import headline_words, is_loose, proved_degrees, share_words
 from certreg.registration.loose_turns import axis_words
 from certreg.registration.result import Method
-from certreg.registration.weak_shifts import weak_shift_words
+from certreg.registration.weakly_constrained import weak_shift_words
 from certreg.report.lines import MEANS, UNMET, number
 from certreg.report.remedies import ADVICE, FIX_TURN
 from certreg.report.robustness import robustness_words

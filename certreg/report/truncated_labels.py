@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from certreg.registration.kept_pairs import LabelsVerdict
+from certreg.registration.label_assessment import LabelsVerdict
 from certreg.report.cards import Card
 from certreg.report.encoding import Document, encoded
 from certreg.report.truncated_summary import truncated_facts

@@ -25,7 +25,7 @@ from certreg.results import Absent, Optimality
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from certreg.equilibrium.presentation import Component
+    from certreg.equilibrium.equilibrium_set import Component
     from certreg.problem.problem import RegistrationProblem
     from certreg.registration.linear import LinearSolution
     from certreg.registration.result import Registration

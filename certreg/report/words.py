@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from certreg.certificate.isotropic import Claims, IsotropicBody
-    from certreg.equilibrium.presentation import Component, EquilibriumSet
+    from certreg.equilibrium.equilibrium_set import Component, EquilibriumSet
     from certreg.registration.agreement import Agreement
     from certreg.registration.result import Registration
 

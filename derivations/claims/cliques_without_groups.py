@@ -168,6 +168,6 @@ CLAIM = Claim(
     not_claimed="That a motion meets the pair where there is such a clique.",
     needs=("pair_lengths", "few_neighbours", "few_colours", "weighted_refutation"),
     runs=("certreg.verify.has_clique", "certreg.verify.Thinning.after"),
-    used_by=("certreg.certificate.assuming.Assuming",),
+    used_by=("certreg.certificate.clique_refutation.Assuming",),
     not_in_coq="All of it: the checker in Coq reads no bounds of pairs.",
 )

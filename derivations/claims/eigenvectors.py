@@ -180,7 +180,7 @@ CLAIM = Claim(
         "certreg.geometry.so3.body_frame",
     ),
     used_by=(
-        "certreg.equilibrium.presentation.equilibrium_set",
+        "certreg.equilibrium.equilibrium_set.equilibrium_set",
         "certreg.registration.closed_form.horn",
         "certreg.objective.isotropic.Isotropic.energy",
     ),

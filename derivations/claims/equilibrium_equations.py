@@ -173,7 +173,7 @@ CLAIM = Claim(
     needs=("euler_poincare", "total_torque", "potential_energy"),
     runs=("derivations.motion.rate",),
     used_by=(
-        "certreg.equilibrium.presentation.equilibrium_set",
+        "certreg.equilibrium.equilibrium_set.equilibrium_set",
         "certreg.registration.enumeration.equilibria",
     ),
     coq=(

@@ -126,6 +126,6 @@ CLAIM = Claim(
     not_claimed="That the colours are as few as possible: more of them strike less.",
     needs=("pair_lengths", "few_neighbours"),
     runs=("certreg.verify.colours", "certreg.verify.Thinning.after"),
-    used_by=("certreg.certificate.thinning.GraphThinning",),
+    used_by=("certreg.certificate.vertex_elimination.GraphThinning",),
     not_in_coq="All of it: the checker in Coq reads no bounds of pairs.",
 )

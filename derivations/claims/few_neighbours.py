@@ -88,6 +88,6 @@ CLAIM = Claim(
     not_claimed="That pairs which are left are within their bounds under one motion.",
     needs=("pair_lengths",),
     runs=("certreg.verify.Thinning.after",),
-    used_by=("certreg.certificate.thinning.GraphThinning",),
+    used_by=("certreg.certificate.vertex_elimination.GraphThinning",),
     not_in_coq="All of it: the checker in Coq reads no bounds of pairs.",
 )

@@ -178,7 +178,7 @@ CLAIM = Claim(
     runs=("certreg.verify.scaled_refuted", "certreg.verify.definite"),
     used_by=(
         "certreg.certificate.producing_consensus.ConsensusProver",
-        "certreg.certificate.refuting.PointRows",
+        "certreg.certificate.infeasibility_weights.PointRows",
     ),
     not_in_coq="All of it: the checker in Coq reads no bounds of pairs.",
 )

@@ -191,7 +191,7 @@ CLAIM = Claim(
     runs=("certreg.geometry.so3.davenport_matrix",),
     used_by=(
         "certreg.objective.classification",
-        "certreg.equilibrium.presentation.Margin",
+        "certreg.equilibrium.equilibrium_set.Margin",
         "certreg.registration.closed_form.arun",
         "certreg.verify.multiplicities",
     ),

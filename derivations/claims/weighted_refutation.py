@@ -319,8 +319,8 @@ CLAIM = Claim(
         "certreg.verify.Thinning._hit",
     ),
     used_by=(
-        "certreg.certificate.refuting.PointRows.refutation",
-        "certreg.certificate.thinning.GraphThinning",
+        "certreg.certificate.infeasibility_weights.PointRows.refutation",
+        "certreg.certificate.vertex_elimination.GraphThinning",
     ),
     not_in_coq="All of it: the checker in Coq reads no bounds of pairs.",
 )

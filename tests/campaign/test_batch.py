@@ -24,7 +24,7 @@ import certreg as package
 from certreg.campaign import pairs
 from certreg.campaign.listing import read_listing
 from certreg.campaign.pairs import ERROR_SCHEMA, PairCampaign
-from certreg.problem.posing import PosedPairs
+from certreg.problem.fast_pose import PosedPairs
 from certreg.results import Limits
 
 if TYPE_CHECKING:

@@ -11,14 +11,14 @@ import numpy as np
 import pytest
 
 from benchmarks.rates.consensus_labels import Cell
-from certreg.certificate import assuming, edge_elimination
-from certreg.certificate.assuming import Assuming, CliqueAvoiding
+from certreg.certificate import clique_refutation, edge_elimination
+from certreg.certificate.clique_refutation import Assuming, CliqueAvoiding
 from certreg.certificate.consensus import Group, Strike
 from certreg.certificate.consistency import ConsistentPairs
 from certreg.certificate.edge_elimination import Parting, sets_of, turned
 from certreg.certificate.producing_consensus import ConsensusProver, consensus_certificate
-from certreg.certificate.thinning import GraphThinning
-from certreg.native.bit_rows import mask_of, rows_of
+from certreg.certificate.vertex_elimination import GraphThinning
+from certreg.native.bitset_graph import mask_of, rows_of
 from certreg.problem.bounds import bounded
 from certreg.problem.problem import RegistrationProblem
 from certreg.registration.consensus import proved_consensus
@@ -220,7 +220,7 @@ def test_no_more_pairs_are_struck_than_a_certificate_may_hold(few, monkeypatch):
 
 def test_no_more_groups_are_made_than_a_certificate_may_hold(few, monkeypatch):
     problem, found, prover = few
-    monkeypatch.setattr(assuming, "MOST_IN_ALL", 1)
+    monkeypatch.setattr(clique_refutation, "MOST_IN_ALL", 1)
     less = prover.witnessed(found.witness)
 
     assert less.labels.count("o") <= found.labels.count("o")
@@ -256,7 +256,7 @@ def test_a_row_falls_only_where_no_clique_is_left_however_soon_the_search_is_giv
     for choices in range(120):
         points = SimpleNamespace(refutation=refutation)
         thinning: Any = SimpleNamespace(
-            graph=SimpleNamespace(effort=choices / assuming.MOST_CHOICES, points=points),
+            graph=SimpleNamespace(effort=choices / clique_refutation.MOST_CHOICES, points=points),
             near=SimpleNamespace(integers=[0b111111 & ~(1 << i) for i in range(6)]),
             alive=0b111111,
             closed=False,

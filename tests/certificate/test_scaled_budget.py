@@ -9,7 +9,7 @@ import pytest
 
 from certreg.certificate import producing_consensus as made
 from certreg.certificate.producing_consensus import consensus_certificate
-from certreg.certificate.staging import length_of
+from certreg.certificate.proof_stages import length_of
 from certreg.errors import UndecidedError
 from certreg.problem.bounds import bounded
 from certreg.problem.problem import RegistrationProblem

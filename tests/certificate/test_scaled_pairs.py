@@ -16,8 +16,8 @@ from certreg.certificate.consensus import ScaleRange
 from certreg.certificate.consistency import ConsistentPairs
 from certreg.certificate.envelope import Certificate
 from certreg.certificate.producing_consensus import ConsensusProver, consensus_certificate
-from certreg.certificate.staging import Stager
-from certreg.certificate.thinning import Graph
+from certreg.certificate.proof_stages import Stager
+from certreg.certificate.vertex_elimination import Graph
 from certreg.geometry.so3 import rotation_matrix
 from certreg.problem.losses import Consensus
 from certreg.problem.problem import RegistrationProblem

@@ -14,7 +14,7 @@ from certreg.dynamics.integrators import SimulationSettings
 from certreg.dynamics.simulation import simulate
 from certreg.dynamics.states import breathing_state
 from certreg.equilibrium.breathing import breathing_equilibria
-from certreg.equilibrium.presentation import unit_double
+from certreg.equilibrium.equilibrium_set import unit_double
 from certreg.errors import DegenerateProblemError
 from certreg.geometry.so3 import rotation_matrix
 from certreg.native.layout import BREATHING_STATE, plain

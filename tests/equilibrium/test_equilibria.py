@@ -15,7 +15,7 @@ from rotations import turned
 
 import certreg
 from certreg import RegistrationProblem
-from certreg.equilibrium import presentation
+from certreg.equilibrium import equilibrium_set
 from certreg.equilibrium.critical_set import Completeness, Critical, CriticalSet
 from certreg.equilibrium.spectral import by_eigenspaces
 from certreg.equilibrium.stability import DIGITS, Curvature, _oscillator, _signed, spring_ratios
@@ -80,9 +80,9 @@ def test_the_margin_is_that_of_the_eigenvalues(times: float):
 
 @pytest.mark.parametrize("sign", [1, -1])
 def test_a_difference_too_small_for_doubles_keeps_its_sign(sign):
-    assert presentation._nonzero(sign, 10**400) == sign * 5e-324
-    assert presentation._nonzero(sign * 3, 4) == sign * 0.75
-    assert presentation._nonzero(0, 10**400) == 0.0
+    assert equilibrium_set._nonzero(sign, 10**400) == sign * 5e-324
+    assert equilibrium_set._nonzero(sign * 3, 4) == sign * 0.75
+    assert equilibrium_set._nonzero(0, 10**400) == 0.0
 
 
 @pytest.mark.parametrize("g", [1e-2, 1e-8, 1e-14, 1e-30, -1e-14, -3.0, 0.0])
@@ -258,11 +258,11 @@ def test_the_curvature_is_the_hessian_of_the_energy_at_every_component(specimen)
     objective = Isotropic(exact_moments(specimen.problem))
     critical = by_eigenspaces(objective)
     unit = float(objective.moments.cross_unit) * 2.0**objective.shift
-    frame = presentation._Frame.of(critical, objective)
+    frame = equilibrium_set._Frame.of(critical, objective)
     for k, part in enumerate(critical.components):
-        aligned = presentation.rotation_double(part.quaternion).T @ C
+        aligned = equilibrium_set.rotation_double(part.quaternion).T @ C
         hessian = 2 * np.trace(aligned) * np.eye(3) - aligned - aligned.T
-        found = presentation._curvature(frame, k)
+        found = equilibrium_set._curvature(frame, k)
 
         assert np.abs(unit * found.matrix - hessian).max() <= 1e-13 * max(1.0, np.abs(C).max())
         assert np.abs(found.directions.T @ found.directions - np.eye(3)).max() < 1e-14

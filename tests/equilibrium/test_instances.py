@@ -31,7 +31,7 @@ from certreg.problem.problem import RegistrationProblem
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from certreg.equilibrium.presentation import EquilibriumSet
+    from certreg.equilibrium.equilibrium_set import EquilibriumSet
     from certreg.native.stationary import StationaryPoses
     from certreg.objective.classification import Classification
 

@@ -13,11 +13,11 @@ from commands import certreg, checked, write_csv
 import certreg as package
 from certreg.equilibrium import methods
 from certreg.equilibrium.critical_set import Completeness
+from certreg.equilibrium.equilibrium_set import unit_double
 from certreg.equilibrium.groebner import eliminate, fibres
 from certreg.equilibrium.homotopy import EigenBalls, HomotopyStatus, continuation
 from certreg.equilibrium.krawczyk import are_distinct, proved_root
 from certreg.equilibrium.methods import FINDERS, compare, search
-from certreg.equilibrium.presentation import unit_double
 from certreg.errors import ContradictionError, InvalidProblemError, UndecidedError
 from certreg.exact.balls import exact_matrix
 from certreg.geometry.so3 import davenport_matrix, dot

@@ -20,10 +20,10 @@ import strategies
 from oracles.exports import as_msolve, as_phcpack, as_singular, value_unit
 from oracles.systems import line_system, quaternion_system, rotation_system
 
+from certreg.equilibrium.equilibrium_set import unit_double
 from certreg.equilibrium.groebner import eliminate, fibres
 from certreg.equilibrium.line_set import LineSet
 from certreg.equilibrium.methods import search
-from certreg.equilibrium.presentation import unit_double
 from certreg.geometry.so3 import davenport_matrix, rotation_matrix
 from certreg.objective.polynomials import multiplier_system
 from certreg.objective.springs import Springs

@@ -12,7 +12,7 @@ from certreg.equilibrium import paths
 from certreg.equilibrium.paths import LINES, PathsOutcome, critical_lines
 from certreg.equilibrium.quartics import FloatingQuartic, descended
 from certreg.equilibrium.tracking import LOST, REGULAR, PathStatus, TrackerSettings
-from certreg.objective.levelling import levelled, levelled_exactly, norm_fourth
+from certreg.objective.normalisation import levelled, levelled_exactly, norm_fourth
 from certreg.objective.quartics import MONOMIALS, gradient, hessian, value
 
 

@@ -14,9 +14,9 @@ from scipy.optimize import least_squares
 
 import certreg
 from certreg import RegistrationProblem, solve_many_springs
+from certreg.equilibrium.equilibrium_set import unit_double
 from certreg.equilibrium.methods import search
 from certreg.equilibrium.paths import PathsOutcome
-from certreg.equilibrium.presentation import unit_double
 from certreg.errors import InvalidProblemError
 from certreg.geometry.so3 import rotation_matrix
 from certreg.objective.springs import Springs

@@ -19,6 +19,7 @@ from flint import acb, fmpz
 from benchmarks.rates import spring_lists
 from certreg import RegistrationProblem
 from certreg.equilibrium.critical_set import Completeness, Critical
+from certreg.equilibrium.equilibrium_set import unit_double
 from certreg.equilibrium.line_boxes import BallQuartic, all_different, boxed, index_of
 from certreg.equilibrium.line_ranks import (
     PRIMES,
@@ -30,11 +31,10 @@ from certreg.equilibrium.line_ranks import (
 from certreg.equilibrium.line_set import Finiteness, line_set
 from certreg.equilibrium.methods import compare, search
 from certreg.equilibrium.paths import critical_lines
-from certreg.equilibrium.presentation import unit_double
 from certreg.equilibrium.spring_homotopy import by_forty_paths
 from certreg.errors import ContradictionError
 from certreg.objective.isotropic import Isotropic
-from certreg.objective.levelling import levelled_exactly, norm_fourth
+from certreg.objective.normalisation import levelled_exactly, norm_fourth
 from certreg.objective.quartics import MONOMIALS, gradient
 from certreg.objective.springs import Springs
 from certreg.problem.moments import exact_moments

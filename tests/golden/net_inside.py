@@ -15,7 +15,7 @@ from commands import checked
 from net_python import bare, lost, page, problem, refused, sentences_of, told, uncertified, whole
 
 from certreg import Registration, SimulationSettings, certify, equilibria
-from certreg.equilibrium.presentation import equilibrium_set
+from certreg.equilibrium.equilibrium_set import equilibrium_set
 from certreg.registration.examples import STORIES, differences, tell
 from certreg.report.lines import explained_words
 from certreg.report.page import Report

@@ -21,7 +21,7 @@ from certreg.equilibrium.batch import solve_many
 from certreg.errors import DegenerateProblemError, InvalidProblemError
 from certreg.native.loops import Integrator
 from certreg.objective.isotropic import Isotropic
-from certreg.problem.effort import checked_threads
+from certreg.problem.budget import checked_threads
 from certreg.problem.moments import exact_moments, moments_of_clouds
 from certreg.problem.problem import RegistrationProblem
 from certreg.problem.random_instances import gaussian_instances

@@ -59,9 +59,9 @@ ALLOWED = {  # what the last digit of a number to the nearest is worth, and wher
         registration/consensus_words.py {percent:.2g}
         registration/examples.py round(c.rmse or 0.0, RMSE_DIGITS)
         registration/rounding.py {times:.3g}
-        registration/slips.py {degrees:.2g}
-        registration/slips.py {scale:.6g}
-        registration/slips.py {shift:.3g}
+        registration/convention_errors.py {degrees:.2g}
+        registration/convention_errors.py {scale:.6g}
+        registration/convention_errors.py {shift:.3g}
         registration/spring_assessment.py {math.degrees(facts.away):.4g}
         registration/spring_assessment.py {math.degrees(facts.critical.angle):.2g}
         registration/valley.py {degrees:.{digits}g}
@@ -87,8 +87,8 @@ ALLOWED = {  # what the last digit of a number to the nearest is worth, and wher
     "a whole number, or the way to one": """
         registration/ambiguity.py round(degrees)
         registration/misfits.py round(1 / CHANCE)
-        registration/slips.py turn.round(LEAST_DECIMALS)
-        registration/slips.py turn.round(d)
+        registration/convention_errors.py turn.round(LEAST_DECIMALS)
+        registration/convention_errors.py turn.round(d)
         registration/truncated_labels.py round(entry * 2.0 ** BITS)
         report/uncertainty.py round(points)
         report/uncertainty.py round(value, decimals)

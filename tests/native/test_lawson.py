@@ -9,7 +9,7 @@ import pytest
 
 from benchmarks.rates.consensus_labels import Cell
 from certreg.certificate.consistency import ConsistentPairs
-from certreg.certificate.refuting import SIZES, WEIGHT_MAX
+from certreg.certificate.infeasibility_weights import SIZES, WEIGHT_MAX
 from certreg.native.library import library_if_any
 from certreg.relaxation import edge_rows
 from certreg.relaxation.paired_rows import paired_rows, squared_ratios

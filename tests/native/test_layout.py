@@ -28,7 +28,7 @@ from certreg.native.layout import (
     width,
 )
 from certreg.native.loops import Ending
-from certreg.problem import floating_sums, posing
+from certreg.problem import fast_pose, floating_sums
 from derivations import breathing_emit, emit, motion, spring_emit, spring_motion
 
 RECORDS = {
@@ -184,11 +184,11 @@ def test_numbers_that_c_and_python_share_are_equal(tmp_path):
                 Ending.PERTURBED,
             )
         ),
-        posing.NUMBERS,
-        posing.ROTATION.start,
-        posing.TRANSLATION.start,
-        posing.DECIDING.start,
-        posing.CROSS.start,
+        fast_pose.NUMBERS,
+        fast_pose.ROTATION.start,
+        fast_pose.TRANSLATION.start,
+        fast_pose.DECIDING.start,
+        fast_pose.CROSS.start,
     ]
 
 

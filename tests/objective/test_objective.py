@@ -19,7 +19,7 @@ from hypothesis import strategies as st
 
 import certreg
 from certreg.equilibrium.batch import solve_many
-from certreg.equilibrium.presentation import unit_double
+from certreg.equilibrium.equilibrium_set import unit_double
 from certreg.geometry.constraints import homogeneous
 from certreg.geometry.so3 import (
     angle_between,

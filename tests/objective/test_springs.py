@@ -13,7 +13,7 @@ from certreg.geometry.constraints import homogeneous
 from certreg.geometry.so3 import dot, quadratic_form, rotation_matrix, squared_norm
 from certreg.objective import quartics
 from certreg.objective.isotropic import Isotropic
-from certreg.objective.levelling import levelled_exactly, norm_fourth
+from certreg.objective.normalisation import levelled_exactly, norm_fourth
 from certreg.objective.quartics import MONOMIALS
 from certreg.objective.springs import FARTHEST, FARTHEST_OF_FIVE, Springs
 from certreg.problem.moments import exact_moments

@@ -22,7 +22,7 @@ from certreg.registration.certification import certify
 from certreg.registration.closed_form import arun, horn
 
 if TYPE_CHECKING:
-    from certreg.problem.posing import FloatingPose
+    from certreg.problem.fast_pose import FloatingPose
 
 AXES = np.vstack([np.diag([3.0, 2.0, 1.0]), -np.diag([3.0, 2.0, 1.0])])
 TURN = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])

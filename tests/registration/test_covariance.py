@@ -34,7 +34,7 @@ from certreg.registration.covariance import (
     residual_distances,
     worst_residuals,
 )
-from certreg.registration.tails import log_chi2_above
+from certreg.registration.tail_probabilities import log_chi2_above
 from certreg.report.uncertainty import FIRST_ORDER
 from certreg.results import OUT_OF_RANGE, Absent
 

@@ -15,8 +15,8 @@ from certreg.certificate import springs_basin
 from certreg.certificate.producing_consensus import UNDECIDED, ProvedConsensus
 from certreg.certificate.springs_basin import Barrier, barrier_of, basin_of_springs
 from certreg.equilibrium.breaking import Labels
+from certreg.equilibrium.equilibrium_set import WEAK_MARGIN, EquilibriumSet
 from certreg.equilibrium.line_set import Finiteness, LineSet
-from certreg.equilibrium.presentation import WEAK_MARGIN, EquilibriumSet
 from certreg.equilibrium.spring_batch import QuarticSolutions
 from certreg.objective.classification import Classification
 from certreg.registration import headlines
@@ -24,7 +24,7 @@ from certreg.registration.breaking import BreakingEquilibria, BreakingEquilibriu
 from certreg.registration.breathing import ScaledEquilibria
 from certreg.registration.consensus import ConsensusRegistration
 from certreg.registration.consensus_words import ranges_words
-from certreg.registration.kept_pairs import KeptPairs, LabelsVerdict
+from certreg.registration.label_assessment import KeptPairs, LabelsVerdict
 from certreg.registration.quartic import QuarticSolution
 from certreg.registration.result import Registration
 from certreg.registration.spring_equilibria import (

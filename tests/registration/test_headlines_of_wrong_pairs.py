@@ -15,13 +15,13 @@ import pytest
 from rotated_pairs import BOUND, rotated_pairs
 from scipy.spatial.transform import Rotation
 from test_consensus import certified, wrong_pairs
-from test_kept_pairs import judged
+from test_label_assessment import judged
 
 import certreg
-from certreg.certificate.shared_motion import CommonMotion
+from certreg.certificate.joint_feasibility import CommonMotion
 from certreg.registration import consensus_words
 from certreg.registration.consensus import ConsensusRegistration
-from certreg.registration.kept_pairs import KeptPairs
+from certreg.registration.label_assessment import KeptPairs
 from certreg.registration.truncated import TruncatedRegistration
 from certreg.registration.truncated_labels import TruncatedLabels
 

@@ -17,7 +17,7 @@ from certreg.exact.dyadic import root_above
 from certreg.problem.problem import RegistrationProblem
 from certreg.registration.certification import certify
 from certreg.registration.consensus_words import ranges_words
-from certreg.registration.weak_shifts import WeakShift, weak_shift_words
+from certreg.registration.weakly_constrained import WeakShift, weak_shift_words
 from certreg.report.summary import registration_summary
 from certreg.report.truncated_summary import truncated_summary
 from certreg.results import Limits

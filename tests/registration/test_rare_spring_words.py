@@ -16,7 +16,7 @@ from certreg.problem.problem import RegistrationProblem
 from certreg.registration.assessment import assess
 from certreg.registration.certification import certify
 from certreg.registration.covariance import OF_SPRINGS, covariance_at
-from certreg.registration.freedom import Freedom
+from certreg.registration.unobservable import Freedom
 from certreg.report.pages import html_page, report_on
 from certreg.results import Absent, Limits, PoseVerdict
 

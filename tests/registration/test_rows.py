@@ -15,7 +15,7 @@ from scipy.spatial.transform import Rotation
 
 from benchmarks.rates.fit_warnings import fit
 from certreg.problem import arrays as problems
-from certreg.problem.posing import PosedPairs
+from certreg.problem.fast_pose import PosedPairs
 from certreg.problem.problem import RegistrationProblem
 from certreg.registration import misfits, outlying
 from certreg.registration.certification import certify

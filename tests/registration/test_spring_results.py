@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from spring_families import lidar, line, mixed, plane, statement
 
 import certreg
+from certreg.equilibrium.equilibrium_set import unit_double
 from certreg.equilibrium.paths import critical_lines
-from certreg.equilibrium.presentation import unit_double
 from certreg.errors import InvalidProblemError
 from certreg.problem.problem import RegistrationProblem
 from certreg.registration.assessment import assess

@@ -24,9 +24,9 @@ from certreg.geometry.given import given_pose
 from certreg.io.scans import LEAST_HEADER, RECORDS, parse_las
 from certreg.problem.random_instances import gaussian_instances
 from certreg.registration import enumeration
+from certreg.registration.convention_errors import Slipped
 from certreg.registration.enumeration import enumerated
 from certreg.registration.rounding import rounding_cost
-from certreg.registration.slips import Slipped
 
 if TYPE_CHECKING:
     from certreg.registration.result import Registration

@@ -9,7 +9,7 @@ import pytest
 from wrong_pairs import wrong_pairs
 
 from certreg.native import cliques as native_cliques
-from certreg.native.bit_rows import BitRows, mask_of, rows_of
+from certreg.native.bitset_graph import BitRows, mask_of, rows_of
 from certreg.native.cliques import greedy_clique, triangles
 from certreg.native.library import library_if_any
 from certreg.relaxation import cliques

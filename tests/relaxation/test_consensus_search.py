@@ -10,7 +10,7 @@ import pytest
 from wrong_pairs import WrongPairs, wrong_pairs
 
 from certreg.geometry.so3 import is_reflection
-from certreg.native.bit_rows import BitRows
+from certreg.native.bitset_graph import BitRows
 from certreg.relaxation import consensus_search
 from certreg.relaxation.cliques import consistency
 from certreg.relaxation.consensus_search import candidates

@@ -24,7 +24,7 @@ from certreg.geometry.so3 import (
     squared_norm,
 )
 from certreg.native.paths import critical_point_near
-from certreg.objective.levelling import levelled_exactly, norm_fourth
+from certreg.objective.normalisation import levelled_exactly, norm_fourth
 from certreg.objective.quartics import MONOMIALS
 from certreg.objective.springs import Springs
 from certreg.relaxation import optimum as optimum_module

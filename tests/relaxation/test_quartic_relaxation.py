@@ -11,7 +11,7 @@ import pytest
 
 from certreg.equilibrium.quartics import FloatingQuartic, descended
 from certreg.errors import MissingToolError
-from certreg.objective.levelling import norm_fourth
+from certreg.objective.normalisation import norm_fourth
 from certreg.objective.quartics import MONOMIALS, PAIRS, value
 from certreg.relaxation import conic
 from certreg.relaxation.conic import RelaxationStatus

@@ -15,7 +15,7 @@ from certreg.objective.springs import Springs
 from certreg.problem.problem import RegistrationProblem
 from certreg.registration.assessment import assess
 from certreg.registration.certification import certify
-from certreg.registration.weak_shifts import HARDLY, weak_shift_words, weak_shifts
+from certreg.registration.weakly_constrained import HARDLY, weak_shift_words, weak_shifts
 from certreg.report.document import result_document
 
 STAMP = "CERTIFIED, BUT A SHIFT IS HARDLY RESISTED: "

@@ -17,8 +17,8 @@ import certreg
 from certreg.errors import CertregError
 from certreg.geometry.so3 import davenport_matrix
 from certreg.native.library import library_if_any
-from certreg.problem import posing
-from certreg.problem.posing import floating_pose
+from certreg.problem import fast_pose
+from certreg.problem.fast_pose import floating_pose
 from certreg.registration import closed_form
 
 pytestmark = pytest.mark.skipif(library_if_any() is None, reason="no compiled library")
@@ -124,7 +124,7 @@ def test_a_gap_that_rounding_may_close_is_refused_in_the_words_of_the_long_way(m
 
 
 def test_without_a_library_a_pose_takes_the_long_way(monkeypatch):
-    monkeypatch.setattr(posing, "_posed", lambda: None)
+    monkeypatch.setattr(fast_pose, "_posed", lambda: None)
 
     assert floating_pose(CLOUD, CLOUD, None) is None
     assert certreg.register(CLOUD, CLOUD).quaternion_wxyz[0] == pytest.approx(1.0)
@@ -132,11 +132,11 @@ def test_without_a_library_a_pose_takes_the_long_way(monkeypatch):
 
 def by_one_call(*arrays: Any, about_origin: int = 0) -> Any:
     """What the call writes: a pose, then what decides whether it is one."""
-    content: Any = posing._Numbers()
-    points = posing.CloudPoints(
-        len(arrays[0]), *chain.from_iterable(map(posing.columns_of, arrays))
+    content: Any = fast_pose._Numbers()
+    points = fast_pose.CloudPoints(
+        len(arrays[0]), *chain.from_iterable(map(fast_pose.columns_of, arrays))
     )
-    posing._posed()(ctypes.byref(points), ctypes.c_int(about_origin), ctypes.byref(content))
+    fast_pose._posed()(ctypes.byref(points), ctypes.c_int(about_origin), ctypes.byref(content))
     return np.frombuffer(content)
 
 
@@ -155,12 +155,14 @@ def test_the_numbers_that_decide_are_what_they_are_called(n):
     ]
 
     numbers = by_one_call(x, y, w)
-    *found, residual = numbers[posing.DECIDING]
+    *found, residual = numbers[fast_pose.DECIDING]
 
     np.testing.assert_allclose(found, told, rtol=1e-11)
-    np.testing.assert_allclose(numbers[posing.CROSS].reshape(3, 3), cross, rtol=1e-11, atol=1e-12)
+    np.testing.assert_allclose(
+        numbers[fast_pose.CROSS].reshape(3, 3), cross, rtol=1e-11, atol=1e-12
+    )
     assert 0.0 < residual < 1e-13 * told[-1]
-    for mean, cloud in ((posing.SOURCE_MEAN, x), (posing.TARGET_MEAN, y)):
+    for mean, cloud in ((fast_pose.SOURCE_MEAN, x), (fast_pose.TARGET_MEAN, y)):
         np.testing.assert_allclose(numbers[mean], w @ cloud / w.sum(), rtol=1e-13)
     shown = floating_pose(x, y, w)
     assert shown is not None
@@ -176,8 +178,8 @@ def test_about_the_origin_sums_are_not_about_the_means_and_nothing_is_shifted():
     shown = floating_pose(x, y, w, about_origin=True)
 
     cross = (w[:, None] * y).T @ x
-    np.testing.assert_allclose(numbers[posing.CROSS].reshape(3, 3), cross, rtol=1e-13)
-    for mean in (posing.SOURCE_MEAN, posing.TARGET_MEAN, posing.TRANSLATION):
+    np.testing.assert_allclose(numbers[fast_pose.CROSS].reshape(3, 3), cross, rtol=1e-13)
+    for mean in (fast_pose.SOURCE_MEAN, fast_pose.TARGET_MEAN, fast_pose.TRANSLATION):
         assert numbers[mean].tolist() == [0.0] * 3
     assert shown is not None
     sizes = [w @ (cloud * cloud).sum(axis=1) for cloud in (x, y)]
@@ -190,7 +192,7 @@ def test_what_rounding_takes_from_the_sum_of_each_block_is_added_at_the_end():
     ]  # each block under half an ulp
     cloud = np.random.default_rng(0).normal(size=(len(weights), 3))
 
-    mass = by_one_call(cloud, cloud, weights)[posing.DECIDING][0]
+    mass = by_one_call(cloud, cloud, weights)[fast_pose.DECIDING][0]
 
     assert abs(mass - math.fsum(weights)) <= math.ulp(mass)
     assert mass > 2.0**68 + 2.0**16

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     from certreg.certificate.consensus import Witness
     from certreg.certificate.producing_consensus import ConsensusProver
-    from certreg.native.bit_rows import Neighbours
+    from certreg.native.bitset_graph import Neighbours
     from certreg.problem.problem import RegistrationProblem
 
 

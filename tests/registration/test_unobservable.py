@@ -7,7 +7,7 @@ from itertools import product
 
 import pytest
 
-from certreg.registration.freedom import Freedom
+from certreg.registration.unobservable import Freedom
 
 Turn = tuple[int, ...]
 SPIN, TWIST = (1, 0, 0, 0, 0, 1), (1, 0, 0, 0, 0, -1)  # of equal lengths; their sum is (2, 0, 0, 0)

@@ -7,7 +7,7 @@ from itertools import combinations
 import numpy as np
 import pytest
 
-from certreg.native.bit_rows import (
+from certreg.native.bitset_graph import (
     BitRows,
     CompiledThinned,
     PlainThinned,

@@ -11,12 +11,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from certreg.certificate.consensus import Group, Strike
-from certreg.native.bit_rows import colours, mask_of, rows_of
+from certreg.native.bitset_graph import colours, mask_of, rows_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from certreg.certificate.thinning import GraphThinning
+    from certreg.certificate.vertex_elimination import GraphThinning
 
 MOST_CHOICES = 10_000  # of a row that is in or out, at effort 1: each takes 3 microseconds
 MOST_GROUPS = 200  # of one row: the file grows by 30 bytes with each

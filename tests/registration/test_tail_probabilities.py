@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy import special
 
-from certreg.registration.tails import (
+from certreg.registration.tail_probabilities import (
     log_beta_below,
     log_chi2_above,
     log_chi2_below,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from certreg.certificate.reach import turn_about
+from certreg.certificate.angle_bound import turn_about
 
 
 def admitted(A: np.ndarray, c: float, rng: np.random.Generator, count: int) -> np.ndarray:

@@ -9,18 +9,18 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from certreg.certificate.assuming import Assuming
+from certreg.certificate.clique_refutation import Assuming
 from certreg.certificate.consensus import INLIER, NONE, OPEN, OUTLIER, SAME, UNDECIDED, Stage
 from certreg.certificate.edge_elimination import Parting
-from certreg.certificate.thinning import GraphThinning
-from certreg.native.bit_rows import mask_of
+from certreg.certificate.vertex_elimination import GraphThinning
+from certreg.native.bitset_graph import mask_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
     from typing import Self
 
     from certreg.certificate.consensus import Strike
-    from certreg.certificate.thinning import Graph
+    from certreg.certificate.vertex_elimination import Graph
 
 
 MOST_LEFT_OUT = 64  # pairs tried as inliers one by one, at effort 1: each is a stage of its own

@@ -6,11 +6,11 @@ import enum
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from certreg.certificate.joint_feasibility import CommonMotion, common_motion, sets_apart
 from certreg.certificate.producing_consensus import ConsensusProver, pose_of
-from certreg.certificate.shared_motion import CommonMotion, common_motion, sets_apart
 from certreg.errors import InvalidProblemError
 from certreg.problem.bounds import checked_inliers
-from certreg.problem.effort import checked_effort
+from certreg.problem.budget import checked_effort
 from certreg.registration.consensus import proved_consensus
 from certreg.registration.consensus_words import within_words
 from certreg.registration.exit_codes import DONE, NOT_CERTIFIED, REFUSED

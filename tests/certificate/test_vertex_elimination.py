@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 
 from benchmarks.rates.consensus_labels import Cell
-from certreg.certificate import staging
+from certreg.certificate import proof_stages
 from certreg.certificate.consensus import RIGID
 from certreg.certificate.consistency import ConsistentPairs, ExactRows, consistent_pairs
 from certreg.certificate.producing_consensus import ConsensusProver, consensus_certificate
-from certreg.certificate.staging import Stager
-from certreg.certificate.thinning import transversal
-from certreg.native.bit_rows import colours, linked, mask_of, rows_of
+from certreg.certificate.proof_stages import Stager
+from certreg.certificate.vertex_elimination import transversal
+from certreg.native.bitset_graph import colours, linked, mask_of, rows_of
 from certreg.problem.bounds import bounded
 from certreg.problem.problem import RegistrationProblem
 from certreg.registration.consensus import proved_consensus
@@ -175,7 +175,7 @@ def test_labels_are_the_same_without_compiled_code(cell, monkeypatch):
     """Undecided ones, too; rows that colours strike in the same order."""
     problems = [cell.problem(cell.instance(seed)) for seed in range(6)]
     compiled = [proved_consensus(problem, ConsensusProver(problem), 1.0) for problem in problems]
-    for name in ("bit_rows.little_library", "lawson.library_if_any"):
+    for name in ("bitset_graph.little_library", "lawson.library_if_any"):
         monkeypatch.setattr(f"certreg.native.{name}", lambda: None)
     for problem, found in zip(problems, compiled, strict=True):
         plain = proved_consensus(problem, ConsensusProver(problem), 1.0)
@@ -194,8 +194,10 @@ def test_no_pairs_are_struck_together_for_a_witness_that_is_far_from_the_best(mo
     """Three pairs are met, and all others open: seconds, of hundreds of pairs; asked for, it is."""
     cell, parted = Cell(n=60, wrong=90), list[int]()
     prover = ConsensusProver(cell.problem(cell.instance(0)))
-    monkeypatch.setattr(staging.Assuming, "run", lambda _: False)
-    monkeypatch.setattr(staging.Parting, "run", lambda self, _: parted.append(self._thinning.least))
+    monkeypatch.setattr(proof_stages.Assuming, "run", lambda _: False)
+    monkeypatch.setattr(
+        proof_stages.Parting, "run", lambda self, _: parted.append(self._thinning.least)
+    )
     met = [0, 1, 2]
     for whole, stages in ((False, []), (True, [3])):
         Stager(prover.graph, met, whole).first([], (1 << 60) - 1)

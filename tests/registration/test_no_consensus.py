@@ -12,7 +12,7 @@ import pytest
 import certreg
 from certreg.errors import InvalidProblemError, UndecidedError
 from certreg.exact.decimals import at_least, at_most
-from certreg.registration.nothing_met import nothing_turned
+from certreg.registration.no_consensus import nothing_turned
 
 RNG = np.random.default_rng(4)
 CLOUD = RNG.uniform(-1.0, 1.0, (12, 3))

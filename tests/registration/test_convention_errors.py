@@ -16,9 +16,9 @@ from benchmarks.rates import convention_errors
 from certreg import Pose, RegistrationProblem, assess, certify
 from certreg.geometry.given import given_pose
 from certreg.registration.assessment import NO_SLIP, judged
+from certreg.registration.convention_errors import SlipCode
 from certreg.registration.findings import GOOD
 from certreg.registration.loose_turns import TURNED_FAR
-from certreg.registration.slips import SlipCode
 from certreg.report.document import assessment_document
 from certreg.report.judged_pose import assessment_summary
 from certreg.results import PoseVerdict
