@@ -36,6 +36,7 @@ def test_a_headline_ends_with_the_code_of_what_it_says(headline: Headline):
     """Of `certify` 0 is what is certified, of `assess` what is at or near the optimum."""
     begun = {
         "CERTIFIED, BUT NOT UNIQUE": codes.NOT_UNIQUE,
+        "CERTIFIED, BUT A SHIFT IS FREE": codes.NOT_UNIQUE,
         "CERTIFIED WITHIN THE LIMITS GIVEN, BUT NOT UNIQUE": codes.NOT_UNIQUE,
         "CERTIFIED": codes.DONE,
         "BOUNDED": codes.NOT_CERTIFIED,
