@@ -30,8 +30,8 @@ from certreg.problem.problem import RegistrationProblem
 from certreg.registration.any_certification import certify
 from certreg.registration.assessment import assess
 from certreg.report import registration_summary
-from certreg.report.document import assessment_document, result_document
-from certreg.report.judged_pose import assessment_summary
+from certreg.report.document import result_document
+from certreg.report.judged_pose import assessment_document, assessment_summary
 from certreg.report.page import Report
 from certreg.report.pages import html_page
 

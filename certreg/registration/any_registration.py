@@ -32,6 +32,7 @@ if TYPE_CHECKING:
 
     ResidualBlock = tuple[slice, NDArray[np.float64], NDArray[np.float64]]
 
+ALIKE = Absent("each pair has one weight, and a spring alike in every way")
 UNDECIDED = Absent("whether the optimum is unique is not decided")
 
 
@@ -66,9 +67,9 @@ class AnySolution(Explained, ABC):
         """Whether one rotation is optimal; None where that is not decided."""
 
     @cached_property
-    def freedom(self) -> Freedom | None:
-        """What springs leave undetermined; None where their equilibria say it."""
-        return None
+    def freedom(self) -> Freedom | Absent:
+        """What springs leave undetermined, exactly; of weights alone the equilibria say it."""
+        return ALIKE
 
     @cached_property
     def weak_shifts(self) -> tuple[WeakShift, ...]:

@@ -14,7 +14,7 @@ from certreg.exact import at_least, at_most, degrees_above
 from certreg.registration.loose_turns import LOOSE_SIGMA, axis_words
 from certreg.registration.misfits import FitCode
 from certreg.registration.weak_shifts import weak_shift_words
-from certreg.results import Limits, Optimality
+from certreg.results import Absent, Limits, Optimality
 
 if TYPE_CHECKING:
     from certreg.certificate import PoseBounds
@@ -403,7 +403,7 @@ def headline_words(registration: AnyRegistration) -> str:
 def _free_words(registration: AnyRegistration) -> str:
     """Why others are as good; where nothing is free, two poses tie."""
     free = registration.solution.freedom
-    if free is None:
+    if isinstance(free, Absent):
         return ""
     if registration.solution.unique_rotation:
         return free.shift_words()

@@ -15,17 +15,17 @@ if TYPE_CHECKING:
     from certreg.report.consensus_folder import write_wrong_pairs as write_wrong_pairs
     from certreg.report.consensus_folder import wrong_pairs_document as wrong_pairs_document
     from certreg.report.document import ERROR_SCHEMA as ERROR_SCHEMA
-    from certreg.report.document import assessment_document as assessment_document
     from certreg.report.document import dumps as dumps
     from certreg.report.document import equilibria_document as equilibria_document
     from certreg.report.document import error_document as error_document
     from certreg.report.document import result_document as result_document
     from certreg.report.document import scaled_document as scaled_document
+    from certreg.report.equilibria import equilibria_words as equilibria_words
     from certreg.report.file_names import FILES as FILES
     from certreg.report.file_names import REPORT as REPORT
     from certreg.report.folder import write_folder as write_folder
+    from certreg.report.judged_pose import assessment_document as assessment_document
     from certreg.report.judged_pose import assessment_summary as assessment_summary
-    from certreg.report.lines import equilibria_words as equilibria_words
     from certreg.report.markup import printable as printable
     from certreg.report.markup import rendered as rendered
     from certreg.report.methods import enumeration_summary as enumeration_summary
@@ -51,12 +51,11 @@ __getattr__ = lazy_face(
             "breaking_fragment",
         ),
         "breathing": ("scaled_enumeration_summary",),
-        "judged_pose": ("assessment_summary",),
+        "judged_pose": ("assessment_document", "assessment_summary"),
         "consensus_fields": ("consensus_document",),
         "consensus_folder": ("write_wrong_pairs", "wrong_pairs_document"),
         "document": (
             "ERROR_SCHEMA",
-            "assessment_document",
             "dumps",
             "equilibria_document",
             "error_document",
@@ -65,7 +64,7 @@ __getattr__ = lazy_face(
         ),
         "file_names": ("FILES", "REPORT"),
         "folder": ("write_folder",),
-        "lines": ("equilibria_words",),
+        "equilibria": ("equilibria_words",),
         "markup": (
             "printable",
             "rendered",

@@ -7,16 +7,18 @@ from typing import TYPE_CHECKING
 
 from certreg.report.cards import Card
 from certreg.report.encoding import encoded
-from certreg.report.lines import (
+from certreg.report.equilibria import (
     COUNTS,
     KINDS,
-    away_words,
     count_words,
     kinds_words,
     margin_words,
+    table_of,
+)
+from certreg.report.lines import (
+    away_words,
     number,
     step_words,
-    table_of,
 )
 from certreg.report.picture import energy_picture
 from certreg.results import OUT_OF_RANGE, ComponentKind, present

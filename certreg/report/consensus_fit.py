@@ -5,59 +5,31 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from certreg.registration import SpringRegistration
-from certreg.report.lines import explained_words, method_lines, verdict_words
+from certreg.report.lines import RMSE_WORDS, explained_words, method_lines, verdict_words
 from certreg.report.overview import Mark, Overview
-from certreg.report.remedies import causes, remedies
+from certreg.report.parts import sprung
 from certreg.report.robustness import robustness_words
-from certreg.report.similarity_overview import similarity_overview
-from certreg.report.spring_overview import spring_overview
-from certreg.report.spring_summary import (
-    RMSE_WORDS,
-    spring_remedies,
-    spring_verdict_words,
-    springs_words,
-)
-from certreg.report.spring_words import RESTS_ON
+from certreg.report.springs import springs_words
+from certreg.report.words import RESTS_ON
 
 if TYPE_CHECKING:
-    from certreg.registration import ConsensusRegistration, Registration
-
-    AnyFit = Registration | SpringRegistration
+    from certreg.registration import AnyRegistration, ConsensusRegistration
 
 DISTANCES = "of the least squares alone: a bound is on the distance of two points"
 
 
-def fit_verdict(fit: AnyFit) -> list[str]:
+def fit_verdict(fit: AnyRegistration) -> list[str]:
     """Its headline, and what the springs leave undetermined."""
-    if isinstance(fit, SpringRegistration):
-        return spring_verdict_words(fit)
-    return verdict_words(fit)[:1]
+    said = verdict_words(fit)
+    return said[:1] if sprung(fit) is None else said
 
 
-def fit_causes(fit: AnyFit) -> list[str]:
-    """What is said against it, so that it is known what the remedies are for."""
-    return [] if isinstance(fit, SpringRegistration) else causes(fit)
-
-
-def fit_remedies(fit: AnyFit) -> list[str]:
-    """What may help where something is said against it."""
-    return spring_remedies(fit) if isinstance(fit, SpringRegistration) else remedies(fit)
-
-
-def further_lines(fit: AnyFit) -> list[str]:
+def further_lines(fit: AnyRegistration) -> list[str]:
     """How far its points may be off, and what other methods say of it, where one was named."""
     lines: list[str] = []
     if fit.robustness is not None:
         lines.append(f"  robustness        of the least squares: {robustness_words(fit)}")
-    return lines if isinstance(fit, SpringRegistration) else lines + method_lines(fit)
-
-
-def fit_overview(fit: AnyFit) -> Overview:
-    """The first screen of its page."""
-    if isinstance(fit, SpringRegistration):
-        return spring_overview(fit)
-    return similarity_overview(fit) if fit.problem.scaled else Overview.of(fit)
+    return lines + method_lines(fit) if sprung(fit) is None else lines
 
 
 def marked(overview: Overview, against: str | None) -> Overview:
@@ -73,19 +45,20 @@ def marked(overview: Overview, against: str | None) -> Overview:
 def rmse_words(result: ConsensusRegistration) -> str:
     """What its RMSE is of."""
     fit, found = result.fit, result.lower
-    if isinstance(fit, SpringRegistration):
+    if sprung(fit) is not None:
         return f"of these {found}, {RMSE_WORDS}"
     return f"of these {found}; explained {explained_words(fit.fit)}"
 
 
 def kinds_words(result: ConsensusRegistration) -> str | None:
     """What kind of springs the pairs have that are met, and what for; None where they weigh."""
-    fit = result.fit
-    return f"{springs_words(fit)}, {DISTANCES}" if isinstance(fit, SpringRegistration) else None
+    kinds = springs_words(result.fit)
+    return f"{kinds}, {DISTANCES}" if kinds else None
 
 
-def fit_theorems(fit: AnyFit) -> tuple[str, ...]:
+def fit_theorems(fit: AnyRegistration) -> tuple[str, ...]:
     """What its optimality rests on."""
-    if not isinstance(fit, SpringRegistration):
+    springs = sprung(fit)
+    if springs is None:
         return ("optimality_certificate",)
-    return () if fit.method is None else (*RESTS_ON[fit.method], "spring_translation")
+    return () if springs.method is None else (*RESTS_ON[springs.method], "spring_translation")

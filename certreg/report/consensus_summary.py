@@ -6,8 +6,6 @@ from typing import TYPE_CHECKING
 
 from certreg.registration import FitCode, bound_words
 from certreg.report.consensus_fit import (
-    fit_causes,
-    fit_remedies,
     fit_verdict,
     further_lines,
     kinds_words,
@@ -15,7 +13,7 @@ from certreg.report.consensus_fit import (
 )
 from certreg.report.consensus_reach import reach_line
 from certreg.report.lines import number, uncertainty_lines
-from certreg.report.remedies import ADVICE
+from certreg.report.remedies import ADVICE, causes, remedies
 from certreg.report.scaled_consensus import scale_lines, witness_scale_lines
 
 if TYPE_CHECKING:
@@ -46,8 +44,8 @@ def consensus_summary(result: ConsensusRegistration) -> str:
         *_second(result),
         *([] if kinds is None else [f"  springs           {kinds}"]),
         f"  least squares     of these {found}: {verdict}",
-        *(f"                    {words}" for words in (*further, *fit_causes(fit))),
-        *(f"                    {ADVICE}{words}" for words in fit_remedies(fit)),
+        *(f"                    {words}" for words in (*further, *causes(fit))),
+        *(f"                    {ADVICE}{words}" for words in remedies(fit)),
         *scale_lines(result),
         f"  rotation (wxyz)   {' '.join(map(repr, pose.quaternion_wxyz.tolist()))}",
         f"  translation       {' '.join(map(repr, pose.translation.tolist()))}",

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from certreg.exact import at_most, nearest_double
 from certreg.report.encoding import Document, Noted
-from certreg.report.lines import equilibria_words
+from certreg.report.equilibria import equilibria_words
 from certreg.results import OUT_OF_RANGE, Absent, ComponentKind
 
 if TYPE_CHECKING:

@@ -1,8 +1,8 @@
-"""Which page a registration has: by its pairs, its springs, and how the source may move."""
+"""Which page a result has: that of least squares, or of pairs that may be wrong."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 from certreg import registration as made  # whose other kinds of results most pages do without
 from certreg._loading import late
@@ -10,38 +10,23 @@ from certreg.registration import AnyRegistration
 from certreg.report.page import Report
 
 if TYPE_CHECKING:
-    from certreg.problem import RegistrationProblem
-    from certreg.registration import (
-        ConsensusRegistration,
-        Registration,
-        SpringRegistration,
-        TruncatedRegistration,
-    )
-    from certreg.report import consensus_page, similarity_page, spring_page, truncated_page
+    from certreg.registration import ConsensusRegistration, TruncatedRegistration
+    from certreg.report import consensus_page, truncated_page
     from certreg.report.any_report import AnyReport
 
     Reported = AnyRegistration | ConsensusRegistration | TruncatedRegistration
 else:
     consensus_page = late("certreg.report.consensus_page")
-    similarity_page = late("certreg.report.similarity_page")
-    spring_page = late("certreg.report.spring_page")
     truncated_page = late("certreg.report.truncated_page")
 
 
 def report_on(registration: Reported) -> AnyReport[Any]:
     """The report of a registration just made. Raises ValueError where it is not certified."""
     if isinstance(registration, AnyRegistration):
-        if registration.problem.factors is not None:
-            return spring_page.SpringReport.of(cast("SpringRegistration", registration))
-        return page_of(registration.problem).of(cast("Registration", registration))
+        return Report.of(registration)
     if isinstance(registration, made.TruncatedRegistration):
         return truncated_page.TruncatedReport.of(registration)
     return consensus_page.ConsensusReport.of(registration)
-
-
-def page_of(problem: RegistrationProblem) -> type[Report]:
-    """Which page a problem with one weight for each pair has: by how its source may move."""
-    return similarity_page.SimilarityReport if problem.motion.options else Report
 
 
 def html_page(report: AnyReport[Any]) -> bytes:

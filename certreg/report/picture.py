@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.dynamics import Trajectory
-    from certreg.registration import AnyRegistration, SpringRegistration
+    from certreg.registration import AnyRegistration
 
 WIDTH, HEIGHT, MARGIN = 240, 160, 10  # pixels
 BODY = 30  # points: fewer are hardly seen without lines between them
@@ -123,7 +123,7 @@ def shown_words(registration: AnyRegistration, most: int = SHOWN) -> str:
     return f"; {most} of {n} pairs, evenly chosen" if n > most else ""
 
 
-def springs_picture(registration: SpringRegistration) -> Picture | None:
+def springs_picture(registration: AnyRegistration) -> Picture | None:
     """As `registration_picture`, with a piece of each plane and line, for a page."""
     sample = Sample.of(registration, ON_PAGE)
     axes, ends, pieces = sample.axes, sample.ends, sample.pieces

@@ -49,9 +49,9 @@ SHAPES: dict[str, Shape] = {  # by the name of the type
         card="cards.registration_card",
     ),
     "SpringRegistration": Shape(
-        words="spring_summary.spring_summary",
+        words="summary.registration_summary",
         document="document.result_document",
-        card="cards.spring_card",
+        card="cards.registration_card",
     ),
     "ConsensusRegistration": Shape(
         words="consensus_summary.consensus_summary",
@@ -70,7 +70,7 @@ SHAPES: dict[str, Shape] = {  # by the name of the type
     ),
     "Assessment": Shape(
         words="judged_pose.assessment_summary",
-        document="document.assessment_document",
+        document="judged_pose.assessment_document",
         card="cards.assessment_card",
     ),
     "KeptPairs": Shape(
@@ -89,7 +89,7 @@ SHAPES: dict[str, Shape] = {  # by the name of the type
         card="cards.equilibria_card",
     ),
     "EquilibriumSet": Shape(
-        words="lines.equilibria_words",
+        words="equilibria.equilibria_words",
         document="document.set_document",
         card="cards.equilibria_card",
     ),

@@ -47,8 +47,7 @@ from certreg.registration import (
     restated_truncated,
 )
 from certreg.report.consensus_page import ConsensusReport
-from certreg.report.pages import page_of
-from certreg.report.spring_page import SpringReport
+from certreg.report.page import Report
 from certreg.report.truncated_page import TruncatedReport
 from certreg.verify import FILE_MAX, Clouds, shown
 
@@ -145,7 +144,7 @@ def report_of(
         about=loaded.about,
     )
     given = _bounds(body, registration)
-    return page_of(stated)(
+    return Report(
         registration=replace(
             registration,
             solution=_as_proved(registration.solution, body),
@@ -253,13 +252,13 @@ def _spring_report(
     content: bytes,
     verdict: Verdict,
     name: str,
-) -> SpringReport:
+) -> Report:
     """The report of a certificate of general springs: its pose, and what it proves of that."""
     registration = certified_springs(problem, about=certificate.about)
     place = ExactPose.of_doubles(registration.pose.quaternion_wxyz, registration.pose.translation)
     solution = registration.solution
     given = spring_pose_bounds(solution.objective, certificate.body, place)
-    return SpringReport(
+    return Report(
         registration=replace(
             registration,
             solution=replace(solution, certificate=certificate),

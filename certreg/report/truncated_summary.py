@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from certreg.exact import as_given, at_most
 from certreg.report.cards import Card
-from certreg.report.consensus_fit import fit_causes, fit_remedies, fit_verdict, further_lines
+from certreg.report.consensus_fit import fit_verdict, further_lines
 from certreg.report.consensus_reach import degrees_from
 from certreg.report.consensus_summary import (
     counted_labels,
@@ -15,7 +15,7 @@ from certreg.report.consensus_summary import (
     warnings_of,
 )
 from certreg.report.lines import MEANS, UNMET, explained_words, number, uncertainty_lines
-from certreg.report.remedies import ADVICE
+from certreg.report.remedies import ADVICE, causes, remedies
 from certreg.results import Limits
 
 if TYPE_CHECKING:
@@ -46,15 +46,15 @@ def truncated_causes(result: TruncatedRegistration) -> list[str]:
     within = f"within {as_given(limits.max_gap)} of the range of costs"
     angle = f" and {as_given(limits.max_angle)} radians of the optimum" if result.unique else ""
     if result.labels_unique and not result.certified:
-        return [f"{UNMET} {within}{angle}.", *fit_causes(result.fit)]
+        return [f"{UNMET} {within}{angle}.", *causes(result.fit)]
     asked = [f"{MEANS} {within}{angle}."] if result.certified and limits != Limits() else []
-    return [*asked, *fit_causes(result.fit)]
+    return [*asked, *causes(result.fit)]
 
 
 def truncated_remedies(result: TruncatedRegistration) -> list[str]:
     """What may help."""
     harder = [] if result.labels_unique else [f"{HARDER}."]
-    return [*harder, *pair_remedies(result), *fit_remedies(result.fit)]
+    return [*harder, *pair_remedies(result), *remedies(result.fit)]
 
 
 def truncated_card(result: TruncatedRegistration) -> str:

@@ -123,6 +123,7 @@ ANY_PROBLEM = {  # names of what stands in problems, or may stand in the files o
     "certreg.geometry.similarity",
     "certreg.io.springs",
     "certreg.problem.spring_factors",
+    "certreg.report.springs",
     "certreg.problem.spring_rows",
     "certreg.problem.springs",
 }

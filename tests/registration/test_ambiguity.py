@@ -20,7 +20,10 @@ from certreg.registration import headlines as listed
 from certreg.registration.ambiguity import PAIRS_IN_DOUBT
 from certreg.registration.outlying import independent_rows
 from certreg.report import html_page, registration_summary
-from certreg.report.lines import equilibria_words, warnings
+from certreg.report.equilibria import equilibria_words
+from certreg.report.lines import (
+    warnings,
+)
 from certreg.report.page import Report
 
 TURN = random_rotation(np.random.default_rng(3))

@@ -26,9 +26,15 @@ from certreg.report import (
     simulation_summary,
 )
 from certreg.report.any_report import ASSETS
+from certreg.report.scene_words import (
+    component_words,
+    trap_words,
+)
 from certreg.report.thinning import thinned, unspent_words
 from certreg.report.viewer import WATCH, Names, ended_words, scene_document, viewer_words
-from certreg.report.words import component_words, lie_words, trap_words
+from certreg.report.words import (
+    lie_words,
+)
 from certreg.verify import check
 
 if TYPE_CHECKING:

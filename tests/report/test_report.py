@@ -8,6 +8,7 @@ import gzip
 import hashlib
 import html
 import json
+import math
 import os
 import re
 import shutil
@@ -30,16 +31,21 @@ from strategies import ZOO, random_rotation
 from certreg.dynamics import Trajectory
 from certreg.geometry import quaternion_from_matrix, quaternions_from_matrices
 from certreg.problem.problem import RegistrationProblem
-from certreg.registration import certified, certify
+from certreg.registration import Agreement, certified, certify
 from certreg.registration.examples import STORIES, stated, tell
 from certreg.report.any_report import EMBEDDED_BYTES
 from certreg.report.markup import asset, coded, environment_of, inert, inert_json
 from certreg.report.page import Report
 from certreg.report.pages import html_page
 from certreg.report.reload import MotionOptions, _problem, report_of
+from certreg.report.sentences import (
+    THEOREMS,
+)
 from certreg.report.thinning import simulated_escapes, thinned
 from certreg.report.viewer import Names
-from certreg.report.words import THEOREMS, MethodAngles, sentences
+from certreg.report.words import (
+    sentences,
+)
 from certreg.verify import Clouds
 
 if TYPE_CHECKING:
@@ -249,9 +255,11 @@ def test_a_method_that_ends_elsewhere_is_not_said_to_lead_here(
     survey: Registration, relaxation: float | None, simulation: float | None
 ):
     angles = {"relaxation": relaxation, "simulation": simulation}
-    methods = MethodAngles(closed_form=1e-9, **angles)
-    body = checked(survey.certificate).body
-    said = [one.words for one in sentences(survey, body, methods) if "roads lead" in one.words]
+    turns = [None if one is None else math.radians(one) for one in (relaxation, simulation)]
+    agreement = Agreement(closed_form=1e-11, relaxation=turns[0], simulation=turns[1])
+    solution = replace(survey.solution, agreement=agreement)
+    found, body = replace(survey, solution=solution), checked(survey.certificate).body
+    said = [one.words for one in sentences(found, body) if "roads lead" in one.words]
     agreeing, _, others = said[0].partition("°. ")
 
     assert len(said) == 1

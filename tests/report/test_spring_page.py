@@ -18,7 +18,7 @@ from certreg.problem import RegistrationProblem
 from certreg.registration import certify
 from certreg.report import html_page, report_of
 from certreg.report.document import dumps, pose_document, result_document
-from certreg.report.spring_page import SpringReport
+from certreg.report.page import Report
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -49,7 +49,7 @@ def words_of(page: bytes) -> str:
 @pytest.mark.one_in(3)
 @pytest.mark.parametrize("kind", ["plane", "line", "walls"])
 def test_the_page_says_nothing_that_is_true_of_one_weight_per_pair_alone(kind: str):
-    words = words_of(html_page(SpringReport.of(registered(kind))))
+    words = words_of(html_page(Report.of(registered(kind))))
 
     assert [each for each in OF_ONE_WEIGHT if each in words] == []
     assert "SHA-256 of the points and springs" in words
@@ -58,7 +58,7 @@ def test_the_page_says_nothing_that_is_true_of_one_weight_per_pair_alone(kind: s
 
 def test_the_page_runs_no_script_and_holds_the_certificate_as_a_link():
     found = registered("plane")
-    page = html_page(SpringReport.of(found)).decode()
+    page = html_page(Report.of(found)).decode()
     link = re.search(r'href="data:application/json;base64,([^"]+)"', page)
 
     assert "<script" not in page

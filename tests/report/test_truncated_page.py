@@ -294,9 +294,13 @@ def test_that_not_all_angles_are_listed_is_said(monkeypatch):
 def test_the_pairs_nearest_to_their_bounds_are_listed_on_either_side(monkeypatch):
     monkeypatch.setattr("certreg.report.truncated_page.NEAREST", 8)
     found = result()
-    listed = TruncatedReport.of(found).values(Names.of(found.certificate.about, 12))["nearest"]
+    listed = (
+        TruncatedReport.of(found)
+        .values(Names.of(found.certificate.about, 12))["sections"][0]
+        .table.rows
+    )
     away = np.maximum(found.residuals / BOUND, BOUND / found.residuals)
     nearest = np.argsort(away)[:8].tolist()
 
-    assert [int(one["row"]) for one in listed] == nearest
+    assert [int(one[0]) for one in listed] == nearest
     assert {found.labels[row] for row in nearest} == {"inlier", "outlier"}

@@ -14,9 +14,11 @@ from strategies import ZOO
 from certreg import RegistrationProblem
 from certreg.registration import Registration, assess, certify, equilibria
 from certreg.report import equilibria_words, html_page, registration_summary
-from certreg.report.lines import count_words
+from certreg.report.equilibria import count_words
 from certreg.report.page import Report
-from certreg.report.words import component_words
+from certreg.report.scene_words import (
+    component_words,
+)
 from certreg.results import Limits
 
 RNG = np.random.default_rng(5)
