@@ -54,6 +54,8 @@ def test_the_page_says_nothing_that_is_true_of_one_weight_per_pair_alone(kind: s
     assert [each for each in OF_ONE_WEIGHT if each in words] == []
     assert "SHA-256 of the points and springs" in words
     assert "exceeds the minimum by at most" in words
+    assert "The pairs that are farthest off along their springs" in words
+    assert "off along the springs" in words
 
 
 def test_the_page_runs_no_script_and_holds_the_certificate_as_a_link():

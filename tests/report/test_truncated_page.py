@@ -288,7 +288,8 @@ def test_that_not_all_angles_are_listed_is_said(monkeypatch):
         "which certify --out writes, the labels in the JSON, too (truncated.labels)."
     )
     assert f"Of the 12 pairs the 5 {listed}" in words
-    assert " angle largest allowed residual " in words
+    assert " angle largest allowed residual over its bound " in words
+    assert "Angles and residuals against the bounds" in words
 
 
 def test_the_pairs_nearest_to_their_bounds_are_listed_on_either_side(monkeypatch):
