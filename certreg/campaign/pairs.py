@@ -47,7 +47,7 @@ from certreg.registration import (
     optimally_damped,
     worst,
 )
-from certreg.report import ERROR_SCHEMA, error_document, result_document, wrong_pairs_document
+from certreg.report import ERROR_SCHEMA, error_document, pairs_document, result_document
 from certreg.results import Limits, Optimality
 from certreg.verify import shown
 
@@ -366,7 +366,7 @@ def _entry(row: PairRow, folder: Path, limits: Limits) -> tuple[dict[str, Any], 
 def _told(registration: Any, pair: Pair) -> tuple[dict[str, Any], int]:
     """The document of a registration, and what `certreg certify` would end with."""
     if isinstance(registration, ConsensusRegistration | TruncatedRegistration):
-        return wrong_pairs_document(registration, notes=pair.notes), registration.exit_code
+        return pairs_document(registration, notes=pair.notes), registration.exit_code
     return result_document(registration, notes=pair.notes), code_of_registration(registration)
 
 

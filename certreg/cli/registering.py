@@ -145,10 +145,10 @@ def _told_of_consensus(
     as_json: bool,
 ) -> int:
     """Writes and prints a registration with wrong pairs; the exit code."""
-    path = None if out is None else report.write_wrong_pairs(result, out, notes=notes)
+    path = None if out is None else report.write_folder(result, out, notes=notes)
     if as_json:
         place = None if path is None else str(path)
-        click.echo(report.dumps(report.wrong_pairs_document(result, place, notes=notes)))
+        click.echo(report.dumps(report.pairs_document(result, place, notes=notes)))
     else:
         click.echo(result.summary())
         if path is not None:

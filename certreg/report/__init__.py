@@ -11,9 +11,6 @@ if TYPE_CHECKING:
     from certreg.report.breaking import breaking_course as breaking_course
     from certreg.report.breaking import breaking_fragment as breaking_fragment
     from certreg.report.breathing import scaled_enumeration_summary as scaled_enumeration_summary
-    from certreg.report.consensus_fields import consensus_document as consensus_document
-    from certreg.report.consensus_folder import write_wrong_pairs as write_wrong_pairs
-    from certreg.report.consensus_folder import wrong_pairs_document as wrong_pairs_document
     from certreg.report.document import ERROR_SCHEMA as ERROR_SCHEMA
     from certreg.report.document import dumps as dumps
     from certreg.report.document import equilibria_document as equilibria_document
@@ -30,6 +27,7 @@ if TYPE_CHECKING:
     from certreg.report.markup import rendered as rendered
     from certreg.report.methods import enumeration_summary as enumeration_summary
     from certreg.report.pages import html_page as html_page
+    from certreg.report.pair_fields import pairs_document as pairs_document
     from certreg.report.presenting import PRESENTER as PRESENTER
     from certreg.report.reload import certified_pose as certified_pose
     from certreg.report.reload import report_of as report_of
@@ -52,8 +50,6 @@ __getattr__ = lazy_face(
         ),
         "breathing": ("scaled_enumeration_summary",),
         "judged_pose": ("assessment_document", "assessment_summary"),
-        "consensus_fields": ("consensus_document",),
-        "consensus_folder": ("write_wrong_pairs", "wrong_pairs_document"),
         "document": (
             "ERROR_SCHEMA",
             "dumps",
@@ -71,6 +67,7 @@ __getattr__ = lazy_face(
         ),
         "methods": ("enumeration_summary",),
         "pages": ("html_page",),
+        "pair_fields": ("pairs_document",),
         "presenting": ("PRESENTER",),
         "reload": ("certified_pose", "report_of"),
         "spring_equilibria": (

@@ -17,15 +17,15 @@ from certreg.report.consensus_fit import (
 )
 from certreg.report.consensus_picture import pairs_picture, residual_chart
 from certreg.report.consensus_reach import reach_degrees, why_unbounded
-from certreg.report.consensus_summary import (
+from certreg.report.lines import number
+from certreg.report.overview import Overview
+from certreg.report.pairs import (
     HARDER,
     TOLD_SECOND,
     counted_labels,
     pair_remedies,
     warnings_of,
 )
-from certreg.report.lines import number
-from certreg.report.overview import Overview
 from certreg.report.pose_facts import Fact
 from certreg.report.remedies import causes, remedies
 from certreg.report.scaled_consensus import scale_sentences

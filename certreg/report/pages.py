@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
-from certreg import registration as made  # whose other kinds of results most pages do without
 from certreg._loading import late
-from certreg.registration import AnyRegistration
 from certreg.report.page import Report
+from certreg.report.parts import costed, labelled
 
 if TYPE_CHECKING:
-    from certreg.registration import ConsensusRegistration, TruncatedRegistration
+    from certreg.registration import AnyRegistration
     from certreg.report import consensus_page, truncated_page
     from certreg.report.any_report import AnyReport
+    from certreg.report.parts import Labelled
 
-    Reported = AnyRegistration | ConsensusRegistration | TruncatedRegistration
+    Reported = AnyRegistration | Labelled
 else:
     consensus_page = late("certreg.report.consensus_page")
     truncated_page = late("certreg.report.truncated_page")
@@ -22,11 +22,13 @@ else:
 
 def report_on(registration: Reported) -> AnyReport[Any]:
     """The report of a registration just made. Raises ValueError where it is not certified."""
-    if isinstance(registration, AnyRegistration):
-        return Report.of(registration)
-    if isinstance(registration, made.TruncatedRegistration):
-        return truncated_page.TruncatedReport.of(registration)
-    return consensus_page.ConsensusReport.of(registration)
+    pairs = labelled(registration)
+    if pairs is None:
+        return Report.of(cast("AnyRegistration", registration))
+    least = costed(pairs)
+    if least is not None:
+        return truncated_page.TruncatedReport.of(least)
+    return consensus_page.ConsensusReport.of(pairs)
 
 
 def html_page(report: AnyReport[Any]) -> bytes:

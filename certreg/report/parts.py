@@ -5,7 +5,15 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, cast
 
 if TYPE_CHECKING:
-    from certreg.registration import AnyRegistration, Registration, SpringRegistration
+    from certreg.registration import (
+        AnyRegistration,
+        ConsensusRegistration,
+        Registration,
+        SpringRegistration,
+        TruncatedRegistration,
+    )
+
+    Labelled = ConsensusRegistration | TruncatedRegistration
 
 
 def listed(registration: AnyRegistration) -> Registration | None:
@@ -18,3 +26,18 @@ def sprung(registration: AnyRegistration) -> SpringRegistration | None:
     if registration.problem.springs is None:
         return None
     return cast("SpringRegistration", registration)
+
+
+def labelled(result: AnyRegistration | Labelled) -> Labelled | None:
+    """With a label for each pair, as some may be wrong; None where all count."""
+    return cast("Labelled", result) if hasattr(result, "labels") else None
+
+
+def counted(result: Labelled) -> ConsensusRegistration | None:
+    """With the most pairs that one motion brings within; None where none are counted."""
+    return cast("ConsensusRegistration", result) if hasattr(result, "upper") else None
+
+
+def costed(result: Labelled) -> TruncatedRegistration | None:
+    """With the least truncated cost; None where none is sought."""
+    return cast("TruncatedRegistration", result) if hasattr(result, "cost") else None

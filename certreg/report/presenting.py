@@ -15,19 +15,18 @@ from typing import TYPE_CHECKING, Any
 from certreg._loading import late
 from certreg.errors import InvalidFileError
 from certreg.io import write_atomically
-from certreg.registration import AnyRegistration
 from certreg.verify import shown
 
 if TYPE_CHECKING:
     import os
 
-    from certreg.report import consensus_folder, pages, plotting
+    from certreg.registration import AnyRegistration
     from certreg.report import folder as registration_folder
+    from certreg.report import pages, plotting
     from certreg.report.encoding import Document
     from certreg.report.pages import Reported
     from certreg.results import Presenter
 else:
-    consensus_folder = late("certreg.report.consensus_folder")
     pages = late("certreg.report.pages")
     plotting = late("certreg.report.plotting")
     registration_folder = late("certreg.report.folder")
@@ -54,19 +53,19 @@ SHAPES: dict[str, Shape] = {  # by the name of the type
         card="cards.registration_card",
     ),
     "ConsensusRegistration": Shape(
-        words="consensus_summary.consensus_summary",
-        document="consensus_fields.consensus_document",
-        card="consensus_card.consensus_card",
+        words="pairs.consensus_summary",
+        document="pair_fields.pairs_document",
+        card="pairs.pairs_card",
     ),
     "ScaledConsensusRegistration": Shape(
-        words="consensus_summary.consensus_summary",
-        document="consensus_fields.consensus_document",
-        card="consensus_card.consensus_card",
+        words="pairs.consensus_summary",
+        document="pair_fields.pairs_document",
+        card="pairs.pairs_card",
     ),
     "TruncatedRegistration": Shape(
-        words="truncated_summary.truncated_summary",
-        document="truncated_fields.truncated_document",
-        card="truncated_summary.truncated_card",
+        words="pairs.truncated_summary",
+        document="pair_fields.pairs_document",
+        card="pairs.pairs_card",
     ),
     "Assessment": Shape(
         words="judged_pose.assessment_summary",
@@ -79,9 +78,9 @@ SHAPES: dict[str, Shape] = {  # by the name of the type
         card="judged_labels.labels_card",
     ),
     "TruncatedLabels": Shape(
-        words="truncated_labels.truncated_labels_summary",
-        document="truncated_labels.truncated_labels_document",
-        card="truncated_labels.truncated_labels_card",
+        words="judged_labels.labels_summary",
+        document="judged_labels.truncated_labels_document",
+        card="judged_labels.labels_card",
     ),
     "ListedEquilibria": Shape(
         words="listed.enumeration_words",
@@ -167,9 +166,7 @@ class ReportPresenter:
         folder: str | os.PathLike[str],
     ) -> Path | None:
         """Write the files of a registration; the certificate's path."""
-        if isinstance(result, AnyRegistration):
-            return registration_folder.write_folder(result, folder)
-        return consensus_folder.write_wrong_pairs(result, folder)
+        return registration_folder.write_folder(result, folder)
 
     def plot(self, result: AnyRegistration, axes: Any) -> Any:
         """Draw a registration into axes of Matplotlib; the axes."""

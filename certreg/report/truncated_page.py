@@ -12,18 +12,19 @@ from certreg.registration import are_words, widest_angles
 from certreg.report.any_report import AnyReport, head_of, pairs_words
 from certreg.report.consensus_fit import marked
 from certreg.report.consensus_picture import pairs_picture, residual_chart
-from certreg.report.consensus_summary import counted_labels, warnings_of
 from certreg.report.lines import number
 from certreg.report.overview import Overview
-from certreg.report.pose_facts import Fact
-from certreg.report.sections import Section, rows_table
-from certreg.report.sentences import Sentence, begun, sentence
-from certreg.report.truncated_summary import (
+from certreg.report.pairs import (
+    counted_labels,
     optimum_degrees,
     truncated_causes,
     truncated_remedies,
+    warnings_of,
     why_unbounded,
 )
+from certreg.report.pose_facts import Fact
+from certreg.report.sections import Section, rows_table
+from certreg.report.sentences import Sentence, begun, sentence
 from certreg.results import Guarantee
 
 if TYPE_CHECKING:

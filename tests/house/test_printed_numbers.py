@@ -189,7 +189,7 @@ ALLOWED = {  # what the last digit of a number to the nearest is worth, and wher
         report/lines.py {value:.9e}
         report/truncated_page.py {angle:.3g}
         report/truncated_page.py {float(residuals[row] / problem.bounds[row]):.3g}
-        report/truncated_summary.py {result.cost:.9g}
+        report/pairs.py {result.cost:.9g}
     """,
     "a place, a size or a mark in a picture": """
         report/breaking.py {top + PANEL * (1.0 - height):.1f}

@@ -19,7 +19,7 @@ from certreg.registration import TruncatedRegistration, certify
 from certreg.registration.scaled_consensus import ranges_words
 from certreg.registration.weak_shifts import WeakShift, weak_shift_words
 from certreg.report import registration_summary
-from certreg.report.truncated_summary import truncated_summary
+from certreg.report.pairs import truncated_summary
 from certreg.results import Limits
 
 CLOUD = np.vstack([np.diag([3.0, 2.0, 1.0]), -np.diag([3.0, 2.0, 1.0])])

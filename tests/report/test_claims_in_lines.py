@@ -11,7 +11,7 @@ import pytest
 
 from certreg.dynamics import SimulationStatus
 from certreg.registration import Method
-from certreg.report import lines, truncated_summary
+from certreg.report import lines, pairs
 from certreg.report.lines import MEANS, UNMET
 from certreg.results import Limits
 
@@ -61,7 +61,7 @@ def test_an_angle_is_to_the_optimum_of_springs_where_one_rotation_is_proved_to_b
 
 def test_what_certified_means_is_told_of_what_is_certified(monkeypatch):
     """And of labels that are all proved what is asked for beside; of open ones neither is."""
-    monkeypatch.setattr(truncated_summary, "causes", lambda _: [])
+    monkeypatch.setattr(pairs, "causes", lambda _: [])
     for labelled, certified, given in product(BOTH, BOTH, BOTH):
         if certified and not labelled:
             continue
@@ -73,6 +73,6 @@ def test_what_certified_means_is_told_of_what_is_certified(monkeypatch):
             fit=SimpleNamespace(limits=limits),
         )
 
-        begins = [line[: len(MEANS)] for line in truncated_summary.truncated_causes(result)]
+        begins = [line[: len(MEANS)] for line in pairs.truncated_causes(result)]
         unmet = labelled and not certified
         assert begins == ([UNMET[: len(MEANS)]] if unmet else [MEANS] * (certified and given))

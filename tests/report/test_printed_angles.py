@@ -21,8 +21,8 @@ from certreg.report.consensus_reach import degrees_from
 from certreg.report.judged_pose import _proved_angle, _shift_words
 from certreg.report.lines import step_words
 from certreg.report.overview import bound_facts, robustness_facts
+from certreg.report.pairs import optimum_degrees
 from certreg.report.robustness import robustness_words
-from certreg.report.truncated_summary import optimum_degrees
 from certreg.results import Optimality
 
 DIGITS = 7
