@@ -19,8 +19,8 @@ from benchmarks.peers import PEERS, Peer, presence
 from benchmarks.reference import angle, angle_of_matrix, optimal_quaternion
 from certreg.problem.moments import floating_moments
 from certreg.problem.problem import RegistrationProblem
-from certreg.registration.certification import solve
 from certreg.registration.closed_form import arun, horn, register
+from certreg.registration.squares import solve
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence

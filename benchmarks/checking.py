@@ -9,7 +9,7 @@ import numpy as np
 from benchmarks.clouds import random_problem
 from benchmarks.measuring import Figure, Quantity, fastest, power_of_ten
 from certreg.problem.problem import RegistrationProblem
-from certreg.registration.certification import solve
+from certreg.registration.squares import solve
 from certreg.verify import check
 
 if TYPE_CHECKING:

@@ -21,8 +21,8 @@ from benchmarks.measuring import Figure, Quantity, Series, fastest, power_of_ten
 from benchmarks.peers import PEERS, presence
 from certreg.problem.floating_sums import CloudPair, floating_sums
 from certreg.problem.problem import RegistrationProblem
-from certreg.registration.certification import solve
 from certreg.registration.closed_form import register
+from certreg.registration.squares import solve
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence

@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 from benchmarks.clouds import random_problem
 from benchmarks.measuring import Figure, Quantity, fastest
 from certreg.problem.problem import RegistrationProblem
-from certreg.registration.certification import solve
+from certreg.registration.squares import solve
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

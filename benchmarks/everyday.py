@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from certreg.registration import Registration
+    from certreg.registration.result import Registration
 
     Cloud = NDArray[np.float64]
 

@@ -15,7 +15,7 @@ from certreg.objective.classification import classify
 from certreg.objective.isotropic import Isotropic
 from certreg.problem.moments import exact_moments, floating_moments
 from certreg.problem.problem import RegistrationProblem
-from certreg.registration.certification import solve
+from certreg.registration.squares import solve
 from certreg.verify import check
 
 if TYPE_CHECKING:

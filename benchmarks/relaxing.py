@@ -25,9 +25,9 @@ from certreg.problem.lifting import lift
 from certreg.problem.moments import exact_moments
 from certreg.problem.problem import RegistrationProblem
 from certreg.relaxation.conic import solve
+from certreg.relaxation.cvxpy_models import statement
 from certreg.relaxation.qcqp import RelaxationForm
 from certreg.relaxation.shor import relax
-from certreg.relaxation.stated import statement
 from tests.strategies import ZOO, Specimen
 
 if TYPE_CHECKING:
@@ -193,15 +193,15 @@ def _speed(form: RelaxationForm, bound: float) -> Figure:
     stated = statement(form)
 
     def by_cvxpy() -> float:
-        stated.cross_covariance.value = C
+        stated.data.value = C
         return stated.problem.solve(solver="CLARABEL")
 
     def fresh() -> float:
         anew = statement(form)
-        anew.cross_covariance.value = C
+        anew.data.value = C
         return anew.problem.solve(solver="CLARABEL")
 
-    value = solve(form, C).value
+    value = solve(form, C, largest=True).value
     assert value is not None
     assert abs(value - by_cvxpy()) < 1e-7
     times = fastest(lambda: solve(form, C), by_cvxpy, fresh, rounds=ROUNDS)

@@ -30,11 +30,12 @@ from certreg.native.layout import plain as doubles
 from certreg.native.loops import Batch, Integrator
 from certreg.objective.isotropic import Isotropic
 from certreg.problem.moments import ExactMoments, exact_moments
-from certreg.problem.moments_of_springs import spring_moments
 from certreg.problem.problem import RegistrationProblem
+from certreg.problem.stiffness import spring_moments
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
+
 
 DAMPING = 2.0  # not stated in the paper: with it, a run takes some 1200 steps
 SINGLE, BATCHED, SCIPY = 1000.0, 6000.0, 5000.0  # times faster
@@ -213,12 +214,10 @@ def _bodies(count: int) -> Bodies:
         damping=DAMPING,
     )
     repeat = count // 64
-    return Bodies(
-        records=np.tile(some.records, repeat),
-        basins=np.tile(some.basins, repeat),
-        starts=np.tile(some.starts, repeat),
-        length_exponents=np.tile(some.length_exponents, repeat),
-    )
+    names = ("records", "basins", "starts", "length_exponents")
+    tiled: dict[str, Any] = {name: np.tile(getattr(some, name), repeat) for name in names}
+    points = {name: np.tile(getattr(some, name), (repeat, 1)) for name in ("centres", "origins")}
+    return replace(some, **tiled, **points)
 
 
 def _many(integrator: Integrator, count: int | None = None) -> Batch:

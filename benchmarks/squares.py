@@ -15,15 +15,15 @@ from typing import TYPE_CHECKING
 from benchmarks.measuring import Figure, Quantity, fastest
 from certreg.certificate.producing_springs import springs_certificate
 from certreg.objective.springs import Springs
-from certreg.problem.moments_of_springs import spring_moments
 from certreg.problem.problem import RegistrationProblem
+from certreg.relaxation.cvxpy_models import quartic_statement, solve_stated
 from certreg.relaxation.optimum import find_optimum
-from certreg.relaxation.stated_quartic import solve_stated_quartic
 from certreg.verify import check
 from tests.spring_families import Cell, instance, statement
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+
 
 CELLS = [Cell(name, 20, 0.1) for name in ("plane", "line", "aniso", "gicp", "mixed", "wall")]
 SEEDS, ROUNDS = range(3), 4
@@ -35,9 +35,9 @@ def measure() -> Iterator[Figure]:
     problems = [_problem(cell, seed) for cell in CELLS for seed in SEEDS]
     for problem in problems:
         content = _produced(problem)
-        found = find_optimum(Springs(spring_moments(problem)))
+        found = find_optimum(Springs.of(problem))
         rest = found.levelled.rest
-        again = partial(solve_stated_quartic, rest, "CLARABEL")
+        again = partial(solve_stated, quartic_statement(), rest, "CLARABEL")
         works = partial(_produced, problem), partial(check, content), again
         times = fastest(*works, rounds=ROUNDS, clock=time.process_time)
         for row, seconds in zip((made, checked, solved), times, strict=True):
@@ -66,6 +66,6 @@ def _problem(cell: Cell, seed: int) -> RegistrationProblem:
 
 def _produced(problem: RegistrationProblem) -> bytes:
     """All of it, from the points to the bytes of the file."""
-    objective = Springs(spring_moments(problem))
+    objective = Springs.of(problem)
     certificate = springs_certificate(problem, objective, find_optimum(objective))
     return b"" if certificate is None else certificate.to_json()

@@ -25,11 +25,10 @@ from certreg.geometry.so3 import davenport_matrix
 from certreg.native.kernels import FLAGS
 from certreg.native.library import loaded_library
 from certreg.problem.exact_sums import SumMethod, fastest_method, sums_by
-from certreg.problem.floating_springs import floating_spring_moments
+from certreg.problem.floating_stiffness import floating_spring_moments
 from certreg.problem.floating_sums import CloudPair, compiled, floating_sums
 from certreg.problem.moments import exact_moments
 from certreg.problem.problem import RegistrationProblem
-from certreg.problem.spring_sums import spring_sums_by
 from certreg.registration.closed_form import register
 
 if TYPE_CHECKING:
@@ -148,7 +147,7 @@ def _planes(source: Any, target: Any) -> Figure:
     normals = np.random.default_rng(2).normal(size=source.shape)
     problem = RegistrationProblem(source, target, normals=normals)
     methods = (SumMethod.LIMBS, SumMethod.BY_EXPONENT)
-    works = [partial(spring_sums_by, method, problem, threads=1) for method in methods]
+    works = [partial(sums_by, method, problem, threads=1) for method in methods]
     passing, *times = fastest(
         partial(floating_spring_moments, problem),
         *works,

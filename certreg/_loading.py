@@ -1,4 +1,4 @@
-"""What is had when it is first asked for: names of a wing's face, libraries of others, properties.
+"""What is had when it is first asked for: public names, modules, libraries of others, properties.
 
 A library that is not installed is told from one that is and does not load: the remedies differ.
 """
@@ -41,7 +41,7 @@ def lazy_face(package: str, names: Mapping[str, Sequence[str]]) -> Callable[[str
     """The `__getattr__` of a package (PEP 562) that shows names of the modules inside it.
 
     names: by module, relative to the package. Heavy libraries are so loaded by those alone who use
-    them, and a package may be imported before the modules that its own modules need.
+    them.
     """
     homes = {name: f"{package}.{module}" for module, shown in names.items() for name in shown}
 
@@ -71,16 +71,15 @@ class LateModule:
 
 
 def late(module: str) -> Any:
-    """A module of the same wing, imported when one of its names is first asked for.
+    """A module that is imported when one of its names is first asked for.
 
-    For places that choose between kinds of problems or files, most of which a process never sees:
+    For places that choose between kinds of problems or files, most of which a process never sees,
+    and for what is heavy:
 
         if TYPE_CHECKING:
             from certreg.registration import truncated
         else:
             truncated = late("certreg.registration.truncated")
-
-    Of another wing the face is such a module already: `from certreg import report`.
     """
     return LateModule(module)
 

@@ -79,6 +79,10 @@ class Presenter(Protocol):
         """The text of the command line."""
         ...
 
+    def headline(self, result: Any) -> str:
+        """The first line of a registration."""
+        ...
+
     def document(self, result: Any) -> dict[str, Any]:
         """What `--json` prints."""
         ...
@@ -100,17 +104,17 @@ class Presenter(Protocol):
         ...
 
 
-_FINDERS: list[Callable[[], Presenter]] = []  # one: what `certreg/__init__.py` said
+_PRESENTERS: list[Callable[[], Presenter]] = []  # one: what `certreg/__init__.py` said
 
 
 def present_by(find: Callable[[], Presenter]) -> None:
     """Say who shows results. How they are shown is not known up here; `report`, below, knows it."""
-    _FINDERS[:] = [find]
+    _PRESENTERS[:] = [find]
 
 
 def presenter() -> Presenter:
     """Who shows results."""
-    return _FINDERS[0]()
+    return _PRESENTERS[0]()
 
 
 class Shown(Brief):

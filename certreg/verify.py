@@ -1134,7 +1134,8 @@ def torques(A: Matrix, C: Matrix) -> list[int]:
 JSON = json.JSONDecoder(object_pairs_hook=_unique, parse_int=_bounded, parse_constant=_bounded)
 # --- part: springs ------------------------------------------------------------------------------
 # Pair i has W_i = L_i L_i^T, L_i lower triangular, given by its six entries by rows. The energy at
-# (R, t) is sum (y_i - R x_i - t)^T W_i (y_i - R x_i - t); the objective f of R is the least over t.
+# (R, t) is sum (y_i - R x_i - t)^T W_i (y_i - R x_i - t); the objective f of R is the least over t,
+# or, with rotation_only true, that of t = 0: then means are taken for 0, as in the part rotation.
 # At R(q), q of any length, it is F(q)/|q|^4, F a form of degree four. Weight: sum of tr W_i / 3.
 
 Monomial = Six = tuple[int, ...]
@@ -1145,7 +1146,7 @@ SQUARE = [(1 + (a < c)) * (a == b and c == d) for a, b, c, d in QUARTICS]  # tho
 ROTATION = """+00+11-22-33 +12+12+03+03 +13+13-02-02 +12+12-03-03 +00-11+22-33 +23+23+01+01
     +13+13+02+02 +23+23-01-01 +00-11-22+33 +00+11+22+33"""  # |q|^2 R by columns, |q|^2
 SPRINGS_KEYS = {
-    "": "about claims format kind problem proof radius?",
+    "": "about claims format kind problem proof radius? rotation_only?",
     "radius?": "both sin_half_angle target",
     "claims": "gap sin2_half_angle unique",
     "problem": "data digest n",
@@ -1153,10 +1154,10 @@ SPRINGS_KEYS = {
 
 
 @dataclass(frozen=True)
-class SpringsStatement(Movable, Statement):
+class SpringsStatement(Movable, Modelled):
     """What all these kinds state. The digest is of source, target, factors."""
 
-    prefix: ClassVar = b"certreg-springs/1\0"
+    prefixes: ClassVar = b"certreg-springs/1\0", b"certreg-springs-rotation/1\0"
     n: int
     data: str | None
     digest: str
@@ -1165,6 +1166,15 @@ class SpringsStatement(Movable, Statement):
     sin2_half_angle: Fraction | None
     unique: bool | None
     symmetry: Six | None  # with which unique is seen to be false
+
+    @property
+    def prefix(self) -> bytes:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """Of one's own without a translation."""
+        return self.prefixes[bool(self.rotation_only)]
+
+    def springs(self, H: Matrix, e: int) -> CheckedSprings:
+        """The objective, of `spring_moments`."""
+        return CheckedSprings.of(H, e, moves=not self.rotation_only)
 
 
 def spring_moments(doubles: bytes | memoryview, n: int) -> tuple[Matrix, int]:
@@ -1220,23 +1230,24 @@ class CheckedSprings:
     lever: Fraction  # sum tr W |x - mean|^2, with the mean by tr W
 
     @classmethod
-    def of(cls, H: Matrix, e: int) -> CheckedSprings:
+    def of(cls, H: Matrix, e: int, *, moves: bool = True) -> CheckedSprings:
         """Of `spring_moments`: the three entries of t are eliminated, one after the other.
 
+        With t = 0, where it does not move, they are left out, and the mean of x is taken for 0.
         Bareiss: all divisions are exact, by the last pivot. Where a pivot is 0 all beside it is, as
         H is positive semidefinite.
         """
         weight, last, free, rows = sum([row[0] for row in H[:3]]), 1, 0, H
         require(weight > 0, "all springs are 0")
-        means = [sum([H[a][3 * j + 3] for a in range(3)]) for j in range(3)]  # of x, times weight
+        means = [sum([row[3 * j + 3] for row in H[: 3 * moves]]) for j in range(3)]  # times weight
         lever = sum([row[0] for row in H[3:12]]) - Fraction(sum([k * k for k in means]), weight)
-        for _ in range(3):
+        for _ in H[: 3 * moves]:
             (p, *h), *rows = rows
             of, free = enumerate(rows), free + (p == 0)
             if p:
                 rows = [[(p * a - h[i] * b) // last for a, b in zip(r, h[i:])] for i, r in of]
                 last = p
-        form = [*chain(*rows)]
+        form = [*chain(*rows[-10:])]
         F = [sum([k * form[at] for at, k in terms.items()]) for terms in _quartic_terms().values()]
         return cls(F, _dyadic(1, e) / last, free, weight * _dyadic(1, e) / 3, lever * _dyadic(1, e))
 
@@ -1258,7 +1269,7 @@ def _quartic_terms() -> dict[Monomial, dict[int, int]]:
     return terms
 
 
-SUMS[SpringsStatement.prefix] = (
+SPRUNG_PAIRS = (
     6,
     spring_moments,
     (
@@ -1266,6 +1277,7 @@ SUMS[SpringsStatement.prefix] = (
         "the like, and --sigma or --weights"
     ),
 )
+SUMS.update(dict.fromkeys(SpringsStatement.prefixes, SPRUNG_PAIRS))
 # --- end of part: springs -----------------------------------------------------------------------
 # --- part: growth -------------------------------------------------------------------------------
 # What follows of an optimum of general springs from how the objective grows around it.
@@ -1338,8 +1350,10 @@ def _words(
     unit = ", ".join(f"{(c << 64) / length:.12f}" for c in stated.pose)
     yield f"The certified rotation R is that of the quaternion ({unit}), rounded here; w first."
     mass, value = (f"{rounded(x, 12):g}" for x in (w.weight, w.objective))
-    yield f"Sum of tr W / 3: {mass}; objective at R, best translation: {value}; both rounded up."
-    yield f"Independent directions of shifts that cost nothing: {springs.free}."
+    shift = "no translation" if stated.rotation_only else "best translation"
+    yield f"Sum of tr W / 3: {mass}; objective at R, {shift}: {value}; both rounded up."
+    if not stated.rotation_only:
+        yield f"Independent directions of shifts that cost nothing: {springs.free}."
     gap, share = (f"{rounded(x, 2):.1e}" for x in (w.gap, w.share))
     yield f"The objective at R exceeds the global minimum by less than {gap} (sum of r^T W r)."
     yield f"So the minimum is at least {rounded(w.minimum, 12, ROUND_FLOOR):g}."
@@ -1389,7 +1403,7 @@ class SpringsSosStatement(SpringsStatement):
         """
         del equal
         springs, norm, (*gram, k) = (
-            CheckedSprings.of(m, e),
+            self.springs(m, e),
             sum(c * c for c in self.pose),
             self.gram,
         )
@@ -1463,7 +1477,7 @@ class SpringsConesStatement(SpringsStatement):
         them, and if the pose and another centre are stationary, with one value, both are optima.
         """
         del equal
-        springs, norm = CheckedSprings.of(m, e), sum(c * c for c in self.pose)
+        springs, norm = self.springs(m, e), sum(c * c for c in self.pose)
         tie = self.unique is False and self.symmetry is None
         good = norm > 0 and self.gap > 0 and (self.mu == 0 if tie else self.mu >= 0)
         require(good, "a pose, gap > 0 and mu >= 0 needed, mu = 0 for a tie")
@@ -1648,7 +1662,7 @@ class SpringsListStatement(SpringsStatement):
 
     kind: ClassVar = "springs-list"
     keys: ClassVar = {
-        "": "about claims format kind problem proof",
+        "": "about claims format kind problem proof rotation_only?",
         "claims": "gap indices second sin2_half_angle unique",
         "problem": "data digest n",
         "proof": "bits chart lines modulus pose",
@@ -1669,7 +1683,7 @@ class SpringsListStatement(SpringsStatement):
         mirror image; the other boxes are apart from theirs, and hold none that is real.
         """
         del equal
-        springs, numbers, (w, x, y, z) = CheckedSprings.of(m, e), self.lines, self.chart
+        springs, numbers, (w, x, y, z) = self.springs(m, e), self.lines, self.chart
         good = 0 < max(map(abs, self.chart)) <= ENTRY_MAX and 0 <= self.bits <= BITS
         good = good and 1 < self.modulus < MODULI_MAX and max(map(abs, numbers)) >> 2 * BITS == 0
         require(good, "bits, chart, lines or modulus are out of range")

@@ -6,31 +6,22 @@ Written by `python -m derivations.emit`; certreg/relaxation/cones.py reads it.
 from __future__ import annotations
 
 import json
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from certreg.relaxation.cones import CONES_FILE
+from certreg.relaxation.cvxpy_models import quartic_statement, statement
 from certreg.relaxation.qcqp import RelaxationForm
-from certreg.relaxation.stated import statement
-from certreg.relaxation.stated_quartic import quartic_statement
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
 
 
 def cone_files() -> dict[str, bytes]:
     """The contents of the file, by its name: a program on each line."""
-    programs = {str(form): _of_form(form) for form in RelaxationForm}
-    said = quartic_statement()
-    programs["quartic"] = _numbers(said.problem, said.quartic)
+    stated = {str(form): statement(form) for form in RelaxationForm}
+    stated["quartic"] = quartic_statement()
+    programs = {name: _numbers(each.problem, each.data) for name, each in stated.items()}
     lines = [f"{json.dumps(name)}: {json.dumps(each)}" for name, each in programs.items()]
     return {CONES_FILE: ("{\n" + ",\n".join(lines) + "\n}\n").encode()}
-
-
-def _of_form(form: RelaxationForm) -> Mapping[str, Any]:
-    said = statement(form)
-    return _numbers(said.problem, said.cross_covariance)
 
 
 def _numbers(problem: Any, parameter: Any) -> dict[str, Any]:

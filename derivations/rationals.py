@@ -19,7 +19,6 @@ from certreg.geometry.so3 import dot, rotation_matrix, squared_norm
 from certreg.objective.classification import Classification, classify
 from certreg.objective.springs import Springs
 from certreg.problem.moments import exact_moments
-from certreg.problem.moments_of_springs import spring_moments
 from certreg.problem.problem import RegistrationProblem
 
 Number = int | Fraction
@@ -132,7 +131,7 @@ class ExactPlanes:
         source, target, normals = (
             np.array(rows, float) for rows in (self.source, self.target, self.normals)
         )
-        return Springs(spring_moments(RegistrationProblem(source, target, normals=normals)))
+        return Springs.of(RegistrationProblem(source, target, normals=normals))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

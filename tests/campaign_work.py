@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Self
 
 from certreg.campaign.runner import Observer, run
 from certreg.campaign.store import Manifest, current_versions, occupied
-from certreg.campaign.task import Task, TaskResult
+from certreg.campaign.workers import Task, TaskResult
 from certreg.paper.monte_carlo import MonteCarlo
 
 if TYPE_CHECKING:

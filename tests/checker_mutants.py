@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
     from types import CodeType
 
+
 FILE = Path(__file__).resolve().parent.parent / "certreg" / "verify.py"
 
 
@@ -545,6 +546,10 @@ SPRINGS = mutants(
     ("-sum(map(mul, forces[k], left))", "sum(map(mul, forces[k], left))"),
     ('require(weight > 0, "all', 'require(weight >= 0, "all'),
     ("free + (p == 0)", "free + (p != 0)"),
+    ("for row in H[: 3 * moves]", "for row in H[:3]"),
+    ("in H[: 3 * moves]:", "in H[:3]:"),
+    ("moves=not self.rotation_only", "moves=True"),
+    ("self.prefixes[bool(self.rotation_only)]", "self.prefixes[0]"),
     ("(p * a - h[i] * b) // last for", "(p * a - h[i] * b) for"),
     ("_dyadic(1, e) / last, free", "_dyadic(1, e), free"),
     ("weight * _dyadic(1, e) / 3", "weight * _dyadic(1, e)"),

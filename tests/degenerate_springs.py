@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.problem import RegistrationProblem
+from certreg.problem.problem import RegistrationProblem
 
 if TYPE_CHECKING:
     from collections.abc import Callable

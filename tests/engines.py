@@ -6,9 +6,9 @@ import os
 from typing import TYPE_CHECKING
 
 import pytest
+from reference_engine import reference
 
 from build_kernels import NoCompilerError, find_compiler
-from certreg.native.evaluator import evaluator
 from certreg.native.kernels import BUILT, PYTHON, VARIANT, MissingLibraryError, record_of, runnable
 from certreg.native.library import Library, loaded_library
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 def engine(name: str) -> loops.Engine:
     """Skips the test where nothing could be compiled; C that is wrong ends the session."""
     if name == "evaluator":
-        return evaluator()
+        return reference()
     try:
         return loaded_library()
     except MissingLibraryError as error:

@@ -22,7 +22,7 @@ from itertools import combinations
 
 import numpy as np
 
-from certreg.problem import RegistrationProblem
+from certreg.problem.problem import RegistrationProblem
 
 E1, E2, E3 = np.eye(3)
 LEAST, RANGE = 15.0, 64.0  # of the energy

@@ -21,13 +21,15 @@ from checker_boundaries import Case, outcome_of, value_of
 from spring_families import Cell, instance, statement
 from springs_boundaries import pair
 
-from certreg.certificate import springs_list_certificate
-from certreg.equilibrium import critical_lines
-from certreg.objective import MONOMIALS, Springs
-from certreg.problem import RegistrationProblem, spring_moments
+from certreg.certificate.producing_springs import springs_list_certificate
+from certreg.equilibrium.paths import critical_lines
+from certreg.objective.quartics import MONOMIALS
+from certreg.objective.springs import Springs
+from certreg.problem.problem import RegistrationProblem
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
+
 
 Document = dict[str, Any]
 Quaternion = tuple[int, ...]
@@ -46,7 +48,7 @@ class Listed:
 
     def __init__(self, problem: RegistrationProblem) -> None:
         """As it is produced."""
-        self.problem, self.objective = problem, Springs(spring_moments(problem))
+        self.problem, self.objective = problem, Springs.of(problem)
         lines = critical_lines(self.objective.floating_quartic()[0])
         self.certificate: Any = springs_list_certificate(problem, self.objective, lines)
         self.document: Document = json.loads(self.certificate.to_json())
@@ -369,6 +371,7 @@ def settled(checker: Any, width: Fraction, claims: dict[str, Any]) -> bool:
         second=Fraction(-9),
         n=1,
         digest="",
+        rotation_only=None,
         _told=lambda _: [],
     )
     settle: Any = vars(checker.SpringsListStatement)["_settled"]

@@ -47,7 +47,7 @@ PROVED = (
         "sin2_half_angle_between angle_from",
         "certificate/test_pose_bounds",
     ),
-    _of("certificate/label_sets", "disproves_labels", "certificate/test_label_sets"),
+    _of("certificate/truncated", "disproves_labels", "certificate/test_label_sets"),
     _of(
         "certificate/producing",
         "proves_optimality _bits_tell proves_basin proved_multiplier proves_multiplier "
@@ -72,19 +72,14 @@ PROVED = (
     _of("certificate/shared_motion", "is_refuted", "certificate/test_pair_edges"),
     _of(
         "certificate/consistency",
-        "ExactRows.agree ExactRows.met_by ExactRows._met_by",
-        "certificate/test_pair_edges",
-    ),
-    _of(
-        "certificate/scaled_pairs",
-        "ScaledPairs._agree ScaledPairs.met_by _at_most",
+        "ExactRows.agree ExactRows.met_by ConsistentPairs.met_by _at_most",
         "certificate/test_pair_edges",
     ),
     _of("certificate/thinning", "GraphThinning.closed transversal", "certificate/test_pair_edges"),
     _of("certificate/staging", "Stager.upper", "certificate/test_pair_edges"),
     _of(
         "certificate/cones",
-        "CappedMinimum.floor _curvature _width _moves_all",
+        "CappedMinimum.floor _curvature _width",
         "certificate/test_pair_edges",
     ),
     _of("certificate/squares", "_moves_all", "certificate/test_pair_edges"),
@@ -94,12 +89,12 @@ PROVED = (
         "registration/test_flags_enumerated",
     ),
     _of(
-        "certificate/producing_scaled",
-        "ScaledConsensus.open_scales",
+        "certificate/producing_consensus",
+        "ProvedConsensus.open_scales",
         "certificate/test_scaled_pairs",
     ),
     _of(
-        "certificate/scaled_consensus",
+        "certificate/consensus",
         "ConsensusSimilarityBody.met_elsewhere",
         "certificate/test_pair_edges",
     ),
@@ -144,7 +139,7 @@ PROVED = (
         "equilibrium/test_breaking_edges equilibrium/test_breaking_springs",
     ),
     _of(
-        "equilibrium/spring_sets",
+        "equilibrium/breaking",
         "label_sets _agree",
         "equilibrium/test_breaking_edges equilibrium/test_breaking_springs",
     ),
@@ -172,7 +167,7 @@ PROVED = (
     _of("equilibrium/line_set", "LineSet.separated finiteness_of", "equilibrium/test_spring_lists"),
     _of(
         "equilibrium/spring_batch",
-        "SpringSolutions.guarantee",
+        "QuarticSolutions.guarantee",
         "registration/test_flags_enumerated",
     ),
     _of("equilibrium/counting", "at_most_four", "certificate/test_count_certificate"),
@@ -194,7 +189,7 @@ PROVED = (
         "registration/test_flags_enumerated registration/test_breaking_results",
     ),
     _of(
-        "registration/breaking_simulation",
+        "registration/breaking",
         "SimulatedBreaking.self_consistent _end",
         "registration/test_flags_enumerated registration/test_breaking_results",
     ),
@@ -227,8 +222,13 @@ PROVED = (
         "registration/test_flags_enumerated",
     ),
     _of(
-        "registration/scaled_consensus",
-        "ScaledConsensusRegistration.scale_interval ranges_words",
+        "registration/consensus",
+        "ConsensusRegistration.scale_interval",
+        "registration/test_flags_enumerated",
+    ),
+    _of(
+        "registration/consensus_words",
+        "ranges_words",
         "registration/test_flags_enumerated",
     ),
     _of(
@@ -266,8 +266,8 @@ PROVED = (
         "registration/test_flags_enumerated",
     ),
     _of(
-        "registration/spring_result",
-        "SpringSolution.near_minima SpringSolution.unique_rotation SpringSolution.unique",
+        "registration/quartic",
+        "QuarticSolution.near_minima QuarticSolution.unique_rotation QuarticSolution.unique",
         "registration/test_flags_enumerated registration/test_spring_flags",
     ),
     _of(
@@ -298,8 +298,8 @@ PROVED = (
         "registration/test_flags_enumerated",
     ),
     _of(
-        "registration/any_registration",
-        "AnyRegistration.status",
+        "registration/result",
+        "Registration.status",
         "registration/test_flags_enumerated",
     ),
     _of("registration/headlines", "_meets_usual", "registration/test_flags_enumerated"),
@@ -311,7 +311,7 @@ PROVED = (
     _of("dynamics/basin", "certified_basin basin_gaps", "dynamics/test_basin_edges"),
     _of("dynamics/body", "clearly_thick", "dynamics/test_basin_edges"),
     _of("registration/breathing", "never_collapses", "dynamics/test_basin_edges"),
-    _of("problem/breaking", "ExactSprings.broken_energy", "equilibrium/test_breaking_springs"),
+    _of("problem/lifting", "ExactSprings.broken_energy", "equilibrium/test_breaking_springs"),
     _of("problem/bounds", "_require_telling", "problem/test_truncated_problem"),
     _of("problem/bounds", "_require_narrow", "problem/test_bounds"),
     _of("problem/moments", "rounding_of davenport_error", "problem/test_moments"),

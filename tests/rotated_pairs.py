@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from certreg.geometry import rotation_matrix
+from certreg.geometry.so3 import rotation_matrix
 
 SIGMA = 0.01
 BOUND = 0.0554  # 5.54 SIGMA

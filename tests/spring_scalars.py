@@ -1,6 +1,6 @@
 """The factors of springs once more: one pair at a time, in single operations of Python's floats.
 
-Beside `certreg/problem/spring_factors.py`, which does the same for arrays, this is the list of
+Beside `certreg/problem/factors.py`, which does the same for arrays, this is the list of
 operations that another language must follow to get the same bits. And exact spring matrices, in
 fractions, that say what the bits are worth.
 """

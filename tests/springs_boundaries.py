@@ -23,11 +23,12 @@ import numpy as np
 from checker_boundaries import Case, outcome_of, value_of
 from springs_certified import certificate_of, certified
 
-from certreg.exact import is_positive_definite
-from certreg.problem import RegistrationProblem
+from certreg.exact.elimination import is_positive_definite
+from certreg.problem.problem import RegistrationProblem
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
+
 
 Document = dict[str, Any]
 PREFIX = b"certreg-springs/1\0"
@@ -43,6 +44,29 @@ TWO = Fraction(2)
 def good() -> Document:
     """Of eight planes."""
     return json.loads(certified("plane", 8, 1.0).certificate.to_json())
+
+
+@cache
+def still() -> Document:
+    """Of eight planes and no translation, far from the origin, with a radius."""
+    rng = np.random.default_rng(5)
+    source = 0.3 * rng.normal(size=(8, 3)) + [3.0, 0.0, 0.0]
+    normals, target = rng.normal(size=(8, 3)), source + 0.5 * rng.normal(size=(8, 3))
+    problem = RegistrationProblem(source, target, normals=normals, rotation_only=True)
+    return json.loads(certificate_of(problem, robustness_angle=5.0).to_json())
+
+
+def of_still() -> Iterator[tuple[str, Document, str]]:
+    """Without a translation: what is eliminated, and about what the radius is."""
+    radius, words = still()["radius"], "REFUSED: radius is larger than what is proved$"
+    yield "no translation", still(), "VERIFIED.*objective at R, no translation"
+    for name in ("target", "both"):
+        mantissa, exponent = radius[name]
+        larger = {**radius, name: [mantissa + (mantissa >> 5), exponent]}
+        yield f"no translation, {name} too large", {**still(), "radius": larger}, words
+    unsaid = {name: value for name, value in still().items() if name != "rotation_only"}
+    yield "no translation, not said", unsaid, "REFUSED: data is not"
+    yield "a translation, not so said", {**good(), "rotation_only": True}, "REFUSED: data is not"
 
 
 def other(document: Any = None, **entries: Any) -> Document:
@@ -152,6 +176,7 @@ def questions() -> Iterator[tuple[str, Document, str]]:
     level, mu, unit = proof["level"], proof["mu"], TWO ** proof["unit"]
     delta = loss(level, proof)
     yield "accepted", good(), "VERIFIED"
+    yield from of_still()
     for name, bound in (("gap", delta), ("sin2_half_angle", delta / (mu * unit))):
         yield f"{name} inside", other(**{name: pair(bound, 1)}), "VERIFIED"
         yield f"{name} outside", other(**{name: pair(bound, 0)}), f"REFUSED: claims.{name} is not"
@@ -260,6 +285,7 @@ def direct_questions() -> Iterator[tuple[str, Callable[[Any], object], str]]:
         gap=Fraction(9),
         sin2_half_angle=None,
         unique=True,
+        rotation_only=None,
         symmetry=None,
         n=1,
         digest="",

@@ -9,11 +9,11 @@ from typing import Any
 from spring_families import Cell, instance, statement
 
 from certreg import simulate
-from certreg.certificate import springs_certificate
-from certreg.objective import Springs
-from certreg.problem import RegistrationProblem, spring_moments
+from certreg.certificate.producing_springs import springs_certificate
+from certreg.objective.springs import Springs
+from certreg.problem.problem import RegistrationProblem
 from certreg.registration.valley import SimulatedSprings
-from certreg.relaxation import find_optimum
+from certreg.relaxation.optimum import find_optimum
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,17 +25,17 @@ class Certified:
     certificate: Any  # of a sum of squares; None where no proof was found
 
 
-def certificate_of(problem: RegistrationProblem) -> Any:
+def certificate_of(problem: RegistrationProblem, **asked: Any) -> Any:
     """By a sum of squares."""
-    objective = Springs(spring_moments(problem))
-    return springs_certificate(problem, objective, find_optimum(objective))
+    objective = Springs.of(problem)
+    return springs_certificate(problem, objective, find_optimum(objective), **asked)
 
 
 @cache
 def certified(family: str, n: int, noise: float, seed: int = 0) -> Certified:
     """A problem of a family, and its certificate."""
     problem = RegistrationProblem(**statement(instance(Cell(family, n, noise), seed)))
-    return Certified(problem, Springs(spring_moments(problem)), certificate_of(problem))
+    return Certified(problem, Springs.of(problem), certificate_of(problem))
 
 
 def moved_springs(problem: RegistrationProblem, integrator: str | None = None) -> SimulatedSprings:

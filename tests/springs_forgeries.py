@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.equilibrium import FloatingQuartic, descended
-from certreg.objective import levelled
+from certreg.equilibrium.quartics import FloatingQuartic, descended
+from certreg.objective.levelling import levelled
 
 if TYPE_CHECKING:
     import random

@@ -24,6 +24,7 @@ import scaled
 import similarity
 import sprung
 import squares
+import still
 import truncated
 from envelope import dumped
 
@@ -35,7 +36,7 @@ KEPT = ("accept-consensus-springs-reach-of-the-pose.json",)  # whose fit is far 
 def vectors() -> dict[str, tuple[bytes, str]]:
     """Content and class by file name; the class of an accepted one is empty."""
     kinds = (isotropic, count, squares, cones, lists, similarity, truncated, consensus, sprung)
-    kinds = (*kinds, scaled)
+    kinds = (*kinds, scaled, still)
     made = {
         name: (dumped(certificate), reason)
         for kind in kinds

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 from envelope import ABOUT, FORMAT, Certificate, Points, stated
 
-PREFIX = b"certreg-springs/1\0"
+PREFIX, ALONE = b"certreg-springs/1\0", b"certreg-springs-rotation/1\0"
 
 
 class Planes(NamedTuple):
@@ -31,21 +31,30 @@ TARGET: Points = [  # the source by a quarter turn about z, and a shift; off by 
 ]
 GENERAL = Planes(SOURCE, TARGET, NORMALS)
 ANOTHER_NORMAL = Planes(SOURCE, TARGET, [[-1, 1, 1], *NORMALS[1:]])
+STILL = Planes(  # the same without the shift
+    SOURCE, [[x - 7, y - 1, z - 2] for x, y, z in TARGET], NORMALS
+)
 WALL = Planes(SOURCE, TARGET, [[1.0, 2.0, 2.0]] * 9)
 
 
-def certificate(kind: str, planes: Planes, found: dict[str, Any]) -> Certificate:
-    """A certificate of a kind, of what was found: its claims and its proof."""
-    content = data_bytes(planes)
+def certificate(
+    kind: str, planes: Planes, found: dict[str, Any], *, alone: bool = False
+) -> Certificate:
+    """A certificate of a kind, of what was found: its claims and its proof.
+
+    alone: without a translation.
+    """
+    content = data_bytes(planes, ALONE if alone else PREFIX)
     problem = stated(content, len(planes.source))
-    return {"about": ABOUT, "format": FORMAT, "kind": kind, "problem": problem, **found}
+    made = {"about": ABOUT, "format": FORMAT, "kind": kind, "problem": problem, **found}
+    return {**made, **({"rotation_only": True} if alone else {})}
 
 
-def data_bytes(planes: Planes) -> bytes:
+def data_bytes(planes: Planes, prefix: bytes = PREFIX) -> bytes:
     """The bytes that the digest binds."""
     factors = [[a, b, 0, c, 0, 0] for a, b, c in planes.normals]
     numbers = [*chain(*planes.source), *chain(*planes.target), *chain(*factors)]
-    return PREFIX + struct.pack(f"<Q{len(numbers)}d", len(planes.source), *map(float, numbers))
+    return prefix + struct.pack(f"<Q{len(numbers)}d", len(planes.source), *map(float, numbers))
 
 
 def changed(good: Certificate, **entries: Any) -> Certificate:

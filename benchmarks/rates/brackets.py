@@ -27,19 +27,20 @@ from strategies import ZOO, random_rotation
 
 from certreg.errors import OutOfRangeError
 from certreg.problem.problem import RegistrationProblem
-from certreg.registration.any_certification import certify
 from certreg.registration.assessment import assess
-from certreg.report import registration_summary
+from certreg.registration.certification import certify
 from certreg.report.document import result_document
 from certreg.report.judged_pose import assessment_document, assessment_summary
 from certreg.report.page import Report
 from certreg.report.pages import html_page
+from certreg.report.summary import registration_summary
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
 
     from certreg.registration.assessment import Assessment
     from certreg.registration.result import Registration
+
 
 PROBLEMS = 5000
 BITS = 3000  # of a ball: singular values and angles 100 decades apart are told

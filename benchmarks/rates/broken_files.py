@@ -30,7 +30,7 @@ from certreg.io.poses import parse_line, parse_pose
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from certreg.geometry import GivenPose
+    from certreg.geometry.given import GivenPose
 
 ALL = 1_700_000
 PATIENCE = 2.0  # seconds of processor time for one input; most have a few hundred bytes

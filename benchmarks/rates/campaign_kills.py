@@ -21,9 +21,8 @@ from typing import Any
 from campaign_work import Cut, finish, tree
 
 from certreg.campaign.store import SHARDS, Manifest
+from certreg.paper.equilibrium_maps import SpringCampaign, SpringCell, write_spring_results
 from certreg.paper.monte_carlo import write_instance_results
-from certreg.paper.spring_campaign import SpringCampaign, write_spring_results
-from certreg.paper.spring_maps import SpringCell
 
 
 class Maps(SpringCampaign):

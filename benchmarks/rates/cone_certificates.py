@@ -24,17 +24,19 @@ import numpy as np
 import spring_families
 from exact_springs import choi_lam, perturbed, two_optima
 
-from certreg.certificate import Certificate, SpringsConesBody
 from certreg.certificate.cones import ConeProof, cones_body
+from certreg.certificate.envelope import Certificate
 from certreg.certificate.squares import sos_body
-from certreg.exact import Dyadic
-from certreg.geometry import dot, squared_norm
-from certreg.objective import Springs
-from certreg.problem import RegistrationProblem, spring_moments
-from certreg.relaxation import find_optimum
+from certreg.exact.dyadic import Dyadic
+from certreg.geometry.so3 import dot, squared_norm
+from certreg.objective.springs import Springs
+from certreg.problem.problem import RegistrationProblem
+from certreg.relaxation.optimum import find_optimum
 
 if TYPE_CHECKING:
-    from certreg.exact import IntegerQuaternion
+    from certreg.certificate.springs_cones import SpringsConesBody
+    from certreg.exact.spaces import IntegerQuaternion
+
 
 checker = import_module("certreg.verify")
 INSTANCES = 100
@@ -72,7 +74,7 @@ def document_of(problem: RegistrationProblem, body: SpringsConesBody) -> dict[st
 
 def proved(problem: RegistrationProblem) -> Proved:
     """What cones prove of a problem."""
-    objective = Springs(spring_moments(problem))
+    objective = Springs.of(problem)
     found = find_optimum(objective)
     squares = sos_body(objective, found)
     begun = time.process_time()

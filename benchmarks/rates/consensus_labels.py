@@ -23,10 +23,13 @@ from typing import Any
 
 import numpy as np
 
-from certreg.certificate import ConsensusProver
-from certreg.problem import OutlierInstance, RegistrationProblem, bounded, outlier_instance
-from certreg.registration.consensus import RIGID, certified_consensus, proved_consensus
-from certreg.relaxation import graduated_nonconvexity
+from certreg.certificate.producing_consensus import ConsensusProver
+from certreg.problem.bounds import bounded
+from certreg.problem.problem import RegistrationProblem
+from certreg.problem.random_instances import OutlierInstance, outlier_instance
+from certreg.registration.consensus import PROVER, proved_consensus
+from certreg.registration.pipeline import Asked, Work
+from certreg.relaxation.truncated_squares import graduated_nonconvexity
 
 checker = import_module("certreg.verify")
 ROOT = Path(__file__).resolve().parents[2]
@@ -157,7 +160,7 @@ def rate_of(cell: Cell, count: int, checked: int = CHECKED) -> Rate:
 
 def checking(problem: RegistrationProblem) -> tuple[float, int]:
     """Seconds that the checker takes, and the bytes of the certificate."""
-    made = certified_consensus(problem, RIGID, done=lambda _: None)
+    made = PROVER.certified(problem, Asked(), Work())
     text = made.certificate.to_json()
     start = time.process_time()
     outcome = checker.check(text)

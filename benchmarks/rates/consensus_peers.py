@@ -17,17 +17,20 @@ from collections.abc import Callable
 from importlib import import_module
 from importlib.util import find_spec
 from statistics import median
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.rates.consensus_labels import Cell
-from certreg.certificate import ConsensusProver
-from certreg.geometry import rotation_matrix
-from certreg.problem import OutlierInstance, RegistrationProblem
+from certreg.certificate.producing_consensus import ConsensusProver
+from certreg.geometry.so3 import rotation_matrix
+from certreg.problem.problem import RegistrationProblem
 from certreg.registration.consensus import proved_consensus
-from certreg.relaxation import graduated_nonconvexity
+from certreg.relaxation.truncated_squares import graduated_nonconvexity
+
+if TYPE_CHECKING:
+    from certreg.problem.random_instances import OutlierInstance
 
 Array = NDArray[np.float64]
 Answer = tuple[Array, Array, bool]  # rotation, translation, whether it says that it is right

@@ -17,9 +17,10 @@ import time
 import numpy as np
 from wrong_pairs import wrong_pairs
 
-from certreg.relaxation import candidates, graduated_nonconvexity
+from certreg.relaxation.consensus_search import candidates
 from certreg.relaxation.edge_rows import grown, held, widened
 from certreg.relaxation.paired_rows import fitted, paired_rows
+from certreg.relaxation.truncated_squares import graduated_nonconvexity
 
 COUNT = 100
 CELLS = (

@@ -16,14 +16,15 @@ import numpy as np
 from strategies import random_rotation
 
 from certreg import Pose, assess, register
-from certreg.geometry import rotation_matrix
-from certreg.problem import RegistrationProblem
-from certreg.registration import GOOD, SlipCode
+from certreg.geometry.so3 import rotation_matrix
+from certreg.problem.problem import RegistrationProblem
+from certreg.registration.findings import GOOD
+from certreg.registration.slips import SlipCode
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from certreg.registration import Assessment
+    from certreg.registration.assessed import Assessment
 
 COUNT = 200
 SHOWN = 5

@@ -14,12 +14,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.equilibrium import rotation_double, unit_double
-from certreg.geometry import Pose
-from certreg.objective import Isotropic
-from certreg.problem import RegistrationProblem, exact_moments
-from certreg.registration import STORIES, stated
+from certreg.equilibrium.presentation import rotation_double, unit_double
+from certreg.geometry.pose import Pose
+from certreg.objective.isotropic import Isotropic
+from certreg.problem.moments import exact_moments
+from certreg.problem.problem import RegistrationProblem
 from certreg.registration.covariance import pose_covariance
+from certreg.registration.examples import STORIES, stated
 from certreg.registration.fit import fit_of
 from certreg.registration.misfits import FitCode
 from certreg.registration.row_names import RowNames

@@ -15,14 +15,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from strategies import random_rotation
 
-from certreg.problem import RegistrationProblem
-from certreg.registration import (
-    DONE,
-    NOT_UNIQUE,
-    certify,
-    code_of_registration,
-)
-from certreg.report import registration_summary
+from certreg.problem.problem import RegistrationProblem
+from certreg.registration.certification import certify
+from certreg.registration.exit_codes import DONE, NOT_UNIQUE, code_of_registration
+from certreg.report.summary import registration_summary
 from certreg.results import Absent, Optimality
 
 if TYPE_CHECKING:

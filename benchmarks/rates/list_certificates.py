@@ -15,13 +15,14 @@ from typing import TYPE_CHECKING
 
 from spring_families import LISTED, instance, statement
 
-from certreg.certificate import springs_list_certificate
-from certreg.equilibrium import critical_lines
-from certreg.objective import Springs
-from certreg.problem import RegistrationProblem, spring_moments
+from certreg.certificate.producing_springs import springs_list_certificate
+from certreg.equilibrium.paths import critical_lines
+from certreg.objective.springs import Springs
+from certreg.problem.problem import RegistrationProblem
 
 if TYPE_CHECKING:
     from spring_families import Cell
+
 
 checker = import_module("certreg.verify")
 INSTANCES = 25
@@ -33,7 +34,7 @@ def rates(cell: Cell, instances: int) -> str:
     accepted, made, checked = 0, list[float](), list[float]()
     for seed in range(FIRST, FIRST + instances):
         problem = RegistrationProblem(**statement(instance(cell, seed)))
-        objective = Springs(spring_moments(problem))
+        objective = Springs.of(problem)
         lines = critical_lines(objective.floating_quartic()[0])
         start = time.process_time()
         certificate = springs_list_certificate(problem, objective, lines)

@@ -24,21 +24,22 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.certificate import ConsensusProver, consensus_certificate
 from certreg.certificate.assuming import Assuming
-from certreg.certificate.consistency import consistent_pairs
-from certreg.certificate.parting import Parting
-from certreg.certificate.refuting import PointRows
+from certreg.certificate.consistency import ConsistentPairs, consistent_pairs
+from certreg.certificate.edge_elimination import Parting
+from certreg.certificate.producing_consensus import ConsensusProver, consensus_certificate
 from certreg.certificate.thinning import Graph, GraphThinning
-from certreg.native import mask_of
-from certreg.problem import Consensus, RegistrationProblem
+from certreg.native.bit_rows import mask_of
+from certreg.problem.losses import Consensus
+from certreg.problem.problem import RegistrationProblem
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from numpy.typing import NDArray
 
-    from certreg.native import BitRows
+    from certreg.native.bit_rows import BitRows
+
 
 INSTANCES = 100_000
 TOLD = 2_000  # instances between two lines
@@ -167,7 +168,7 @@ def faults(seed: int) -> Iterator[str]:
         yield f"{seed}: two planted pairs are no neighbours"
     K = max(3, len(case.rows) - int(rng.integers(3)))
     few = rng.permutation(list(case.rows))[: int(rng.integers(1, K + 1))].tolist()
-    graph = Graph(near, PointRows.of(problem), 0.3, rigid=True)
+    graph = Graph(near, ConsistentPairs(problem).points(), 0.3, rigid=True)
     thinning = GraphThinning(graph, all_rows, K, mask_of(few))
     thinning.run()
     assuming, parting = Assuming(thinning), Parting(thinning)

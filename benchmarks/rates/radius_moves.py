@@ -20,10 +20,9 @@ import numpy as np
 import spring_families as families
 
 from certreg import RegistrationProblem, certify, register
-from certreg.certificate import springs_certificate
-from certreg.objective import Springs
-from certreg.problem import spring_moments
-from certreg.relaxation import find_optimum
+from certreg.certificate.producing_springs import springs_certificate
+from certreg.objective.springs import Springs
+from certreg.relaxation.optimum import find_optimum
 from certreg.verify import check
 
 if TYPE_CHECKING:
@@ -31,6 +30,7 @@ if TYPE_CHECKING:
 
     from numpy.random import Generator
     from numpy.typing import NDArray
+
 
 COUNT = 10_000
 DEGREES = 5.0
@@ -78,7 +78,7 @@ def turns(cell: families.Cell, seed: int) -> Iterator[float]:
     """Degrees by which moves within the radius turn the optimum."""
     made, rng = families.instance(cell, seed), np.random.default_rng(seed)
     problem = RegistrationProblem(**families.statement(made))
-    objective = Springs(spring_moments(problem))
+    objective = Springs.of(problem)
     found = find_optimum(objective)
     own: Any = springs_certificate(problem, objective, found, robustness_angle=DEGREES)
     bare: Any = certify(made.source, made.target, relaxation=False, simulation=False).certificate
@@ -99,7 +99,7 @@ def _optimum(made: families.Instance, *, springs: bool) -> Any:
     if not springs:
         return register(made.source, made.target).quaternion_wxyz
     problem = RegistrationProblem(**families.statement(made))
-    return find_optimum(Springs(spring_moments(problem))).quaternion
+    return find_optimum(Springs.of(problem)).quaternion
 
 
 def main(count: int = COUNT) -> int:

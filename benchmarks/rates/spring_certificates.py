@@ -18,10 +18,10 @@ from dataclasses import dataclass
 
 import spring_families as families
 
-from certreg.certificate import springs_certificate
-from certreg.objective import Springs
-from certreg.problem import RegistrationProblem, spring_moments
-from certreg.relaxation import find_optimum
+from certreg.certificate.producing_springs import springs_certificate
+from certreg.objective.springs import Springs
+from certreg.problem.problem import RegistrationProblem
+from certreg.relaxation.optimum import find_optimum
 from certreg.verify import check
 
 COUNT = 500  # of each cell
@@ -74,7 +74,7 @@ def rate_of(cell: families.Cell, count: int) -> Rate:
     for seed in range(count):
         problem = RegistrationProblem(**families.statement(families.instance(cell, seed)))
         start = time.process_time()
-        objective = Springs(spring_moments(problem))
+        objective = Springs.of(problem)
         certificate = springs_certificate(problem, objective, find_optimum(objective))
         times.append(time.process_time() - start)
         if certificate is None:

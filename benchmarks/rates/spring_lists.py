@@ -23,9 +23,11 @@ import spring_families as families
 from scipy.spatial.transform import Rotation
 
 from certreg import solve_many_springs
-from certreg.equilibrium import LineSet, critical_lines, search
-from certreg.objective import Springs
-from certreg.problem import RegistrationProblem, spring_moments
+from certreg.equilibrium.line_set import LineSet
+from certreg.equilibrium.methods import search
+from certreg.equilibrium.paths import critical_lines
+from certreg.objective.springs import Springs
+from certreg.problem.problem import RegistrationProblem
 
 COUNT = 100  # of each cell
 LEAST_SHARE = 0.99  # proved complete
@@ -70,9 +72,9 @@ class ListRate:
 def listed(cell: families.Cell, seed: int) -> tuple[LineSet | None, float]:
     """The list of a problem by the 40 paths, and seconds of CPU from the sums on."""
     problem = RegistrationProblem(**families.statement(families.instance(cell, seed)))
-    moments = spring_moments(problem)
+    objective = Springs.of(problem)
     start = time.process_time()
-    found = search(Springs(moments), "homotopy").critical
+    found = search(objective, "homotopy").critical
     seconds = time.process_time() - start
     return found if isinstance(found, LineSet) else None, seconds
 
@@ -131,7 +133,7 @@ def batch_line(cell: families.Cell, count: int) -> str:
     start = time.process_time()
     for one in made:
         problem = RegistrationProblem(**families.statement(one))
-        critical_lines(Springs(spring_moments(problem)).floating_quartic()[0])
+        critical_lines(Springs.of(problem).floating_quartic()[0])
     alone = time.process_time() - start
     proved = [listed(cell, seed)[0] for seed in range(count)]
     same = sum(

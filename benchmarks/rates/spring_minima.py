@@ -22,11 +22,12 @@ import numpy as np
 import spring_families
 
 from certreg import RegistrationProblem
-from certreg.equilibrium import FloatingQuartic, PathsOutcome, critical_lines, descended, paths
-from certreg.geometry import squared_norm
-from certreg.objective import Springs
-from certreg.problem import spring_moments
-from certreg.relaxation import find_optimum
+from certreg.equilibrium import paths
+from certreg.equilibrium.paths import PathsOutcome, critical_lines
+from certreg.equilibrium.quartics import FloatingQuartic, descended
+from certreg.geometry.so3 import squared_norm
+from certreg.objective.springs import Springs
+from certreg.relaxation.optimum import find_optimum
 
 INSTANCES = 500
 CELLS = (*spring_families.MINIMAL, *(replace(c, noise=0.05) for c in spring_families.MINIMAL))
@@ -60,7 +61,7 @@ def outcome_of(cell: Any, seed: int) -> Outcome:
     """What became of one instance of a cell."""
     made = spring_families.instance(cell, seed)
     problem = RegistrationProblem(**spring_families.statement(made))
-    objective = Springs(spring_moments(problem))
+    objective = Springs.of(problem)
     assert objective.quartic  # made before the clock starts
     begun = time.process_time()
     found = find_optimum(objective)

@@ -20,13 +20,14 @@ from certreg.certificate.listing import list_body
 from certreg.dynamics.springs import spring_body
 from certreg.equilibrium.paths import critical_lines
 from certreg.objective.springs import Springs
-from certreg.problem.moments_of_springs import spring_moments
 from certreg.problem.problem import RegistrationProblem
+from certreg.problem.stiffness import spring_moments
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.dynamics.springs import SprungBody
+
 
 DAMPING = 1.3
 INSTANCES, LEAST = 130, 5_000  # of each family; equilibria in all
@@ -69,7 +70,7 @@ def counted(instances: int, families: tuple[str, ...] = tuple(SIZES)) -> Tally:
 
 def _count(problem: RegistrationProblem, rng: np.random.Generator, tally: Tally) -> None:
     moments = spring_moments(problem)
-    objective = Springs(moments)
+    objective = Springs.of(problem)
     body = list_body(objective, critical_lines(objective.floating_quartic()[0])).body
     if body is None:
         tally.unlisted += 1

@@ -20,10 +20,11 @@ from typing import Any
 import numpy as np
 from rotated_pairs import RotatedPairs, rotated_pairs
 
-from certreg.certificate import truncated_certificate
-from certreg.problem import Loss, RegistrationProblem, bounded
-from certreg.relaxation import search_boxes
-from certreg.relaxation.rotation_boxes import BoundedPairs
+from certreg.certificate.truncated import truncated_certificate
+from certreg.problem.bounds import bounded
+from certreg.problem.problem import RegistrationProblem
+from certreg.problem.support import Loss
+from certreg.relaxation.rotation_boxes import BoundedPairs, search_boxes
 
 checker = import_module("certreg.verify")
 INSTANCES = 100

@@ -15,14 +15,19 @@ import io
 from dataclasses import dataclass
 from difflib import get_close_matches
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from certreg.errors import InvalidFileError
-from certreg.io import Place, parse_rows, reading
+from certreg.io.row_values import read_bounds
+from certreg.io.streams import Place, number, reading, refused
+from certreg.io.text import parse_rows
+from certreg.problem.support import Loss
 from certreg.verify import shown
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+
+    from certreg.io.pairing import Pair
 
 NEEDED = ("source", "target")
 MOST_SHOWN = 120  # letters of a header: a line of a message
@@ -83,18 +88,24 @@ class Listing:
 def read_listing(path: Path) -> Listing:
     """The list in a file. Raises InvalidFileError: file, place, remedy."""
     if path.suffix.lower() != ".csv":
-        message = f"{shown(path)}: a list of pairs is a .csv file with columns source and target"
-        raise InvalidFileError(message, path=path, value=path.suffix, limit=".csv")
+        raise refused(
+            path,
+            "a list of pairs is a .csv file with columns source and target",
+            value=path.suffix,
+            limit=".csv",
+        )
     with reading(path) as stream:
         content = stream.read(MAX_LIST_BYTES + 1)
     if len(content) > MAX_LIST_BYTES:
-        message = f"{shown(path)}: more than {MAX_LIST_BYTES} bytes: give several smaller lists"
-        raise InvalidFileError(message, path=path, limit=MAX_LIST_BYTES)
+        raise refused(
+            path,
+            f"more than {MAX_LIST_BYTES} bytes: give several smaller lists",
+            limit=MAX_LIST_BYTES,
+        )
     header, rows = _headed(path, content)
     count = sum(1 for _ in rows)
     if count == 0:
-        message = f"{shown(path)}: lists no pairs: add rows below the header"
-        raise InvalidFileError(message, path=path, value=0, limit=1)
+        raise refused(path, "lists no pairs: add rows below the header", value=0, limit=1)
     ignored = tuple(name for name in header if name not in COLUMNS)
     _require_unlike(path, header, ignored)
     return Listing(path=path.resolve(), content=content, count=count, ignored=ignored)
@@ -106,11 +117,13 @@ def _require_unlike(path: Path, header: list[str], ignored: tuple[str, ...]) -> 
     for name in ignored:
         meant = get_close_matches(name, absent, n=1, cutoff=LIKENESS)
         if meant:
-            message = (
-                f"{shown(path)}: column '{shown(name)}' is not known: did you mean '{meant[0]}'? "
-                "Rename it, or give it another name if it is not to be read"
+            raise refused(
+                path,
+                f"column '{shown(name)}' is not known: did you mean '{meant[0]}'? "
+                "Rename it, or give it another name if it is not to be read",
+                column=name,
+                limit=meant[0],
             )
-            raise InvalidFileError(message, path=path, column=name, limit=meant[0])
 
 
 def _headed(path: Path, content: bytes) -> tuple[list[str], Iterator[tuple[Place, list[str]]]]:
@@ -135,3 +148,45 @@ def _headed(path: Path, content: bytes) -> tuple[list[str], Iterator[tuple[Place
             column=wrong[0],
         )
     return names, rows
+
+
+def bounds_file(row: PairRow) -> str | None:
+    """The file that a row names as its bounds; None for a number, or nothing."""
+    text = row.fields.get("max_residual")
+    return None if text is None or _number(row, text) is not None else text
+
+
+def fault_of_bounds(row: PairRow) -> str | None:
+    """Why what a row says of wrong pairs does not go together, if it does not."""
+    fields = row.fields
+    beside = [name for name in ("objective", "effort") if name in fields]
+    if beside and "max_residual" not in fields:
+        return f"{beside[0]} goes with max_residual: give that, too"
+    if fields.get("objective", Loss.CONSENSUS) not in {Loss.CONSENSUS, Loss.TRUNCATED}:
+        known = f"write {Loss.CONSENSUS} or {Loss.TRUNCATED}"
+        return f"objective is '{shown(fields['objective'])}': {known}"
+    return None
+
+
+def asked_of_bounds(row: PairRow, folder: Path, pair: Pair) -> dict[str, Any]:
+    """The arguments of `certify` that a row gives, beside its problem; none without a bound."""
+    text = row.fields.get("max_residual")
+    if text is None:
+        return {}
+    file = bounds_file(row)
+    if file is not None and not (folder / file).is_file():
+        what = f"'{shown(file)}' is neither a number nor a file"
+        raise row.place.at("max_residual").refusal(f"{what}: give one", value=file)
+    asked = {
+        "max_residual": _number(row, text) if file is None else read_bounds(folder / file, pair),
+        "objective": row.fields.get("objective"),
+    }
+    effort = row.fields.get("effort")
+    return asked if effort is None else asked | {"effort": number(row.place.at("effort"), effort)}
+
+
+def _number(row: PairRow, text: str) -> float | None:
+    try:
+        return number(row.place.at("max_residual"), text)
+    except InvalidFileError:
+        return None

@@ -17,37 +17,42 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
 
 from certreg import __version__
-from certreg.campaign.listing import NEEDED, SPRING_FILES
-from certreg.campaign.row_bounds import asked_of_bounds, bounds_file, fault_of_bounds
+from certreg.campaign.listing import (
+    NEEDED,
+    SPRING_FILES,
+    asked_of_bounds,
+    bounds_file,
+    fault_of_bounds,
+)
 from certreg.campaign.runner import contents
 from certreg.campaign.store import Manifest, current_versions, digest_of
 from certreg.campaign.table import COLUMNS, PARQUET, SUMMARY, Block, Column, write_table
-from certreg.campaign.task import Task, TaskResult
+from certreg.campaign.workers import Task, TaskResult
 from certreg.errors import CertregError
-from certreg.io import (
-    Match,
-    Pairing,
-    SpringSource,
-    number,
-    read_problem,
-    written_atomically,
-)
-from certreg.problem import Cell, Loss, Scale, require_supported
-from certreg.registration import (
+from certreg.io.atomic import written_atomically
+from certreg.io.labels import Match
+from certreg.io.pairing import Pairing
+from certreg.io.problems import read_problem
+from certreg.io.springs import SpringSource
+from certreg.io.streams import number
+from certreg.problem.motion import Scale
+from certreg.problem.support import Cell, Loss, require_supported
+from certreg.registration.certification import certify
+from certreg.registration.consensus import ConsensusRegistration
+from certreg.registration.exit_codes import (
     MISUSED,
     NOT_CERTIFIED,
     NOT_UNIQUE,
     REFUSED,
-    ConsensusRegistration,
     FitDemands,
-    TruncatedRegistration,
-    certify,
     code_of_error,
     code_of_registration,
-    optimally_damped,
     worst,
 )
-from certreg.report import ERROR_SCHEMA, error_document, pairs_document, result_document
+from certreg.registration.simulation import optimally_damped
+from certreg.registration.truncated import TruncatedRegistration
+from certreg.report.document import ERROR_SCHEMA, error_document, result_document
+from certreg.report.pair_fields import pairs_document
 from certreg.results import Limits, Optimality
 from certreg.verify import shown
 
@@ -55,8 +60,9 @@ if TYPE_CHECKING:
     from collections.abc import Container, Iterator
 
     from certreg.campaign.listing import Listing, PairRow
-    from certreg.io import Pair
-    from certreg.problem import RegistrationProblem
+    from certreg.io.pairing import Pair
+    from certreg.problem.problem import RegistrationProblem
+
 
 FILES = (*NEEDED, "weights", "pairs", *SPRING_FILES)
 SHARD_PAIRS = 16  # at most: a second of work

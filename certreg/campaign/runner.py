@@ -19,15 +19,15 @@ from certreg.campaign.store import (
     current_versions,
     digest_of,
 )
-from certreg.campaign.task import Task, TaskResult
+from certreg.campaign.workers import Task, TaskResult
 from certreg.errors import (
     CampaignError,
     CertregError,
     ContradictionError,
-    InvalidFileError,
     RefusedCertificateError,
 )
-from certreg.io import write_atomically
+from certreg.io.atomic import write_atomically
+from certreg.io.streams import refused
 from certreg.verify import shown
 
 if TYPE_CHECKING:
@@ -286,8 +286,7 @@ def contents(kind: Kind, folder: Path) -> Iterator[bytes]:
             expected += 1
             yield content
     if expected != manifest.shards:
-        message = f"{shown(folder)}: shard {expected} is gone: run the same command again"
-        raise InvalidFileError(message, path=folder, row=expected)
+        raise refused(folder, f"shard {expected} is gone: run the same command again", row=expected)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -8,17 +8,24 @@ A shard, the results of a few items, is a file that is whole or not there, calle
 NUMBER-DIGEST.SUFFIX. The digest is over the campaign's identity, the number and the content, so a
 file that is damaged, cut short, renamed or from elsewhere is seen. One rename puts content and
 digest in place at once: there is no moment at which a kill could part them.
+
+What the last bits of results depend on beside versions is compiled code or not, and processors. The
+compiled code gives the same bits in each of its variants. Python in its place need not give those.
+NumPy, its linear algebra and the system's functions choose their code by the processor. Each is
+known by a digest of what it makes of given numbers, so that a manifest says which it was.
 """
 
 from __future__ import annotations
 
 import hashlib
 import json
+import math
 import os
 import re
 import sys
 from contextlib import contextmanager, suppress
 from dataclasses import asdict, dataclass
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
@@ -26,13 +33,18 @@ import numpy as np
 
 from certreg import __version__
 from certreg._loading import library
-from certreg.campaign.arithmetic import arithmetic
 from certreg.errors import CampaignError, InvalidFileError
-from certreg.io import TEMPORARY, require_ending, write_atomically
+from certreg.io.atomic import TEMPORARY, write_atomically
+from certreg.io.streams import refused, require_ending
+from certreg.native.library import library_if_any
 from certreg.verify import shown
 
 if TYPE_CHECKING:
-    from collections.abc import Generator, Iterator, Sequence
+    from collections.abc import Generator, Iterable, Iterator, Sequence
+
+    from numpy.typing import ArrayLike, NDArray
+
+    Reals = NDArray[np.float64]
 
 MANIFEST, SHARDS, CERTIFICATES = "campaign.json", "shards", "certificates"  # within the folder
 FORMAT = "certreg-campaign/1"
@@ -98,11 +110,9 @@ def require_same(path: Path, manifest: Manifest) -> None:
             content = stream.read(MAX_MANIFEST_BYTES)
         kept: dict[str, Any] = flat(json.loads(content))
     except OSError as error:
-        message = f"{shown(path)}: cannot be read ({error.strerror}): choose another folder"
-        raise InvalidFileError(message, path=path) from error
+        raise refused(path, f"cannot be read ({error.strerror}): choose another folder") from error
     except (ValueError, AttributeError, RecursionError) as error:
-        message = f"{shown(path)}: is no manifest of a campaign: choose another folder"
-        raise InvalidFileError(message, path=path) from error
+        raise refused(path, "is no manifest of a campaign: choose another folder") from error
     wanted = flat(json.loads(manifest.to_json()))
     for key in sorted(kept.keys() | wanted.keys()):
         if kept.get(key) != wanted.get(key):
@@ -113,9 +123,12 @@ def require_same(path: Path, manifest: Manifest) -> None:
                 else f"only {'it' if key in kept else 'this version'} knows {shown(key)}: choose "
                 "another folder, or go on with the version of certreg that began it"
             )
-            message = f"{shown(path)}: another campaign stands there: {differs}"
-            raise InvalidFileError(
-                message, path=path, column=key, value=kept.get(key), limit=wanted.get(key)
+            raise refused(
+                path,
+                f"another campaign stands there: {differs}",
+                column=key,
+                value=kept.get(key),
+                limit=wanted.get(key),
             )
 
 
@@ -150,8 +163,7 @@ def _prepare(folder: Path, manifest: Manifest) -> None:
     if MANIFEST in names:
         require_same(folder / MANIFEST, manifest)
     elif any(not name.startswith(TEMPORARY) for name in names):
-        message = f"{shown(folder)}: holds other files: choose a new folder, or empty it"
-        raise InvalidFileError(message, path=folder)
+        raise refused(folder, "holds other files: choose a new folder, or empty it")
     for place in (folder, folder / SHARDS, folder / CERTIFICATES):
         place.mkdir(exist_ok=True)
         for left_over in place.glob(f"{TEMPORARY}*"):
@@ -270,3 +282,61 @@ def digest_of(path: Path) -> str | None:
             return hashlib.file_digest(stream, "sha256").hexdigest()
     except (OSError, ValueError):
         return None
+
+
+COUNT = 1000  # of arguments: functions that round otherwise differ in one of some hundred
+SIZES = (3, 4, 9, 40)  # of matrices: small ones have code of their own
+FINGERPRINT_DIGITS = 12
+
+
+@cache
+def arithmetic() -> dict[str, str]:
+    """What computes in this process, by name; milliseconds, once.
+
+    Raises VariantError where the environment names a variant that is not there.
+    """
+    numbers = np.random.default_rng(1).uniform(0.01, 3.0, COUNT)
+    return {
+        "kernels": "python" if library_if_any() is None else "compiled",
+        "numpy_bits": _digest(_of_numpy(numbers)),
+        "linear_algebra_bits": _digest(_of_linear_algebra(numbers)),
+        "libm_bits": _digest(_of_the_system(numbers)),
+    }
+
+
+def _of_numpy(numbers: Reals) -> Iterator[ArrayLike]:
+    for name in ("sin", "cos", "arccos", "arctan", "exp", "log", "log1p", "cbrt", "tanh"):
+        yield getattr(np, name)(numbers / 3.0)
+    for name in ("hypot", "arctan2", "power", "divide"):
+        yield getattr(np, name)(numbers, numbers[::-1])
+    rows = numbers.reshape(-1, 4)
+    yield from (np.sum(numbers), rows.sum(axis=0), rows.sum(axis=1), np.var(numbers))
+    yield np.einsum("ij,ik->jk", rows, rows)
+
+
+def _of_linear_algebra(numbers: Reals) -> Iterator[ArrayLike]:
+    rows = numbers[:900].reshape(-1, 3)
+    yield from (rows.T @ rows, rows @ rows[:3], numbers @ numbers, np.linalg.norm(rows))
+    for size in SIZES:
+        matrix = np.resize(numbers, (size, size)) + np.eye(size)
+        symmetric = matrix @ matrix.T
+        yield from (symmetric, np.linalg.inv(matrix), np.linalg.solve(matrix, matrix.T))
+        yield from (
+            *np.linalg.eigh(symmetric),
+            *np.linalg.svd(matrix),
+            np.linalg.cholesky(symmetric),
+        )
+
+
+def _of_the_system(numbers: Reals) -> Iterator[ArrayLike]:
+    given: list[float] = numbers.tolist()
+    for function in (math.sin, math.cos, math.exp, math.log, math.atan, math.gamma):
+        yield np.array([function(x) for x in given])
+    yield np.array([x**y for x, y in zip(given, given[::-1], strict=True)])
+
+
+def _digest(results: Iterable[ArrayLike]) -> str:
+    whole = hashlib.sha256()
+    for result in results:
+        whole.update(np.asarray(result, dtype="<f8").tobytes())
+    return whole.hexdigest()[:FINGERPRINT_DIGITS]

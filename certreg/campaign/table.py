@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from certreg._loading import library
-from certreg.io import csv_field, write_atomically, written_atomically
+from certreg.io.atomic import write_atomically, written_atomically
+from certreg.io.labels import csv_field
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Generator, Iterable, Sequence
@@ -56,6 +57,12 @@ def require_parquet() -> None:
 def csv_bytes(rows: Iterable[Iterable[Any]]) -> bytes:
     """Rows as CSV; a number is the shortest that reads back the same, a text never a formula."""
     return "".join(",".join(map(_field, row)) + "\n" for row in rows).encode()
+
+
+def records_bytes(rows: Iterable[dict[str, Any]]) -> bytes:
+    """Rows of the same fields as CSV with a header; nothing where a value is None."""
+    listed = list(rows)
+    return csv_bytes([listed[0], *(row.values() for row in listed)])
 
 
 def _field(value: Any) -> str:

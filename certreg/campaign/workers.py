@@ -8,6 +8,7 @@ the pool's pipe, and the pool waits for the rest for ever. A short one is sent w
 
 from __future__ import annotations
 
+import json
 import logging
 import multiprocessing
 import os
@@ -17,16 +18,18 @@ import threading
 import time
 from concurrent.futures import BrokenExecutor, CancelledError, Executor, ProcessPoolExecutor
 from contextlib import suppress
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
 from certreg._loading import library
 from certreg.campaign.store import lockable, try_lock
-from certreg.certificate import sweep
+from certreg.certificate.private_folder import sweep
 from certreg.errors import CampaignError
 from certreg.verify import shown
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
     from multiprocessing.connection import Connection
     from typing import Self
 
@@ -208,3 +211,49 @@ def _end_with(lifeline: Connection) -> None:
         os._exit(1)
 
     threading.Thread(target=stay, daemon=True).start()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TaskResult:
+    """Of a task: the content of the shard, files that go with it, and what the work took.
+
+    files: content by name. timings: seconds by what they were spent on.
+    """
+
+    content: bytes
+    files: dict[str, bytes] = field(default_factory=dict[str, bytes])
+    timings: dict[str, float] = field(default_factory=dict[str, float])
+
+    def left_at(self, path: Path) -> Path:
+        """The path, at which the result now stands. Raises CampaignError where it cannot."""
+        sizes = {name: len(content) for name, content in self.files.items()}
+        header = json.dumps({"content": len(self.content), "files": sizes, "timings": self.timings})
+        try:
+            with path.open("xb") as stream:
+                stream.writelines((header.encode(), b"\n", self.content, *self.files.values()))
+        except OSError as error:
+            message = (
+                f"{shown(path)}: a result cannot be handed over ({error.strerror}): free the disk, "
+                "or set TMPDIR to a folder on another"
+            )
+            raise CampaignError(message, path=path) from error
+        return path
+
+    @classmethod
+    def taken_from(cls, path: Path) -> TaskResult:
+        """The result that was left there; the file goes."""
+        with path.open("rb") as stream:
+            header = json.loads(stream.readline())
+            content = stream.read(header["content"])
+            files = {name: stream.read(size) for name, size in header["files"].items()}
+        path.unlink()
+        return cls(content=content, files=files, timings=header["timings"])
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Task:
+    """The work on one shard: a function of a module and its keywords, to be sent to a worker."""
+
+    shard: int
+    function: Callable[..., TaskResult]
+    arguments: dict[str, Any]

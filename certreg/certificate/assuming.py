@@ -11,7 +11,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from certreg.certificate.consensus import Group, Strike
-from certreg.native import colours, mask_of, rows_of
+from certreg.native.bit_rows import colours, mask_of, rows_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -1,6 +1,7 @@
 """The checker on many points: its parser and its proofs, over points that come in blocks.
 
 `certreg.verify.check` has all points in memory. Here they may stay in their files, and only the way
+from certreg.problem.exact_sums import Sums
 from the points to the checker is new: the digest is taken of the blocks, moments are added up.
 A module of its own: it loads NumPy, and `checking`, which asks it, answers without.
 """
@@ -10,15 +11,8 @@ from __future__ import annotations
 from itertools import combinations_with_replacement
 from typing import TYPE_CHECKING
 
-from certreg.problem import (
-    FACTORS,
-    UPPER,
-    row_blocks,
-    second_method,
-    second_spring_method,
-    spring_sums_by,
-    sums_by,
-)
+from certreg.problem.arrays import row_blocks
+from certreg.problem.exact_sums import FACTORS, UPPER, second_method, sums_by
 from certreg.verify import (
     Outcome,
     RefusalError,
@@ -33,7 +27,8 @@ from certreg.verify import (
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from certreg.problem import RegistrationProblem
+    from certreg.problem.exact_sums import Sums
+    from certreg.problem.problem import RegistrationProblem
     from certreg.verify import Limits
 
 Table = list[list[int]]
@@ -119,20 +114,16 @@ def _widths(problem: RegistrationProblem) -> Sequence[int]:
 
 
 def _block_moments(problem: RegistrationProblem, rows: slice) -> tuple[Table, int]:
-    if problem.factors is None:
-        block = problem.block(rows)
-        arrays, summed = (block.source, block.target, block.weights), moments
-    else:
-        springs = problem.spring_block(rows)
-        arrays, summed = (springs.source, springs.target, springs.factors), spring_moments
+    arrays = problem.block(rows).arrays
+    summed = moments if problem.factors is None else spring_moments
     return summed(b"".join(array.astype("<f8").tobytes() for array in arrays), len(arrays[0]))
 
 
 def _table_of_sums(problem: RegistrationProblem) -> tuple[Table, int]:
     """The same from sums by a method that the problem's moments did not take."""
-    if problem.factors is not None:
-        return _table_of_springs(problem)
     sums = sums_by(second_method(problem), problem)
+    if problem.factors is not None:
+        return _table_of_springs(sums)
     a, b, c = (e or 0 for e in (sums.source_exponent, sums.target_exponent, sums.weight_exponent))
     exponents = [c + x * a + y * b for x, y in FACTORS]
     least = min(exponents)
@@ -142,9 +133,8 @@ def _table_of_sums(problem: RegistrationProblem) -> tuple[Table, int]:
     return total, least
 
 
-def _table_of_springs(problem: RegistrationProblem) -> tuple[Table, int]:
+def _table_of_springs(sums: Sums) -> tuple[Table, int]:
     """H, 13x13 from the diagonal on, in (t, R by columns, 1)."""
-    sums = spring_sums_by(second_spring_method(problem), problem)
     numbers = sums.integers
     a, b, c = (e or 0 for e in (sums.source_exponent, sums.target_exponent, sums.weight_exponent))
     least = c + min(0, 2 * a, 2 * b)  # 0 of a shift, a of an entry of R, b of the 1: twice each

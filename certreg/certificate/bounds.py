@@ -12,10 +12,10 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from certreg.exact import double_above, double_below, half_angle_bound, root_above
-from certreg.geometry import body_frame, dot, rotation_matrix, squared_norm
-from certreg.objective import Isotropic
-from certreg.problem import lift
+from certreg.exact.dyadic import double_above, double_below, half_angle_bound, root_above
+from certreg.geometry.so3 import body_frame, dot, rotation_matrix, squared_norm
+from certreg.objective.isotropic import Isotropic
+from certreg.problem.lifting import lift
 from certreg.results import Absent, Explained
 
 if TYPE_CHECKING:
@@ -24,11 +24,11 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from certreg.certificate.isotropic import IsotropicBody
-    from certreg.certificate.similarity import SimilarityBody
-    from certreg.objective import Springs
-    from certreg.problem import ExactMoments
+    from certreg.certificate.isotropic import IsotropicBody, SimilarityBody
+    from certreg.objective.springs import Springs
+    from certreg.problem.moments import ExactMoments
     from certreg.results import Limits
+
 
 NO_ANGLE = Absent("the optimum is not unique: no angle to 'the' optimum exists")
 NOT_CLAIMED = Absent("the certificate bounds no angle, though the optimum is unique")

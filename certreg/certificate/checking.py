@@ -11,12 +11,11 @@ from fractions import Fraction
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from certreg import problem as problems  # whose names load NumPy, which most here do without
-from certreg.certificate.differing import told_apart
+from certreg._loading import late
 from certreg.certificate.envelope import certificate_bytes
-from certreg.certificate.mistaken import why_no_certificate, why_no_certificates
+from certreg.certificate.refusals import told_apart, why_no_certificate, why_no_certificates
 from certreg.errors import InvalidProblemError, RefusedCertificateError
-from certreg.io import write_atomically
+from certreg.io.atomic import write_atomically
 from certreg.results import SHOWN, Ruling, Shown, Verdict
 from certreg.verify import INLINE_MAX, LIMITS, Clouds, Outcome, check, main
 
@@ -25,8 +24,13 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from certreg.certificate.envelope import Certificate, CertificateBody
-    from certreg.problem import RegistrationProblem
+    from certreg.problem import bounds as problem_bounds
+    from certreg.problem.problem import RegistrationProblem
     from certreg.verify import Limits, Worth
+else:
+    # it loads NumPy, which most here do without
+    problem_bounds = late("certreg.problem.bounds")
+
 
 OBJECTIVES = {"consensus": "--max-residual", "truncated": "--objective truncated"}  # of models
 UNITS = {"angle": "radians", "share": "a number", "undecided": "a number of pairs"}
@@ -237,16 +241,11 @@ def _verdict(outcome: Outcome) -> CertificateVerdict:
 
 
 def _clouds(problem: RegistrationProblem) -> Clouds:
-    if problem.factors is None:
-        points = problem.block(slice(None))
-        own = points.weights
-    else:
-        points = problem.spring_block(slice(None))
-        own = points.factors
+    points = problem.points
     return Clouds(
         source=array("d", points.source.tobytes()),
         target=array("d", points.target.tobytes()),
-        weights=array("d", own.tobytes()),
+        weights=array("d", points.springs.tobytes()),
         model=problem.motion.options,
     )
 
@@ -265,7 +264,7 @@ def bounded_clouds(
         message = "max_residual goes with a problem: give the points that the certificate is about"
         raise InvalidProblemError(message, array="max_residual")
     clouds = _clouds(problem)
-    bounds = array("d", problems.checked_bounds(max_residual, problem.n).tobytes())
+    bounds = array("d", problem_bounds.checked_bounds(max_residual, problem.n).tobytes())
     own = clouds.weights or bounds[:0]
     both = bounds + own if problem.factors is not None else own + bounds
     option = OBJECTIVES[objective or "consensus"]

@@ -29,13 +29,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from certreg.certificate.springs_cones import SpringsConesBody
-from certreg.certificate.springs_sos import SpringsClaims
-from certreg.equilibrium import FloatingQuartic, descended
-from certreg.exact import dyadic_above, dyadic_below, is_positive_definite
-from certreg.geometry import body_frame, dot, squared_norm
-from certreg.native import ConesEnding, search_cones
-from certreg.objective import MONOMIALS, levelled_exactly
-from certreg.relaxation import refined
+from certreg.certificate.squares import growth_claims
+from certreg.equilibrium.quartics import FloatingQuartic, descended
+from certreg.exact.dyadic import dyadic_above, dyadic_below
+from certreg.exact.elimination import is_positive_definite
+from certreg.geometry.so3 import body_frame, dot, squared_norm
+from certreg.native.cones import ConesEnding, search_cones
+from certreg.objective.levelling import levelled_exactly
+from certreg.objective.quartics import MONOMIALS
+from certreg.relaxation.refining import refined
 from certreg.results import Brief
 
 if TYPE_CHECKING:
@@ -43,8 +45,9 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from certreg.exact import IntegerQuaternion
-    from certreg.objective import Springs
+    from certreg.exact.spaces import IntegerQuaternion
+    from certreg.objective.springs import Springs
+
 
 BUDGET = 300_000  # cones; the checker refuses beyond
 CAPS = 16  # the checker takes a few more
@@ -232,20 +235,13 @@ class ConeProof:
 
     def body(self, attempt: ConesAttempt) -> SpringsConesBody:
         """With all claims that follow, by the rules of the checker."""
-        unit, W = self.objective.unit, self.width
+        unit = self.objective.unit
         gap = dyadic_above(attempt.delta * unit, NUMBER_BITS)
         mu = dyadic_below(attempt.mu * unit, NUMBER_BITS)
-        unique, angle = None, None
-        if mu.mantissa and gap.value < mu.value:
-            angle = dyadic_above(gap.value / mu.value, NUMBER_BITS)
-            widest = max(W * unit, 2 * mu.value)
-            unique = True if 4 * widest * gap.value <= mu.value**2 else None
-        symmetry = None
+        found = growth_claims(self.objective, gap.value, mu.value, self.width * unit)
+        claims, symmetry = replace(found[0], gap=gap), found[1]
         if attempt.tied:
-            unique = False
-        elif not mu.mantissa:
-            symmetry = next((turns for turns in self.objective.symmetry if _moves_all(turns)), None)
-            unique = None if symmetry is None else False
+            claims, symmetry = replace(claims, unique=False), None
         return SpringsConesBody(
             quaternion=self.own.quaternion,
             mu=mu,
@@ -255,8 +251,9 @@ class ConeProof:
                 for pair in [dyadic_below((m.curvature or 0) * unit, NUMBER_BITS).pair]
                 for k in (*m.quaternion, *pair)
             ),
-            claims=SpringsClaims(gap=gap, sin2_half_angle=angle, unique=unique),
+            claims=claims,
             symmetry=symmetry,
+            rotation_only=not self.objective.motion.translations,
         )
 
     def _form(self, body: SpringsConesBody) -> list[int]:
@@ -284,11 +281,6 @@ class ConeProof:
                 [*[entry / length for entry in m.quaternion], quarter**2 * (1 - quarter**2 / 3)]
             )
         return np.array(rows).reshape(-1, 5)
-
-
-def _moves_all(turns: Sequence[int]) -> bool:
-    """Whether q' = a q + q b moves every rotation: a and b are of different lengths."""
-    return squared_norm(turns[:3]) != squared_norm(turns[3:])
 
 
 def _minimum(objective: Springs, width: Fraction, q: IntegerQuaternion) -> CappedMinimum:

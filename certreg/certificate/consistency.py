@@ -1,87 +1,47 @@
 """Which pairs one motion may meet together, and which a given motion meets: exact, by rows.
 
-Two pairs that one motion meets have lengths that agree: with a = |x_j - x_i|, b = |y_j - y_i| and
-d = b_i + b_j, a motion that moves each y by at most its bound changes b by at most d, so
-|a - b| <= d. Doubles decide where their error is too small to matter, integers elsewhere.
+A motion with the scale s that meets two pairs makes b = |y_j - y_i| of s a, a = |x_j - x_i|, but
+for d = b_i + b_j: s a <= b + d and b <= s a + d, of a rigid motion with s = 1. Doubles decide where
+their error is too small to matter, integers elsewhere.
 """
 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from certreg.geometry import rotation_matrix, squared_norm
-from certreg.native import BitRows, agreeing
-from certreg.problem import lift
+from certreg._loading import cached_property
+from certreg.certificate.consensus import RIGID
+from certreg.certificate.refuting import PointRows
+from certreg.exact.dyadic import power_of_two
+from certreg.geometry.so3 import rotation_matrix, squared_norm
+from certreg.native.bit_rows import BitRows, agreeing
+from certreg.problem.lifting import lift
+from certreg.relaxation.similarity_fit import lengths_between, scale_ranges
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+    from fractions import Fraction
 
-    from numpy.typing import NDArray
+    from certreg.certificate.consensus import ScaleRange, Witness
+    from certreg.problem.problem import RegistrationProblem
 
-    from certreg.certificate.consensus import Witness
-    from certreg.problem import RegistrationProblem
+
+Reals = NDArray[np.float64]
 
 # Relative errors: a difference of doubles 2^-53, a squared length of three terms four times that,
 # its root three times, and the last sums one more: eight times 2^-53 of all would do.
 LENGTH_ERROR = 2.0**-48
 MOTION_ERROR = 2.0**-44  # a residual: forty roundings of at most |x| + |y| + |t|, 2^-53 each
-BLOCK_ROWS = 32  # rows against all others at a time: of 1,000 they stay in the cache
-QUATERNION_BITS, SHIFT_BITS = 60, 64  # of a witness: its rounding is far below that of its points
+TINY = 1e-100  # lengths, in the unit of their cloud, whose squares may lose digits
 
 
 def consistent_pairs(problem: RegistrationProblem) -> BitRows:
-    """For each pair those that one motion may meet with it."""
-    block = problem.points
-    one = 2.0 ** -_exponent(problem)  # exact, but for what is too small to matter beside errors
-    points = np.hstack([block.source, block.target]) * one
-    exact, found = ExactRows(problem), agreeing(points, problem.bounds * one)
-    if found is None:
-        return _agreeing(exact, points, problem.bounds * one)
-    more = [(i, j) for i, j in found.open_pairs if exact.agree(i, j)]
-    return found.near.with_edges(more) if more else found.near
-
-
-def _agreeing(
-    exact: ExactRows, points: NDArray[np.float64], bounds: NDArray[np.float64]
-) -> BitRows:
-    """Where there is no compiled code."""
-    x, y, n = points[:, :3], points[:, 3:], len(bounds)
-    allowed = np.empty((n, n), dtype=bool)
-    for start in range(0, n, BLOCK_ROWS):
-        rows, later = slice(start, start + BLOCK_ROWS), slice(start, None)
-        a, b = lengths(x[rows], x[later]), lengths(y[rows], y[later])
-        error = LENGTH_ERROR * float(a.max() + b.max() + 2.0 * bounds.max()) + 1e-300
-        room = np.add.outer(bounds[rows], bounds[later])
-        a -= b
-        room -= np.abs(a, out=a)
-        block = room >= 0.0
-        for i, j in np.argwhere(np.abs(room, out=room) <= error).tolist():
-            block[i, j] = exact.agree(start + i, start + j)
-        allowed[rows, later] = block
-        allowed[later, rows] = block.T
-    np.fill_diagonal(allowed, val=False)
-    return BitRows.of_table(allowed)
-
-
-def _exponent(problem: RegistrationProblem) -> int:
-    """Of a power of two near the size of the problem."""
-    block = problem.points
-    size = max(np.abs(block.source).max(), np.abs(block.target).max(), problem.bounds.max())
-    return int(np.frexp(size)[1])
-
-
-def lengths(points: NDArray[np.float64], others: NDArray[np.float64]) -> NDArray[np.float64]:
-    """(m, n): distances of each point from each other."""
-    square = np.subtract.outer(points[:, 0], others[:, 0])
-    square *= square
-    for axis in (1, 2):
-        difference = np.subtract.outer(points[:, axis], others[:, axis])
-        difference *= difference
-        square += difference
-    return np.sqrt(square, out=square)
+    """For each pair those that one rigid motion may meet with it, as bits."""
+    return ConsistentPairs(problem).near()
 
 
 class ExactRows:
@@ -89,69 +49,146 @@ class ExactRows:
 
     def __init__(self, problem: RegistrationProblem) -> None:
         self._problem = problem
-        self._rows: list[tuple[int, ...]] = []
-        self.exponent = 0
+
+    @cached_property
+    def _lifted(self) -> tuple[list[tuple[int, ...]], int]:
+        block = self._problem.points
+        table = lift(np.column_stack([block.source, block.target, self._problem.bounds]).ravel())
+        return list(zip(*(table.integers[k::7] for k in range(7)), strict=True)), table.exponent
 
     @property
     def rows(self) -> list[tuple[int, ...]]:
         """x1, x2, x3, y1, y2, y3 and the bound of each pair."""
-        if not self._rows:
-            block = self._problem.points
-            table = np.column_stack([block.source, block.target, self._problem.bounds])
-            lifted = lift(table.ravel())
-            self.exponent = lifted.exponent
-            parts = [lifted.integers[k::7] for k in range(7)]
-            self._rows = list(zip(*parts, strict=True))
-        return self._rows
+        return self._lifted[0]
 
-    def agree(self, i: int, j: int) -> bool:
-        """Whether |a - b| <= d, that is a <= b + d and b <= a + d: a^2 - b^2 - d^2 <= 2 b d."""
+    @property
+    def exponent(self) -> int:
+        """Of the power of two."""
+        return self._lifted[1]
+
+    def agree(self, i: int, j: int, scales: ScaleRange = RIGID) -> bool:
+        """Whether s a <= b + d for the least s, b <= s a + d for the largest."""
         one, other = self.rows[i], self.rows[j]
         gaps = [p - q for p, q in zip(one, other, strict=True)]
         A, B, d = squared_norm(gaps[:3]), squared_norm(gaps[3:6]), one[6] + other[6]
-        return all(
-            long - short - d * d <= 0 or (long - short - d * d) ** 2 <= 4 * short * d * d
-            for long, short in ((A, B), (B, A))
+        return _at_most(scales.low**2 * A, B, d) and (
+            scales.high is None or _at_most(B, scales.high**2 * A, d)
         )
 
-    def met_by(self, witness: Witness) -> list[int]:
-        """The rows that a motion meets, exactly: in integers where doubles leave it open."""
-        block, unit = self._problem.points, _exponent(self._problem)
-        one, q = 2.0**-unit, np.array([float(k) for k in witness.quaternion])
-        x, y, bounds = block.source * one, block.target * one, self._problem.bounds * one
-        *shift, exponent = witness.shift
-        R = np.array(rotation_matrix((q / np.linalg.norm(q)).tolist()))
-        t = np.array([math.ldexp(k, exponent - unit) for k in shift])
-        room = bounds - np.linalg.norm(y - x @ R.T - t, axis=1)
-        sizes = np.abs(x).sum(axis=1) + np.abs(y).sum(axis=1)
-        error = MOTION_ERROR * (sizes + np.abs(t).sum() + bounds) + 1e-300
-        sure = np.abs(room) > error
-        doubtful = set(self._met_by(witness, np.flatnonzero(~sure).tolist()))
-        return [i for i in range(len(room)) if (room[i] > 0.0 if sure[i] else i in doubtful)]
-
-    def _met_by(self, witness: Witness, some: list[int]) -> list[int]:
-        """Those of some rows."""
+    def met_by(self, witness: Witness, some: Sequence[int]) -> list[int]:
+        """Those of some rows that a motion meets."""
         if not some:
             return []
-        rows, q = self.rows, witness.quaternion
-        norm, turn = squared_norm(q), _turn(q)
+        s, one = witness.scale.as_integer_ratio()
+        norm, turn = squared_norm(witness.quaternion), rotation_matrix(list(witness.quaternion))
         *shift, exponent = witness.shift
         low = min(self.exponent, exponent)
-        up, t = self.exponent - low, [norm * k << exponent - low for k in shift]
+        up, t = self.exponent - low, [norm * one * k << exponent - low for k in shift]
         return [
             i
-            for i in some
+            for i, row in ((i, self.rows[i]) for i in some)
             if squared_norm(
                 [
-                    (norm * rows[i][3 + k] - sum(turn[k][m] * rows[i][m] for m in range(3)) << up)
+                    (norm * one * row[3 + k] - s * sum(turn[k][m] * row[m] for m in range(3)) << up)
                     - t[k]
                     for k in range(3)
                 ]
             )
-            <= (norm * rows[i][6] << up) ** 2
+            <= (norm * one * row[6] << up) ** 2
         ]
 
 
-def _turn(q: Sequence[int]) -> list[list[int]]:
-    """|q|^2 R(q), in integers."""
-    return [list(row) for row in rotation_matrix(list(q))]
+class ScaleBounds(NamedTuple):
+    """(N, N) each, of two pairs: with which scales a motion may meet both, and how doubles err.
+
+    error: of `most`, and of `least`. unsure: where lengths are too small to tell.
+    """
+
+    least: Reals
+    most: Reals
+    error: Reals
+    unsure: NDArray[np.bool_]
+
+
+class ConsistentPairs:
+    """The pairs of a problem, and which two of them a motion may meet together.
+
+    rigid: whether the scale is not free. source, target, bounds: in doubles, in a unit near their
+    size; where the scale is free, each cloud in one of its own. These are powers of two. exponent:
+    a scale of 1 there is 2^exponent.
+    """
+
+    def __init__(self, problem: RegistrationProblem) -> None:
+        block, bounds = problem.points, problem.bounds
+        self.exact, self.rigid = ExactRows(problem), not problem.scaled
+        self.unit = _exponent(block.target, bounds, *[block.source] * self.rigid)
+        here = self.unit if self.rigid else _exponent(block.source)
+        self.exponent = self.unit - here
+        self.source, self.target = block.source * 2.0**-here, block.target * 2.0**-self.unit
+        self.bounds = bounds * 2.0**-self.unit
+
+    def points(self, scales: ScaleRange = RIGID) -> PointRows:
+        """To be refuted with these scales."""
+        low, high = self.in_units(scales.low), self.in_units(scales.high)
+        return PointRows(self.source, self.target, self.bounds, low, high)
+
+    def in_units(self, scale: Fraction | None) -> float:
+        """A scale in these units; infinite for None."""
+        return math.inf if scale is None else float(scale * power_of_two(-self.exponent))
+
+    @cached_property
+    def scales(self) -> ScaleBounds:
+        """Of any two pairs."""
+        a, b = lengths_between(self.source), lengths_between(self.target)
+        room = np.add.outer(self.bounds, self.bounds)
+        least, most = scale_ranges(a, b, room)
+        return ScaleBounds(least, most, LENGTH_ERROR * most, ~(np.minimum(a, b + room) > TINY))
+
+    def near(self, scales: ScaleRange = RIGID) -> BitRows:
+        """For each pair those that one motion with such a scale may meet with it, as bits."""
+        compiled = None
+        if self.rigid:
+            compiled = agreeing(np.hstack([self.source, self.target]), self.bounds)
+        if compiled is None:
+            return self.within(scales)
+        more = [(i, j) for i, j in compiled.open_pairs if self.exact.agree(i, j)]
+        return compiled.near.with_edges(more) if more else compiled.near
+
+    def within(self, scales: ScaleRange) -> BitRows:
+        """The same in NumPy: the compiled code knows no scale."""
+        low, high = self.in_units(scales.low), self.in_units(scales.high)
+        least, most, error, unsure = self.scales
+        allowed = (least <= high) & (most >= low)
+        doubtful = unsure | (np.abs(most - low) <= error + LENGTH_ERROR * low)
+        if math.isfinite(high):
+            doubtful |= np.abs(least - high) <= error + LENGTH_ERROR * high
+        for i, j in np.argwhere(np.triu(doubtful, 1)).tolist():
+            allowed[i, j] = allowed[j, i] = self.exact.agree(i, j, scales)
+        np.fill_diagonal(allowed, val=False)
+        return BitRows.of_table(allowed)
+
+    def met_by(self, witness: Witness) -> list[int]:
+        """The rows that a motion meets, exactly: in integers where doubles leave it open."""
+        if not self.rigid:
+            return self.exact.met_by(witness, range(len(self.bounds)))
+        q = np.array([float(k) for k in witness.quaternion])
+        *shift, exponent = witness.shift
+        R = np.array(rotation_matrix((q / np.linalg.norm(q)).tolist()))
+        t = np.array([math.ldexp(k, exponent - self.unit) for k in shift])
+        room = self.bounds - np.linalg.norm(self.target - self.source @ R.T - t, axis=1)
+        sizes = np.abs(self.source).sum(axis=1) + np.abs(self.target).sum(axis=1)
+        error = MOTION_ERROR * (sizes + np.abs(t).sum() + self.bounds) + 1e-300
+        sure = np.abs(room) > error
+        doubtful = set(self.exact.met_by(witness, np.flatnonzero(~sure).tolist()))
+        return [i for i in range(len(room)) if (room[i] > 0.0 if sure[i] else i in doubtful)]
+
+
+def _at_most(A: Fraction | int, B: Fraction | int, d: int) -> bool:
+    """Whether the root of A is at most that of B and d: A - B - d^2 <= 2 d sqrt(B)."""
+    more = A - B - d * d
+    return more <= 0 or more * more <= 4 * d * d * B
+
+
+def _exponent(*arrays: Reals) -> int:
+    """Of a power of two near the largest of the numbers."""
+    return int(np.frexp(max(float(np.abs(array).max()) for array in arrays))[1])

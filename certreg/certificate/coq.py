@@ -26,7 +26,7 @@ from typing import TYPE_CHECKING
 
 from certreg.certificate.private_folder import UnusableFolderError, opened_folder, sweep
 from certreg.errors import InvalidFileError, MissingToolError
-from certreg.io import write_atomically
+from certreg.io.atomic import write_atomically
 from certreg.results import Ruling, Verdict
 from certreg.verify import IsotropicStatement, RefusalError, bound_doubles, parse, require
 

@@ -16,14 +16,16 @@ from typing import TYPE_CHECKING, Any, ClassVar, Generic, Protocol, TypeVar
 from certreg._loading import found_late
 from certreg.certificate.file_parts import FilePart, MisreadError
 from certreg.errors import InvalidFileError
-from certreg.io import require_ending, write_atomically
+from certreg.io.atomic import write_atomically
+from certreg.io.streams import require_ending
 from certreg.results import Brief
 from certreg.verify import FILE_MAX, JSON, NODES_MAX, RefusalError, shown
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from certreg.problem import RegistrationProblem
+    from certreg.problem.problem import RegistrationProblem
+
 
 FORMAT = "certreg-certificate/1"
 FILE = json.JSONEncoder(sort_keys=True, allow_nan=False, indent=1)
@@ -44,14 +46,14 @@ class CertificateBody(Protocol):
 
 BODIES = {  # by their kind: module of this wing, and class
     "isotropic": ("isotropic", "IsotropicBody"),
-    "similarity": ("similarity", "SimilarityBody"),
+    "similarity": ("isotropic", "SimilarityBody"),
     "count": ("count", "CountBody"),
     "springs-sos": ("springs_sos", "SpringsSosBody"),
     "springs-cones": ("springs_cones", "SpringsConesBody"),
     "springs-list": ("springs_list", "SpringsListBody"),
     "consensus": ("consensus", "ConsensusBody"),
     "truncated-rotation": ("truncated", "TruncatedRotationBody"),
-    "consensus-similarity": ("scaled_consensus", "ConsensusSimilarityBody"),
+    "consensus-similarity": ("consensus", "ConsensusSimilarityBody"),
 }
 KINDS = {  # each is loaded where a certificate is of it
     kind: found_late(f"certreg.certificate.{module}", body)

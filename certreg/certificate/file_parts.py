@@ -34,7 +34,7 @@ from typing import (
     get_type_hints,
 )
 
-from certreg.exact import Dyadic
+from certreg.exact.dyadic import Dyadic
 from certreg.results import Brief
 from certreg.verify import EXPONENT_MAX, NODES_MAX
 

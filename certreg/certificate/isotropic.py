@@ -1,6 +1,7 @@
 """Certificates of kind "isotropic": the optimal pose of a problem with springs alike in every way.
 
-The kind of every certificate of `certify`. Its theorems are in `certreg.verify`.
+And of kind "similarity", of a problem whose scale is free: the rotation is proved in the same way.
+Their theorems, and how they give the scale, are in `certreg.verify`.
 """
 
 from __future__ import annotations
@@ -10,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, ClassVar
 
 from certreg.certificate.file_parts import FilePart
 from certreg.certificate.radius import SeparatedRadius
-from certreg.exact import Dyadic, power_of_two
+from certreg.exact.dyadic import Dyadic, power_of_two
 
 if TYPE_CHECKING:
     from fractions import Fraction
@@ -109,3 +110,24 @@ class IsotropicBody(RotationBody):
     claims: Claims
     multiplier: Dyadic | None = None
     basin: RotationState | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SimilarityClaims(RotationClaims):
+    """What is claimed besides. scale_lower, scale_upper: the scale of every optimum is between."""
+
+    scale_lower: Dyadic
+    scale_upper: Dyadic
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SimilarityBody(RotationBody):
+    """A proof that a pose with a scale is optimal, and between which scales.
+
+    scale: "asymmetric" or "symmetric", as of the problem.
+    """
+
+    KIND: ClassVar[str] = "similarity"
+
+    scale: str
+    claims: SimilarityClaims

@@ -25,6 +25,7 @@ from itertools import chain
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from certreg.certificate.springs_list import (
     ListClaims,
@@ -32,22 +33,22 @@ from certreg.certificate.springs_list import (
     quaternion_product,
     with_positive_first,
 )
-from certreg.equilibrium import FloatingQuartic, PathsOutcome
-from certreg.exact import Dyadic, dyadic_above, dyadic_below
-from certreg.geometry import body_frame, dot, squared_norm
-from certreg.objective import levelled_exactly
+from certreg.equilibrium.paths import PathsOutcome
+from certreg.equilibrium.quartics import FloatingQuartic
+from certreg.exact.dyadic import Dyadic, dyadic_above, dyadic_below
+from certreg.geometry.so3 import body_frame, dot, squared_norm
+from certreg.objective.levelling import levelled_exactly
 from certreg.results import Brief
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from numpy.typing import NDArray
+    from certreg.equilibrium.paths import CriticalLines
+    from certreg.exact.spaces import IntegerQuaternion
+    from certreg.objective.levelling import LevelledExactly
+    from certreg.objective.springs import Springs
 
-    from certreg.equilibrium import CriticalLines
-    from certreg.exact import IntegerQuaternion
-    from certreg.objective import LevelledExactly, Springs
-
-    Complexes = NDArray[np.complex128]
+Complexes = NDArray[np.complex128]
 
 LINES = 40
 LARGEST_ENTRY, CHARTS = 9, 400  # of a chart; that are tried: in one of them no line is far out
@@ -279,6 +280,7 @@ def _claimed(
             sin2_half_angle=dyadic_above(sines[0], GAP_BITS) if unique else None,
             unique=True if unique else None,
         ),
+        rotation_only=not objective.motion.translations,
     )
 
 

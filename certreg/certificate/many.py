@@ -18,8 +18,8 @@ from certreg.certificate.checking import check_own, require_accepted
 from certreg.certificate.envelope import Certificate
 from certreg.certificate.isotropic import Claims, IsotropicBody
 from certreg.certificate.producing import produce
-from certreg.equilibrium import rotation_double
-from certreg.exact import (
+from certreg.equilibrium.presentation import rotation_double
+from certreg.exact.dyadic import (
     ASIN_SLACK,
     PI_ABOVE,
     STEEP,
@@ -28,10 +28,11 @@ from certreg.exact import (
     half_angle_bound,
     nearest_or_zero,
 )
-from certreg.io import write_atomically
-from certreg.native import ProvedOptima, library_if_any
-from certreg.objective import Isotropic
-from certreg.problem import ManyPairs, RegistrationProblem, exact_moments
+from certreg.io.atomic import write_atomically
+from certreg.native.library import ProvedOptima, library_if_any
+from certreg.objective.isotropic import Isotropic
+from certreg.problem.moments import exact_moments
+from certreg.problem.problem import RegistrationProblem
 from certreg.results import Brief
 
 if TYPE_CHECKING:
@@ -39,6 +40,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
     from numpy.typing import NDArray
+
+    from certreg.problem.many import ManyPairs
 
 PORTION = 256  # problems that one call into C takes: Ctrl-C is answered within milliseconds
 PATTERN = (1, 1, 1, 1)  # what compiled code proves: four equilibria, so that three points are

@@ -19,36 +19,29 @@ from typing import TYPE_CHECKING
 
 from certreg.certificate.count import CountBody
 from certreg.certificate.envelope import Certificate
-from certreg.certificate.isotropic import Claims, IsotropicBody, RotationState
-from certreg.certificate.radius import (
-    RADIUS_BITS,
-    SAFE,
-    SeparatedRadius,
-    isotropic_radius,
+from certreg.certificate.isotropic import (
+    Claims,
+    IsotropicBody,
+    RotationState,
+    SimilarityBody,
+    SimilarityClaims,
 )
-from certreg.certificate.similarity import SimilarityBody, SimilarityClaims
+from certreg.certificate.radius import RADIUS_BITS, SAFE, SeparatedRadius, isotropic_radius
 from certreg.errors import InvalidProblemError
-from certreg.exact import (
-    Dyadic,
-    dyadic_above,
-    dyadic_below,
-    is_positive_definite,
-    power_of_two,
-)
-from certreg.geometry import (
-    dot,
-    quadratic_form,
-    squared_norm,
-)
-from certreg.problem import exact_moments
+from certreg.exact.dyadic import Dyadic, dyadic_above, dyadic_below, power_of_two
+from certreg.exact.elimination import is_positive_definite
+from certreg.geometry.so3 import dot, quadratic_form, squared_norm
+from certreg.problem.moments import exact_moments
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
     from typing import Any
 
     from certreg.certificate.envelope import AnyBody_co
-    from certreg.objective import Isotropic, Scaling
-    from certreg.problem import RegistrationProblem
+    from certreg.objective.isotropic import Isotropic
+    from certreg.objective.scaling import Scaling
+    from certreg.problem.problem import RegistrationProblem
+
 
 INLINE_POINTS = 1_000_000  # the contract: beyond, the file carries the digest only
 INLINE_SPRINGS = 700_000  # of general springs, 128 bytes each in base64: files are below 1e8 bytes
@@ -179,7 +172,7 @@ def count_certificate(problem: RegistrationProblem) -> Certificate[CountBody] | 
     if problem.motion.options:
         message = f"no certificate counts equilibria with {problem.motion.options}: leave --out out"
         raise InvalidProblemError(message, array="problem")
-    from certreg.equilibrium import at_most_four  # loads FLINT, which few need
+    from certreg.equilibrium.counting import at_most_four  # loads FLINT, which few need
 
     proof = at_most_four(exact_moments(problem).cross)
     if proof is None:

@@ -3,65 +3,90 @@
 Stages, each a set of strikes: with K = the number of pairs met, what is left are the pairs that any
 motion that meets K or more can meet. If these are just the met ones, all labels are proved and K is
 the maximum. Else K + 1 is tried, and whether the others are enough without each met pair.
+
+All this is done for each piece of scale. A rigid motion has one scale. Where it is free, a piece
+that leaves more pairs than these, or others, is cut in two, until it is so narrow that motions with
+its scales differ by a small part of a bound.
 """
 
 from __future__ import annotations
 
+import heapq
 import json
+import logging
 import math
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any
+from functools import partial
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
+from certreg._loading import cached_property
 from certreg.certificate.consensus import (
+    OPEN,
+    RIGID,
     UNDECIDED,
     ConsensusBody,
-    Reach,
-    Stage,
+    ConsensusSimilarityBody,
+    Piece,
+    ScaledWitness,
+    ScaleRange,
     Witness,
+    ranges,
 )
-from certreg.certificate.consistency import (
-    QUATERNION_BITS,
-    SHIFT_BITS,
-    ExactRows,
-    consistent_pairs,
-)
-from certreg.certificate.envelope import Certificate
-from certreg.certificate.reach import ANGLE_BITS, turn_about
-from certreg.certificate.refuting import PointRows
-from certreg.certificate.staging import Part, Stager, settled
+from certreg.certificate.consistency import ConsistentPairs
+from certreg.certificate.isotropic import IsotropicBody, SimilarityBody
+from certreg.certificate.producing import enclosed
+from certreg.certificate.reach import ANGLE_BITS, reach_of, turn_about
+from certreg.certificate.springs_cones import SpringsConesBody
+from certreg.certificate.springs_sos import SpringsSosBody
+from certreg.certificate.staging import MOST, Part, Stager, length_of, settled
 from certreg.certificate.thinning import Graph
-from certreg.exact import dyadic_above
-from certreg.geometry import Pose, davenport_matrix, quaternion_from_matrix, rotation_matrix
-from certreg.problem import LEAST_PAIRS
+from certreg.errors import UndecidedError
+from certreg.exact.dyadic import Dyadic, dyadic_above, dyadic_below
+from certreg.geometry.pose import Pose
+from certreg.geometry.so3 import davenport_matrix, quaternion_from_matrix, rotation_matrix
+from certreg.native.bit_rows import mask_of, rows_of
+from certreg.problem.bounds import LEAST_PAIRS
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from certreg.certificate.isotropic import IsotropicBody
-    from certreg.certificate.similarity import SimilarityBody
-    from certreg.certificate.springs_cones import SpringsConesBody
-    from certreg.certificate.springs_sos import SpringsSosBody
-    from certreg.native import BitRows
-    from certreg.problem import RegistrationProblem
+    from certreg.certificate.envelope import Certificate
+    from certreg.native.bit_rows import Neighbours
+    from certreg.problem.problem import RegistrationProblem
 
-    FitBody = IsotropicBody | SpringsSosBody | SpringsConesBody
+FitBody = IsotropicBody | SpringsSosBody | SpringsConesBody | SimilarityBody
+
+LOG = logging.getLogger(__name__)
+OPEN_TOLD = "ranges of scales left open are looked at one by one ..."
+TOLD = "%d ranges of scales, %d of them still open; proving on ..."
+QUATERNION_BITS, SHIFT_BITS = 60, 64  # of a witness: its rounding is far below that of its points
+MOST_PIECES = 400  # that are kept, at effort 1
+# At effort 1, at once: where labels are proved, two or three; where pairs agree by chance, they are
+# ever more, and cutting on tells nothing of labels. Few while another witness may replace this one.
+MOST_OPEN, FEW_OPEN = 16, 4
+MOST_BITS = 1 << 30  # of the graphs of all pieces, as in the checker
+NARROW = 1.0 / 16.0  # of the least bound: what the ends of a piece that is not cut differ by
+OUTWARDS = 1e-6  # of a bound on scales: doubles err by far less
+END_BITS = 4  # more than it takes to tell the ends of a piece apart
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ProvedConsensus:
-    """What is proved with one motion: witness, the rows that it meets, stages and what follows.
+    """What is proved with one motion: witness, the rows that it meets, and what follows.
 
-    labels: of each row "i", "o" or "?". upper: no motion meets more.
+    labels: of each row "i", "o" or "?". upper: no motion meets more. pieces: of scale, with their
+    stages; states: of each piece.
     """
 
     witness: Witness
     met: tuple[int, ...]
-    stages: tuple[Stage, ...]
     labels: str
     upper: int
+    pieces: tuple[Piece, ...]
+    states: str
 
     @property
     def decided(self) -> bool:
@@ -73,57 +98,185 @@ class ProvedConsensus:
         """To compare two: pairs met, then labels proved, then how low the bound is."""
         return len(self.met), len(self.labels) - self.labels.count(UNDECIDED), -self.upper
 
+    @property
+    def open_scales(self) -> list[ScaleRange]:
+        """With which it is not proved that those that meet as many pairs meet the same."""
+        return ranges(self.pieces, self.states, OPEN)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ScalePart(Part):
+    """Motions whose scale is in a range."""
+
+    scales: ScaleRange
+
 
 class ConsensusProver:
-    """Proves as much as it can of one problem; the graph of consistent pairs is made once."""
+    """Proves as much as it can of one problem; what holds for all motions is found once."""
 
     def __init__(self, problem: RegistrationProblem, *, effort: float = 1.0) -> None:
         self.problem = problem
-        self._exact = ExactRows(problem)
-        self._near = consistent_pairs(problem)
-        self.graph = Graph(self._near, PointRows.of(problem), effort, rigid=True)
-
-    @property
-    def consistent(self) -> BitRows:
-        """Which two pairs one motion may meet."""
-        return self._near
+        self.pairs = ConsistentPairs(problem)
+        self._effort = effort
+        most = MOST_BITS // problem.n**2
+        self._most = max(2, min(round(MOST_PIECES * effort), most))
 
     def prove(
-        self, rotation: NDArray[np.float64], translation: NDArray[np.float64], *, whole: bool = True
+        self,
+        rotation: NDArray[np.float64],
+        translation: NDArray[np.float64],
+        scale: float = 1.0,
+        *,
+        whole: bool = True,
     ) -> ProvedConsensus | None:
         """What is proved with this motion as witness; None where it meets too few pairs.
 
         whole: False: no more than whether all labels are, or that no motion meets more pairs.
         """
-        return self.witnessed(witness_of(rotation, translation), whole=whole)
+        witness = witness_of(rotation, translation, None if self.pairs.rigid else scale)
+        return self.witnessed(witness, whole=whole) if scale > 0.0 else None
 
     def witnessed(self, witness: Witness, *, whole: bool = True) -> ProvedConsensus | None:
         """The same of a witness."""
-        met = self._exact.met_by(witness)
+        met = self.pairs.met_by(witness)
         if len(met) < LEAST_PAIRS:
             return None
-        part = Part.of(Stager(self.graph, met, whole))
-        labels, upper = settled([part], whole=whole)
-        return ProvedConsensus(witness, tuple(met), tuple(part.stages), labels, upper)
+        parts = self._parts(met, witness.scale, whole=whole)
+        progress = partial(LOG.info, OPEN_TOLD) if len(parts) > 1 else tuple
+        labels, upper = settled(parts, whole=whole, progress=progress)
+        pieces = tuple(Piece(end=_end(part.scales), stages=tuple(part.stages)) for part in parts)
+        states = "".join(part.state for part in parts)
+        return ProvedConsensus(witness, tuple(met), labels, upper, pieces, states)
+
+    def _parts(self, met: list[int], scale: Fraction, *, whole: bool) -> list[ScalePart]:
+        """Of all scales, in order: the widest of those that are open is cut, again and again.
+
+        Until so many are open at once that cutting will not end, or the certificate is full.
+        """
+        near = dyadic_below(scale, END_BITS).value
+        below, beside = ScaleRange(Fraction(0), near / 2), ScaleRange(near / 2, near * 2)
+        begun = [RIGID] if self.pairs.rigid else [below, beside, ScaleRange(near * 2, None)]
+        found: list[ScalePart] = []
+        queue: list[tuple[float, Fraction, ScalePart]] = []
+
+        def add(part: ScalePart) -> None:
+            width = self._width(part.scales) if part.state == OPEN else 0.0
+            if width > 0.0:
+                heapq.heappush(queue, (-width, part.scales.low, part))
+            else:
+                found.append(part)
+
+        for scales in begun:
+            add(self._thinned(scales, met, whole=whole))
+        held = sum(part.length for part in found) + sum(part.length for _, _, part in queue)
+        most_open = max(1, round((MOST_OPEN if whole else FEW_OPEN) * self._effort))
+        while queue and len(queue) <= most_open and len(found) + len(queue) < self._most:
+            part = heapq.heappop(queue)[2]
+            middle, ends = _middle(part.scales), part.scales
+            halves = [
+                self._thinned(ScaleRange(*range_), met, whole=whole)
+                for range_ in ((ends.low, middle), (middle, ends.high))
+            ]
+            held += sum(half.length for half in halves) - part.length
+            if held > MOST * 3 // 4:  # the rest is for what follows from the first stages
+                found.append(part)
+                break
+            for half in halves:
+                add(half)
+            LOG.info(TOLD, len(found) + len(queue), len(queue))
+        found += [part for _, _, part in queue]
+        return sorted(found, key=lambda part: part.scales.low)
+
+    def _width(self, scales: ScaleRange) -> float:
+        """What the ends differ by, in shares of the scale; 0 where it is not worth cutting."""
+        low, high = self.pairs.in_units(scales.low), self.pairs.in_units(scales.high)
+        if low <= 0.0 or not np.isfinite(high):
+            return 1e300 if self._reaches(low, high) else 0.0
+        size = float(np.linalg.norm(np.ptp(self.pairs.source, axis=0)))
+        small = (high - low) * size <= NARROW * float(self.pairs.bounds.min())
+        return 0.0 if small else high / low - 1.0
+
+    def _reaches(self, low: float, high: float) -> bool:
+        """Whether some pair tells scales of an end piece apart."""
+        if low <= 0.0:
+            return bool((self.pairs.scales.least[self.pairs.scales.least > 0.0] <= high).any())
+        finite = self.pairs.scales.most[np.isfinite(self.pairs.scales.most)]
+        return bool((finite >= low).any())
+
+    def _thinned(self, scales: ScaleRange, met: list[int], *, whole: bool) -> ScalePart:
+        rigid = scales is RIGID
+        graph = self.graph if rigid else self._graph(scales)
+        stager = Stager(graph, met, whole or not rigid, MOST)
+        return ScalePart.of(stager, _clique(graph.near, met), scales=scales)
+
+    @cached_property
+    def graph(self) -> Graph:
+        """Of rigid motions."""
+        return self._graph(RIGID)
+
+    def _graph(self, scales: ScaleRange) -> Graph:
+        near, points = self.pairs.near(scales), self.pairs.points(scales)
+        return Graph(near, points, self._effort, rigid=scales is RIGID)
 
 
-def witness_of(rotation: NDArray[np.float64], translation: NDArray[np.float64]) -> Witness:
-    """A motion in integers, next to one in doubles."""
+def _clique(near: Neighbours, met: list[int]) -> int:
+    """Of the rows a set that agree with each other, the one with most neighbours first."""
+    left, clique = mask_of(met), 0
+    if all(left & ~(near[row] | 1 << row) == 0 for row in met):
+        return left
+    while left:
+        row = max(rows_of(left), key=lambda i: (near[i] & left).bit_count())
+        clique |= 1 << row
+        left &= near[row]
+    return clique
+
+
+def _middle(scales: ScaleRange) -> Fraction:
+    """Between the ends, in few bits: next to their geometric mean; of an end piece beyond it."""
+    low, high = scales.low, scales.high
+    if high is None:
+        return low * 4
+    if not low:
+        return high / 4
+    ratio = float(high / low)
+    bits = END_BITS + max(0, -int(np.frexp(ratio - 1.0)[1]))
+    middle = dyadic_below(low * Fraction(ratio**0.5), bits).value
+    return middle if low < middle < high else (low + high) / 2
+
+
+def _end(scales: ScaleRange) -> Dyadic | None:
+    """The end of a piece, over a power of two; None: it has none, or is one scale."""
+    end = None if scales is RIGID else scales.high
+    if end is None:
+        return None
+    return Dyadic(mantissa=end.numerator, exponent=1 - end.denominator.bit_length())
+
+
+def witness_of(
+    rotation: NDArray[np.float64], translation: NDArray[np.float64], scale: float | None = None
+) -> Witness:
+    """A motion in integers, next to one in doubles. scale: None of a rigid one."""
     w, x, y, z = np.rint(np.ldexp(quaternion_from_matrix(rotation), QUATERNION_BITS)).tolist()
     size = float(np.abs(translation).max())
     exponent = int(np.frexp(size)[1]) - SHIFT_BITS if size else 0
     a, b, c = (int(Fraction(k) / Fraction(2) ** exponent) for k in translation.tolist())
-    return Witness(quaternion=(int(w), int(x), int(y), int(z)), shift=(a, b, c, exponent))
+    turn, shift = (int(w), int(x), int(y), int(z)), (a, b, c, exponent)
+    if scale is None:
+        return Witness(quaternion=turn, shift=shift)
+    factor = dyadic_below(Fraction(scale), 53)
+    return ScaledWitness(quaternion=turn, shift=shift, factor=factor)
 
 
-def consensus_of(problem: RegistrationProblem, body: ConsensusBody) -> ProvedConsensus:
+def consensus_of(
+    problem: RegistrationProblem, body: ConsensusBody | ConsensusSimilarityBody
+) -> ProvedConsensus:
     """What a certificate says that the checker has accepted for the problem."""
-    met = tuple(ExactRows(problem).met_by(body.witness))
-    return ProvedConsensus(body.witness, met, body.stages, body.labels, body.upper)
+    met = tuple(ConsistentPairs(problem).met_by(body.witness))
+    return ProvedConsensus(body.witness, met, body.labels, body.upper, body.pieces, body.states)
 
 
 def pose_of(witness: Witness) -> Pose:
-    """The motion in doubles, rounded."""
+    """The motion in doubles, rounded, but for its scale."""
     q = np.array([float(k) for k in witness.quaternion])
     *shift, exponent = witness.shift
     matrix = np.eye(4)
@@ -137,88 +290,124 @@ def consensus_certificate(
     found: ProvedConsensus,
     fit: Certificate[FitBody] | None,
     about: dict[str, Any] | None = None,
-) -> Certificate[ConsensusBody]:
-    """The certificate; fit: of the least squares over the rows that the witness meets."""
-    body = ConsensusBody(
+) -> Certificate[ConsensusBody | ConsensusSimilarityBody]:
+    """The certificate; fit: of the least squares over the rows that the witness meets.
+
+    Raises UndecidedError where it would be too long.
+    """
+    return enclosed(problem, BODY_OF[type(found.witness)](problem, found, fit), about)
+
+
+def _rigid_body(
+    problem: RegistrationProblem, found: ProvedConsensus, fit: Certificate[FitBody] | None
+) -> ConsensusBody:
+    """How far motions that meet all these rows may turn from the fit: they have 2 p^T K p >= c.
+
+    c = S - B, B = sum w b^2. The pose of general springs is no eigenvector of K: `turn_about`
+    allows for that.
+    """
+    springs, reach = problem.factors is not None, None
+    rows = MetRows.of(problem, found.met, np.ones(problem.n) if springs else problem.weights)
+    x, y = rows.source, rows.target
+    spread = float((rows.weights * (x * x + y * y)).sum())
+    c = spread - rows.room
+    if fit is not None and not springs:
+        reach = reach_of(rows.davenport, c, spread, fit.body.quaternion)
+    elif fit is not None:
+        u = np.array(fit.body.quaternion, dtype=float)
+        A = 2.0 * rows.davenport / spread
+        reach = turn_about(c / spread, A, u / np.linalg.norm(u))
+    return ConsensusBody(
         witness=found.witness,
         labels=found.labels,
         upper=found.upper,
-        stages=found.stages,
+        stages=found.pieces[0].stages,
         fit=None if fit is None else unheld(fit),
-        reach=None if fit is None else _reach(problem, found.met, fit.body.quaternion),
-        springs=problem.factors is not None,
-    )
-    return Certificate(
-        n=problem.n,
-        digest=problem.digest(),
-        inline=problem.data_bytes(),
-        body=body,
-        about=about or {},
+        reach=reach,
+        springs=springs,
     )
 
 
-def unheld(fit: Certificate[FitBody] | Certificate[SimilarityBody]) -> dict[str, Any]:
+def _similarity_body(
+    problem: RegistrationProblem, found: ProvedConsensus, fit: Certificate[FitBody] | None
+) -> ConsensusSimilarityBody:
+    """Between which scales, and how far from the fit, all motions are that meet the met rows.
+
+    With X, Y, l as in `refuting` and c = Y - B, they have s^2 X + c <= 2 s l: s is between the
+    roots. Where c > 0, they have 2 p^T K p >= 2 sqrt(c X). Doubles, rounded outwards: the checker
+    decides.
+    """
+    if sum(length_of(piece.stages) for piece in found.pieces) > MOST:
+        message = (
+            f"the proof of {problem.n} pairs with a free scale is longer than a certificate may "
+            "be: give fewer of them, the surest ones"
+        )
+        raise UndecidedError(message)
+    rows = MetRows.of(problem, found.met, problem.weights)
+    X, Y = (float((rows.weights * p * p).sum()) for p in (rows.source, rows.target))
+    c, K = Y - rows.room, rows.davenport
+    level = float(np.linalg.eigvalsh(K)[-1])
+    middle, half = level / X, math.sqrt(max(level * level - c * X, 0.0)) / X
+    low, high = (middle - half) * (1.0 - OUTWARDS), (middle + half) * (1.0 + OUTWARDS)
+    reach = None
+    if c > 0.0 and fit is not None:
+        reach = reach_of(K, 2.0 * math.sqrt(c * X), math.sqrt(X * Y), fit.body.quaternion)
+    lower = dyadic_below(Fraction(low) if c > 0.0 and low > 0.0 else Fraction(0), ANGLE_BITS)
+    return ConsensusSimilarityBody(
+        witness=cast("ScaledWitness", found.witness),
+        labels=found.labels,
+        upper=found.upper,
+        pieces=found.pieces,
+        states=found.states,
+        scale=problem.scale.value,
+        scale_lower=lower.scaled(rows.exponent),
+        scale_upper=dyadic_above(Fraction(high), ANGLE_BITS).scaled(rows.exponent),
+        fit=None if fit is None else unheld(fit),
+        reach=reach,
+    )
+
+
+BODY_OF = {Witness: _rigid_body, ScaledWitness: _similarity_body}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class MetRows:
+    """Rows of both clouds about their weighted means, (K, 3), and weights (K, 1), at most 1.
+
+    davenport: Davenport's matrix. room: the sum of the weighted squares of their bounds. exponent:
+    of `ConsistentPairs`.
+    """
+
+    source: NDArray[np.float64]
+    target: NDArray[np.float64]
+    weights: NDArray[np.float64]
+    davenport: NDArray[np.float64]
+    room: float
+    exponent: int
+
+    @classmethod
+    def of(
+        cls,
+        problem: RegistrationProblem,
+        met: tuple[int, ...],
+        weights: NDArray[np.float64],
+    ) -> MetRows:
+        """Of the rows that are met."""
+        pairs, rows = ConsistentPairs(problem), list(met)
+        w = (weights[rows] / weights[rows].max())[:, None]
+        x, y = (p[rows] - p[rows[0]] for p in (pairs.source, pairs.target))
+        x, y = (p - (w * p).sum(axis=0) / w.sum() for p in (x, y))
+        return cls(
+            source=x,
+            target=y,
+            weights=w,
+            davenport=np.array(davenport_matrix(((w * y).T @ x).tolist())),
+            room=float((w[:, 0] * pairs.bounds[rows] ** 2).sum()),
+            exponent=pairs.exponent,
+        )
+
+
+def unheld(fit: Certificate[FitBody]) -> dict[str, Any]:
     """The certificate as a file holds it, without its points: they are those of the outer one."""
     fields: dict[str, Any] = json.loads(fit.line())
     return {**fields, "problem": {"data": None, "digest": fit.digest, "n": fit.n}}
-
-
-def _reach(
-    problem: RegistrationProblem, met: tuple[int, ...], quaternion: tuple[int, ...]
-) -> Reach | None:
-    """How far motions that meet all these rows may turn from that of the fit; None if not bounded.
-
-    They have 2 p^T K p >= c, c = S - B. The pose of general springs is no eigenvector of K:
-    `turn_about` allows for that.
-    """
-    points = PointRows.of(problem)
-    weights = problem.weights if problem.factors is None else np.ones(problem.n)
-    x, y, w = centred(points.source, points.target, weights, met)
-    spread = float((w * (x * x + y * y)).sum())
-    c = spread - float((w[:, 0] * points.bounds[[*met]] ** 2).sum())
-    K = np.array(davenport_matrix(((w * y).T @ x).tolist()))
-    if problem.factors is None:
-        return reach_of(K, c, spread, quaternion)
-    u = np.array(quaternion, dtype=float)
-    return turn_about(c / spread, 2.0 * K / spread, u / np.linalg.norm(u))
-
-
-def centred(
-    source: NDArray[np.float64],
-    target: NDArray[np.float64],
-    weights: NDArray[np.float64],
-    met: tuple[int, ...],
-) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-    """Rows of both clouds about their weighted means, (K, 3), and weights (K, 1), at most 1."""
-    rows = list(met)
-    w = (weights[rows] / weights[rows].max())[:, None]
-    x, y = (p[rows] - p[rows[0]] for p in (source, target))
-    x, y = (p - (w * p).sum(axis=0) / w.sum() for p in (x, y))
-    return x, y, w
-
-
-def reach_of(
-    K: NDArray[np.float64], c: float, size: float, quaternion: tuple[int, ...]
-) -> Reach | None:
-    """How far motions with 2 p^T K p >= c may turn from the quaternion; None if not bounded.
-
-    In the frame of the eigenvectors of K, l1 >= l2, u the first, c I - 2 K + t (u u^T - (1 - s) I)
-    > 0 asks for t s > 2 l1 - c and t (1 - s) < c - 2 l2: there is such a t iff
-    s > (2 l1 - c) / (2 l1 - 2 l2). t is tau size. Doubles: the checker decides.
-    """
-    u = np.array(quaternion, dtype=float)
-    u /= np.linalg.norm(u)
-    across = np.linalg.svd(u[None])[2][1:]
-    first = float(2.0 * u @ K @ u)
-    second = float(2.0 * np.linalg.eigvalsh(across @ K @ across.T)[-1])
-    if not (first > c > second):
-        return None
-    s = (first - c) / (first - second) * (1.0 + 1e-6) + 1e-12
-    if s >= 1.0:
-        return None
-    low, high = (first - c) / s, (c - second) / (1.0 - s)
-    tau = (low + high) / 2.0 / size
-    return Reach(
-        sin2_half_angle=dyadic_above(Fraction(s), ANGLE_BITS),
-        tau=dyadic_above(Fraction(tau), 53),
-    )

@@ -21,10 +21,10 @@ if TYPE_CHECKING:
     from certreg.certificate.springs_cones import SpringsConesBody
     from certreg.certificate.springs_list import SpringsListBody
     from certreg.certificate.springs_sos import SpringsSosBody
-    from certreg.equilibrium import CriticalLines
-    from certreg.objective import Springs
-    from certreg.problem import RegistrationProblem
-    from certreg.relaxation import Found
+    from certreg.equilibrium.paths import CriticalLines
+    from certreg.objective.springs import Springs
+    from certreg.problem.problem import RegistrationProblem
+    from certreg.relaxation.optimum import Found
 
 AnyBody = TypeVar("AnyBody", "SpringsSosBody", "SpringsConesBody")
 

@@ -27,7 +27,7 @@ from functools import lru_cache
 from typing import TYPE_CHECKING
 
 from certreg.certificate.file_parts import FilePart
-from certreg.exact import (
+from certreg.exact.dyadic import (
     Dyadic,
     dyadic_below,
     dyadic_root_above,
@@ -35,10 +35,11 @@ from certreg.exact import (
     power_of_two,
     rational_root_above,
 )
-from certreg.problem import trace
+from certreg.problem.moments import trace
 
 if TYPE_CHECKING:
-    from certreg.problem import ExactMoments, SpringMoments
+    from certreg.problem.moments import ExactMoments
+    from certreg.problem.stiffness import SpringMoments
 
 RADIUS_BITS = 24  # of mantissa: short numbers, at most 2^-23 of them lost
 SAFE_BITS = 40

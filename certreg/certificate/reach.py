@@ -15,10 +15,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from certreg.certificate.consensus import Reach
-from certreg.exact import dyadic_above
+from certreg.exact.dyadic import dyadic_above
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
+
 
 ANGLE_BITS = 24  # of the bound on an angle
 HALVINGS = 50  # of s, of t, of the slope of h
@@ -71,4 +72,31 @@ def turn_about(c: float, A: NDArray[np.float64], u: NDArray[np.float64]) -> Reac
     return Reach(
         sin2_half_angle=dyadic_above(Fraction(s), ANGLE_BITS),
         tau=dyadic_above(Fraction((most + frame.best(s)) / 2.0), 53),
+    )
+
+
+def reach_of(
+    K: NDArray[np.float64], c: float, size: float, quaternion: tuple[int, ...]
+) -> Reach | None:
+    """How far motions with 2 p^T K p >= c may turn from the quaternion; None if not bounded.
+
+    In the frame of the eigenvectors of K, l1 >= l2, u the first, c I - 2 K + t (u u^T - (1 - s) I)
+    > 0 asks for t s > 2 l1 - c and t (1 - s) < c - 2 l2: there is such a t iff
+    s > (2 l1 - c) / (2 l1 - 2 l2). t is tau size. Doubles: the checker decides.
+    """
+    u = np.array(quaternion, dtype=float)
+    u /= np.linalg.norm(u)
+    across = np.linalg.svd(u[None])[2][1:]
+    first = float(2.0 * u @ K @ u)
+    second = float(2.0 * np.linalg.eigvalsh(across @ K @ across.T)[-1])
+    if not (first > c > second):
+        return None
+    s = (first - c) / (first - second) * (1.0 + 1e-6) + 1e-12
+    if s >= 1.0:
+        return None
+    low, high = (first - c) / s, (c - second) / (1.0 - s)
+    tau = (low + high) / 2.0 / size
+    return Reach(
+        sin2_half_angle=dyadic_above(Fraction(s), ANGLE_BITS),
+        tau=dyadic_above(Fraction(tau), 53),
     )

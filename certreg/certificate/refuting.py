@@ -1,9 +1,11 @@
-"""Weights that show that no rigid motion meets all pairs of a group, found in doubles.
+"""Weights that show that no motion meets all pairs of a group, found in doubles.
 
-With weights l_i >= 0 of the rows of a group T, every motion has sum l_i r_i^2 >= S - 2 l1, S the
-centred squares of both clouds, l1 the largest eigenvalue of Davenport's matrix. If that is more
-than sum l_i b_i^2, no motion meets all of T. The best weights belong to the motion of least largest
-r_i / b_i; Lawson's method finds them: each weight times the residual that it leaves.
+With weights l_i >= 0 of the rows of a group T, X = sum l |x|^2 and Y = sum l |y|^2 about means and
+l1 the largest eigenvalue of Davenport's matrix, every motion with the scale s has sum l_i r_i^2 >=
+s^2 X + Y - 2 s l1: convex in s, and least at l1/X. If that is more than sum l_i b_i^2 for all
+scales of a range, no motion meets all of T; a rigid one has s = 1. The best weights belong to the
+motion of least largest r_i / b_i; Lawson's method finds them: each weight times the residual that
+it leaves.
 """
 
 from __future__ import annotations
@@ -12,20 +14,18 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from certreg._loading import cached_property
 from certreg.certificate.consensus import Group
-from certreg.geometry import davenport_matrices, rotation_matrices
-from certreg.native import LawsonColumns, lawson_columns
+from certreg.geometry.so3 import davenport_matrices, rotation_matrices
+from certreg.native.lawson import LawsonColumns, lawson_columns
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from numpy.typing import NDArray
 
-    from certreg.problem import RegistrationProblem
-
-    Reals = NDArray[np.float64]
+Reals = NDArray[np.float64]
 
 # What follows stands in native/lawson.c, too.
 ROUNDS = 100  # of reweighting: five are usual, more where the least largest residual is near 1
@@ -37,19 +37,13 @@ MARGIN = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class PointRows:
-    """Points (N, 3) and bounds (N,) of a problem in doubles."""
+    """Points (N, 3) and bounds (N,) in doubles, and scales from low to high."""
 
-    source: NDArray[np.float64]
-    target: NDArray[np.float64]
-    bounds: NDArray[np.float64]
-
-    @classmethod
-    def of(cls, problem: RegistrationProblem) -> PointRows:
-        """Of a problem, in a unit of length near its size: a power of two, so without rounding."""
-        block = problem.points
-        size = max(np.abs(block.source).max(), np.abs(block.target).max(), problem.bounds.max())
-        one = 2.0 ** -int(np.frexp(size)[1])
-        return cls(block.source * one, block.target * one, problem.bounds * one)
+    source: Reals
+    target: Reals
+    bounds: Reals
+    low: float = 1.0
+    high: float = 1.0
 
     def refutation(self, row: int, rows: Sequence[int]) -> Group | None:
         """Few of the rows, and weights that refute them together with the row.
@@ -65,6 +59,9 @@ class PointRows:
 
     @cached_property
     def _columns(self) -> LawsonColumns | None:
+        """None where there is no compiled code, or a scale, which that knows not."""
+        if not self.low == self.high == 1.0:
+            return None
         return lawson_columns(self.source.T, self.target.T, self.bounds)
 
     def _refutation(self, row: int, rows: Sequence[int]) -> Group | None:
@@ -131,7 +128,11 @@ class PointRows:
 
     def _scaled(self, x: Reals, y: Reals, load: Reals, level: Reals) -> tuple[Reals, Reals]:
         """(G,) scales of the best motions, and (G,) the squares of both clouds at them."""
-        return np.ones_like(level), (load * (x * x + y * y)).sum(axis=(1, 2))
+        here, there = ((load * p * p).sum(axis=(1, 2)) for p in (x, y))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            best = np.where(here > 0.0, level / here, self.low)
+        scale = np.clip(best, self.low, self.high)
+        return scale, scale * scale * here + there
 
 
 def _whole(weights: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -7,11 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.certificate.consistency import ExactRows
 from certreg.certificate.producing_consensus import witness_of
-from certreg.certificate.refuting import PointRows
-from certreg.exact import is_positive_definite
-from certreg.geometry import davenport_matrix, rotation_matrix, squared_norm
+from certreg.exact.elimination import is_positive_definite
+from certreg.geometry.so3 import davenport_matrix, rotation_matrix, squared_norm
 from certreg.results import Brief
 
 if TYPE_CHECKING:
@@ -21,8 +19,9 @@ if TYPE_CHECKING:
 
     from certreg.certificate.consensus import Witness
     from certreg.certificate.producing_consensus import ConsensusProver
-    from certreg.native import Neighbours
-    from certreg.problem import RegistrationProblem
+    from certreg.native.bit_rows import Neighbours
+    from certreg.problem.problem import RegistrationProblem
+
 
 ROUNDS = 200  # of reweighting: the largest residual falls slowly near the least
 
@@ -41,20 +40,19 @@ class CommonMotion(Brief):
 
 def common_motion(prover: ConsensusProver, rows: Sequence[int]) -> CommonMotion:
     """What is proved of the rows; doubles propose, integers decide."""
-    apart = np.argwhere(~prover.consistent.table[np.ix_(rows, rows)])
+    apart = np.argwhere(~prover.graph.near.table[np.ix_(rows, rows)])
     for i, j in apart.tolist():
         if i < j:
             return CommonMotion(refuted=(rows[i], rows[j]))
-    exact = ExactRows(prover.problem)
     witness = witness_of(*_least_largest(prover.problem, rows))
-    if set(rows) <= set(exact.met_by(witness)):
+    if set(rows) <= set(prover.pairs.met_by(witness)):
         return CommonMotion(witness=witness)
     first, *others = rows
-    group = PointRows.of(prover.problem).refutation(first, others)
+    group = prover.graph.points.refutation(first, others)
     if group is None:
         return CommonMotion()
     few = (first, *group.rows)
-    if not is_refuted([exact.rows[row] for row in few], group.weights):
+    if not is_refuted([prover.pairs.exact.rows[row] for row in few], group.weights):
         return CommonMotion()
     return CommonMotion(refuted=tuple(sorted(few)))
 

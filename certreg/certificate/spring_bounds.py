@@ -7,15 +7,15 @@ from itertools import product
 from typing import TYPE_CHECKING, Protocol
 
 from certreg.certificate.bounds import NO_ANGLE, NO_RANGE, ExactPose, PoseBounds, angle_from
-from certreg.exact import double_above, rational_root_above
-from certreg.geometry import squared_norm
+from certreg.exact.dyadic import double_above, rational_root_above
+from certreg.geometry.so3 import squared_norm
 from certreg.results import Absent, present
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from certreg.certificate.springs_sos import SpringsClaims
-    from certreg.objective import Springs
+    from certreg.objective.springs import Springs
 
 NOT_CLAIMED = Absent("the certificate bounds no angle to the optima")
 NO_SHIFT = Absent("the certificate bounds no angle to the optima, and so no shift")

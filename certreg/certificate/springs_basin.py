@@ -12,13 +12,13 @@ from fractions import Fraction
 from functools import partial
 from typing import TYPE_CHECKING
 
-from certreg.exact import rank
-from certreg.geometry import quadratic_form, squared_norm
+from certreg.exact.elimination import rank
+from certreg.geometry.so3 import quadratic_form, squared_norm
 from certreg.results import Brief, Ruling, Verdict
 
 if TYPE_CHECKING:
     from certreg.certificate.springs_list import SpringsListBody
-    from certreg.objective import Springs
+    from certreg.objective.springs import Springs
 
 THEOREM = (
     "From its last state the exact motion ends at the optimum: its energy is below that of every "

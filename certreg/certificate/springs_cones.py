@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, ClassVar
 
 from certreg.certificate.springs_sos import SpringsBody
-from certreg.exact import Dyadic
+from certreg.exact.dyadic import Dyadic
 from certreg.verify import CAPS_MAX
 
 if TYPE_CHECKING:

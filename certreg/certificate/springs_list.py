@@ -10,12 +10,12 @@ from fractions import Fraction
 from typing import TYPE_CHECKING, Annotated, ClassVar
 
 from certreg.certificate.file_parts import FilePart
-from certreg.exact import Dyadic
+from certreg.exact.dyadic import Dyadic
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from certreg.exact import IntegerQuaternion
+    from certreg.exact.spaces import IntegerQuaternion
 
 
 def quaternion_product(a: Sequence[int], p: Sequence[int]) -> IntegerQuaternion:
@@ -65,6 +65,7 @@ class SpringsListBody(FilePart):
     lines: x, x', y, y', z, z' of each, of x + i x', y + i y', z + i z': those of the equilibria,
         which are real, and one of two that are conjugate.
     modulus: with which linear algebra shows that there are no more.
+    rotation_only: of a problem without a translation.
     """
 
     KIND: ClassVar[str] = "springs-list"
@@ -74,6 +75,7 @@ class SpringsListBody(FilePart):
         "chart": "proof.chart",
         "lines": "proof.lines",
         "modulus": "proof.modulus",
+        "rotation_only": "rotation_only?",
     }
 
     quaternion: tuple[int, int, int, int]
@@ -82,6 +84,7 @@ class SpringsListBody(FilePart):
     lines: Annotated[tuple[int, ...], range(120, 241, 6)]  # 40, half of them at least real
     modulus: int
     claims: ListClaims
+    rotation_only: bool = False
 
     @property
     def quaternions(self) -> tuple[IntegerQuaternion, ...]:

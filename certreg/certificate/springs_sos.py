@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, ClassVar
 
 from certreg.certificate.file_parts import FilePart
 from certreg.certificate.radius import Radius
-from certreg.exact import Dyadic
+from certreg.exact.dyadic import Dyadic
 
 if TYPE_CHECKING:
     from fractions import Fraction
@@ -37,18 +37,21 @@ class SpringsBody(FilePart):
     quaternion: integers (w, x, y, z), the certified rotation is R(q) of the unit vector along it.
     symmetry: turns (a, b) of world and body that keep the objective; where there are many optima.
     radius: how far points may move before an optimum turns by more than an angle.
+    rotation_only: of a problem without a translation.
     """
 
     PLACES: ClassVar = {
         "quaternion": "proof.pose",
         "symmetry": "proof.symmetry",
         "radius": "radius?",
+        "rotation_only": "rotation_only?",
     }
 
     quaternion: tuple[int, int, int, int]
     claims: SpringsClaims
     symmetry: Annotated[tuple[int, ...], (6,)] | None = None
     radius: Radius | None = None
+    rotation_only: bool = False
 
     @property
     def gap(self) -> Fraction:

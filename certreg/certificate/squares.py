@@ -17,20 +17,21 @@ from itertools import combinations_with_replacement
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from certreg.certificate.springs_sos import SpringsClaims, SpringsSosBody
-from certreg.exact import dyadic_above, is_positive_definite, power_of_two
-from certreg.geometry import dot, squared_norm
+from certreg.exact.dyadic import dyadic_above, power_of_two
+from certreg.exact.elimination import is_positive_definite
+from certreg.geometry.so3 import dot, squared_norm
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from numpy.typing import NDArray
+    from certreg.objective.springs import Springs
+    from certreg.relaxation.optimum import Found
 
-    from certreg.objective import Springs
-    from certreg.relaxation import Found
 
-    Array = NDArray[np.float64]
+Array = NDArray[np.float64]
 
 QUARTICS: tuple[tuple[int, ...], ...] = tuple(combinations_with_replacement(range(4), 4))
 PRODUCTS = tuple(combinations_with_replacement(range(4), 2))
@@ -97,26 +98,35 @@ def _body(
     gap = objective.energy(scaled.quaternion) - (level - ROUNDING) * one
     pairs = zip(scaled.quartic, SQUARE, strict=True)
     width = sum([abs(c - level * k) for c, k in pairs]) + 2 * ROUNDING
-    unique, symmetry = None, None
-    if 4 * max(width, 2 * mu) * gap <= mu**2 * one:
-        unique = True
-    elif not mu:
-        symmetry = next((s for s in objective.symmetry if _moves_all(s)), None)
-        unique = None if symmetry is None else False
-    bounded = gap < mu * one
+    claims, symmetry = growth_claims(objective, gap, mu * one, width * one)
     return SpringsSosBody(
         quaternion=scaled.quaternion,
         unit=scaled.unit,
         level=level,
         mu=mu,
         gram=(*short.mantissas, short.exponent),
-        claims=SpringsClaims(
-            gap=dyadic_above(gap, BOUND_BITS),
-            sin2_half_angle=dyadic_above(gap / (mu * one), BOUND_BITS) if bounded else None,
-            unique=unique,
-        ),
+        claims=claims,
         symmetry=symmetry,
+        rotation_only=not objective.motion.translations,
     )
+
+
+def growth_claims(
+    objective: Springs, gap: Fraction, mu: Fraction, width: Fraction
+) -> tuple[SpringsClaims, tuple[int, ...] | None]:
+    """What follows where the objective grows from the pose as mu sin^2(angle/2), less the gap.
+
+    And the symmetry by which the optimum is none alone. width: at least the range of the objective.
+    """
+    unique, symmetry = None, None
+    if mu and 4 * max(width, 2 * mu) * gap <= mu**2:
+        unique = True
+    elif not mu:
+        symmetry = next((turns for turns in objective.symmetry if _moves_all(turns)), None)
+        unique = None if symmetry is None else False
+    angle = dyadic_above(gap / mu, BOUND_BITS) if gap < mu else None
+    claims = SpringsClaims(gap=dyadic_above(gap, BOUND_BITS), sin2_half_angle=angle, unique=unique)
+    return claims, symmetry
 
 
 def _shortened(quaternion: Sequence[int]) -> tuple[int, int, int, int]:

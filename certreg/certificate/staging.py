@@ -10,11 +10,10 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from certreg.certificate.assuming import Assuming
-from certreg.certificate.consensus import INLIER, OUTLIER, UNDECIDED, Stage
-from certreg.certificate.parting import Parting
-from certreg.certificate.scaled_consensus import NONE, OPEN, SAME
+from certreg.certificate.consensus import INLIER, NONE, OPEN, OUTLIER, SAME, UNDECIDED, Stage
+from certreg.certificate.edge_elimination import Parting
 from certreg.certificate.thinning import GraphThinning
-from certreg.native import mask_of
+from certreg.native.bit_rows import mask_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -22,6 +21,7 @@ if TYPE_CHECKING:
 
     from certreg.certificate.consensus import Strike
     from certreg.certificate.thinning import Graph
+
 
 MOST_LEFT_OUT = 64  # pairs tried as inliers one by one, at effort 1: each is a stage of its own
 MOST = 40_000  # commas and brackets of all stages; a certificate may have 50,000

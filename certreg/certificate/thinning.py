@@ -11,11 +11,12 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from certreg.certificate.consensus import Group, Strike
-from certreg.native import mask_of, rows_of, thinned
+from certreg.native.bit_rows import mask_of, rows_of, thinned
 
 if TYPE_CHECKING:
     from certreg.certificate.refuting import PointRows
-    from certreg.native import BitRows, Neighbours
+    from certreg.native.bit_rows import BitRows
+
 
 MOST_GROUPS = 64  # of one row, at effort 1
 MOST_LEFT_OUT = 4  # rows, where groups share some: the sets to be tried grow as its power
@@ -28,7 +29,7 @@ class Graph:
     rigid: whether all motions keep lengths, so that two pairs can be parted by turns.
     """
 
-    near: Neighbours
+    near: BitRows
     points: PointRows
     effort: float = 1.0
     rigid: bool = False

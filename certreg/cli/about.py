@@ -8,21 +8,29 @@ from typing import TYPE_CHECKING
 
 import click
 
-from certreg import __version__, native, registration
-from certreg._loading import ORIGINS, refusal, unloaded
+from certreg import __version__
+from certreg._loading import ORIGINS, late, refusal, unloaded
 from certreg.cli.options import FOLDER
-from certreg.registration import DONE
-from certreg.report import printable
+from certreg.registration.exit_codes import DONE
+from certreg.report.markup import printable
 
 if TYPE_CHECKING:
     from pathlib import Path
+
+    from certreg.native import kernels
+    from certreg.native import library as native_library
+    from certreg.registration import c_sources
+else:
+    kernels = late("certreg.native.kernels")
+    native_library = late("certreg.native.library")
+    c_sources = late("certreg.registration.c_sources")
 
 
 @click.command()
 @click.option("--out", type=FOLDER, required=True, help="Folder to write to.")
 def codegen(out: Path) -> int:
     """Write the generated C of the dynamics with its header and a test program, to embed."""
-    for path in registration.write_sources(out):
+    for path in c_sources.write_sources(out):
         click.echo(path)
     return DONE
 
@@ -53,10 +61,10 @@ def _stated_version(name: str) -> str:
 
 def _engine() -> str:
     try:
-        return native.loaded_library().words  # asked for here: it loads NumPy
-    except native.MissingLibraryError as error:
+        return native_library.loaded_library().words  # asked for here: it loads NumPy
+    except kernels.MissingLibraryError as error:
         return f"in Python: {error}"
-    except native.VariantError:
+    except kernels.VariantError:
         raise
     except Exception as error:  # noqa: BLE001 - whatever stops NumPy: the list is for such machines
         library = unloaded(error) or "numpy"

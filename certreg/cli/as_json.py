@@ -7,12 +7,18 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-# Of these wings names are asked where they are needed: they load NumPy.
-from certreg import registration, report
+from certreg._loading import late
 from certreg.errors import CertregError
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+
+    from certreg.registration import exit_codes
+    from certreg.report import document
+else:
+    # These load NumPy, and are loaded where they are needed.
+    exit_codes = late("certreg.registration.exit_codes")
+    document = late("certreg.report.document")
 
 
 def json_option(command: Callable[..., Any]) -> Callable[..., Any]:
@@ -27,9 +33,9 @@ def json_option(command: Callable[..., Any]) -> Callable[..., Any]:
         try:
             return command(*args, as_json=as_json, **options)
         except CertregError as error:
-            code = registration.code_of_error(error)
-            if as_json and code != registration.MISUSED:
-                click.echo(report.dumps(report.error_document(error, code)))
+            code = exit_codes.code_of_error(error)
+            if as_json and code != exit_codes.MISUSED:
+                click.echo(document.dumps(document.error_document(error, code)))
             raise
 
     return wrapped

@@ -7,22 +7,12 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from certreg.campaign import (
-    CERTIFICATES,
-    RESULTS,
-    SUMMARY,
-    TABLES,
-    PairCampaign,
-    Tally,
-    completed,
-    in_order,
-    occupied,
-    read_listing,
-    require_parquet,
-    run,
-    workers_at,
-    write_pair_results,
-)
+from certreg.campaign.listing import read_listing
+from certreg.campaign.pairs import RESULTS, TABLES, PairCampaign, Tally, write_pair_results
+from certreg.campaign.runner import completed, in_order, run
+from certreg.campaign.store import CERTIFICATES, occupied
+from certreg.campaign.table import SUMMARY, require_parquet
+from certreg.campaign.workers import workers_at
 from certreg.cli.options import (
     CLOUD,
     EXIT_CODES,
@@ -35,8 +25,8 @@ from certreg.cli.progress import Progress
 from certreg.cli.writing import require_folder_apart
 from certreg.cli.wrong_pairs import consensus_options
 from certreg.errors import InvalidFileError
-from certreg.registration import worst
-from certreg.report import printable
+from certreg.registration.exit_codes import worst
+from certreg.report.markup import printable
 from certreg.results import Limits
 
 if TYPE_CHECKING:
@@ -44,7 +34,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from certreg.cli.wrong_pairs import WrongPairs
-    from certreg.registration import FitDemands
+    from certreg.registration.exit_codes import FitDemands
 
 SHORT_OF = {  # statuses of pairs that are not fully proved
     "labels-not-proved": "registered with the most pairs proved, but not each label",

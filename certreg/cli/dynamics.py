@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shlex
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -11,37 +11,31 @@ from certreg.cli.as_json import json_option
 from certreg.cli.numbers import NUMBER
 from certreg.cli.options import CLOUD, EXIT_CODES, FOLDER, cloud_options
 from certreg.cli.writing import WritingCommand
-from certreg.dynamics import Record
-from certreg.io import require_vacant, write_atomically, write_together
-from certreg.registration import (
-    DONE,
-    NOT_CERTIFIED,
-    NOT_UNIQUE,
+from certreg.dynamics.trajectory import Record
+from certreg.io.atomic import require_vacant, write_atomically, write_together
+from certreg.registration.breathing import scaled_equilibria
+from certreg.registration.enumeration import (
     certified_count,
     certified_list,
     enumerated,
-    enumerated_springs,
     equilibrium_poses,
-    scaled_equilibria,
 )
-from certreg.registration import simulate as run
-from certreg.report import (
-    dumps,
-    enumeration_summary,
-    equilibria_document,
-    printable,
-    scaled_document,
-    scaled_enumeration_summary,
-    spring_enumeration_summary,
-    spring_equilibria_document,
-)
+from certreg.registration.exit_codes import DONE, NOT_CERTIFIED, NOT_UNIQUE
+from certreg.registration.simulation import simulate as run
+from certreg.report.breathing import scaled_enumeration_summary
+from certreg.report.document import dumps, equilibria_document, scaled_document
+from certreg.report.markup import printable
+from certreg.report.methods import enumeration_summary
+from certreg.report.spring_equilibria import spring_enumeration_summary, spring_equilibria_document
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from certreg.io import Pair
-    from certreg.problem import RegistrationProblem
-    from certreg.registration import Enumeration, SpringEnumeration
+    from certreg.io.pairing import Pair
+    from certreg.problem.problem import RegistrationProblem
+    from certreg.registration.enumeration import Enumeration
+    from certreg.registration.spring_equilibria import SpringEquilibria
+
 
 LIST_CODES = """
 \b
@@ -118,7 +112,7 @@ def _spring_equilibria(
     as_json: bool,
 ) -> int:
     """The same of general springs: 4 where the list is in doubt, or which of it is the best."""
-    enumeration = enumerated_springs(problem, method)
+    enumeration = enumerated(problem, method)
     if out is not None:
         _write_list(problem, enumeration, out)
     if poses is not None:
@@ -132,7 +126,9 @@ def _spring_equilibria(
     return DONE if enumeration.equilibria.unique else NOT_CERTIFIED
 
 
-def _write_list(problem: RegistrationProblem, enumeration: SpringEnumeration, out: Path) -> None:
+def _write_list(
+    problem: RegistrationProblem, enumeration: Enumeration[SpringEquilibria], out: Path
+) -> None:
     """A certificate that these are all, checked, or the reason for none."""
     certificate, place = certified_list(problem, enumeration.objective), printable(out)
     if certificate is None:
@@ -150,7 +146,7 @@ def _tell_certificate(subject: str, place: str) -> None:
     click.echo(f"note: certificate of the {subject}: {place} (certreg verify {typed})", err=True)
 
 
-def _write_poses(enumeration: Enumeration | SpringEnumeration, folder: Path) -> None:
+def _write_poses(enumeration: Enumeration[Any], folder: Path) -> None:
     """One file of four rows for each equilibrium, in the order of the list."""
     poses, place = equilibrium_poses(enumeration), printable(folder)
     if not poses:

@@ -9,41 +9,35 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from certreg.cli.as_json import json_option
-from certreg.cli.options import CLOUD, bound_clouds, certificate_argument, cloud_options
+from certreg.cli.certified_clouds import bound_clouds
+from certreg.cli.options import CLOUD, certificate_argument, cloud_options
 from certreg.cli.progress import note
 from certreg.cli.writing import WritingCommand, require_apart
 from certreg.cli.wrong_pairs import consensus_options
 from certreg.errors import InvalidFileError
-from certreg.geometry import GivenPose, Similarity, why_no_rotation
-from certreg.io import (
-    read_cloud,
-    read_inliers,
-    read_result_pose,
-    write_atomically,
-    write_cloud,
-)
-from certreg.problem import Loss, bounded
-from certreg.registration import (
-    DONE,
-    GOOD,
-    NO_ROTATION,
-    NOT_CERTIFIED,
-    REFUSED,
-    certify,
-    judged,
-    judged_labels,
-    judged_truncated_labels,
-)
-from certreg.report import (
-    REPORT,
-    assessment_document,
-    assessment_summary,
-    certified_pose,
-    dumps,
-    html_page,
-    printable,
-    report_of,
-)
+from certreg.geometry.given import GivenPose
+from certreg.geometry.pose_matrix import why_no_rotation
+from certreg.geometry.similarity import Similarity
+from certreg.io.atomic import write_atomically
+from certreg.io.clouds import read_cloud
+from certreg.io.poses import read_result_pose
+from certreg.io.row_values import read_inliers
+from certreg.io.written_clouds import write_cloud
+from certreg.problem.bounds import bounded
+from certreg.problem.support import Loss
+from certreg.registration.assessment import judged
+from certreg.registration.certification import certify
+from certreg.registration.exit_codes import DONE, NOT_CERTIFIED, REFUSED
+from certreg.registration.findings import GOOD
+from certreg.registration.headlines import NO_ROTATION
+from certreg.registration.kept_pairs import judged_labels
+from certreg.registration.truncated_labels import judged_truncated_labels
+from certreg.report.document import dumps
+from certreg.report.file_names import REPORT
+from certreg.report.judged_pose import assessment_document, assessment_summary
+from certreg.report.markup import printable
+from certreg.report.pages import html_page
+from certreg.report.reload import certified_pose, report_of
 from certreg.results import PoseVerdict
 from certreg.verify import shown
 
@@ -51,8 +45,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from certreg.cli.wrong_pairs import WrongPairs
-    from certreg.io import Pair
-    from certreg.problem import RegistrationProblem
+    from certreg.io.pairing import Pair
+    from certreg.problem.problem import RegistrationProblem
     from certreg.verify import Clouds
 
 

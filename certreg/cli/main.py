@@ -23,8 +23,8 @@ from certreg.cli.memory import LOADING, LOADING_ALL, require_loadable
 from certreg.cli.options import EXIT_CODES, warnings_as_notes
 from certreg.cli.output import shelter_streams
 from certreg.errors import CertregError
-from certreg.registration import DEFECT, DONE, INTERRUPTED, MISUSED, code_of_error
-from certreg.report import printable
+from certreg.registration.exit_codes import DEFECT, DONE, INTERRUPTED, MISUSED, code_of_error
+from certreg.report.markup import printable
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

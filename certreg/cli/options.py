@@ -7,31 +7,40 @@ import math
 import sys
 import threading
 import warnings
-from array import array
 from contextlib import contextmanager
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-# Of these wings names are asked where they are needed: they load NumPy, `certreg verify` does not.
-from certreg import certificate, io, registration
-from certreg import problem as problems
+from certreg._loading import late
 from certreg.cli.numbers import FROM_ZERO, NUMBER
-from certreg.cli.wrong_pairs import certified_bounds
 from certreg.errors import SlowSimulationWarning
-from certreg.io import TEXT_FORMATS, read_clouds
-from certreg.report import printable
+from certreg.report.markup import printable
 from certreg.results import MAX_ANGLE, MAX_GAP, Limits
-from certreg.verify import INLINE_MAX, Clouds
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Generator
 
-    from certreg.cli.wrong_pairs import WrongPairs
-    from certreg.io import Pair, Pairing, SpringSource
-    from certreg.problem import RegistrationProblem
+    from certreg.io import labels
+    from certreg.io import pairing as io_pairing
+    from certreg.io import problems as io_problems
+    from certreg.io import springs as io_springs
+    from certreg.io.pairing import Pairing
+    from certreg.io.springs import SpringSource
+    from certreg.problem import motion, support
+    from certreg.registration import exit_codes, simulation
+else:
+    # These load NumPy, and are loaded where they are needed: `certreg verify` does without.
+    exit_codes = late("certreg.registration.exit_codes")
+    io_pairing = late("certreg.io.pairing")
+    io_problems = late("certreg.io.problems")
+    io_springs = late("certreg.io.springs")
+    labels = late("certreg.io.labels")
+    motion = late("certreg.problem.motion")
+    simulation = late("certreg.registration.simulation")
+    support = late("certreg.problem.support")
+
 
 EXIT_CODES = """
 \b
@@ -104,9 +113,9 @@ def pairing_options(command: Callable[..., Any]) -> Callable[..., Any]:
             raise click.UsageError(message)
         if pairs is None and match == "all" and not ignore_weights:
             return command(*args, pairing=None, **options)
-        pairing = io.Pairing(
+        pairing = io_pairing.Pairing(
             pairs=pairs,
-            match=io.Match(match),
+            match=labels.Match(match),
             one_to_one=one_to_one,
             ignore_weights=ignore_weights,
         )
@@ -134,7 +143,9 @@ def spring_options(command: Callable[..., Any]) -> Callable[..., Any]:
     def wrapped(*args: Any, columns: tuple[str, ...], **options: Any) -> Any:
         given = {kind: options.pop(kind) for kind in SPRING_FILES}
         files = {kind: path for kind, path in given.items() if path is not None}
-        springs = io.SpringSource(columns=columns, files=files) if columns or files else None
+        springs = (
+            io_springs.SpringSource(columns=columns, files=files) if columns or files else None
+        )
         return command(*args, springs=springs, **options)
 
     return wrapped
@@ -155,7 +166,7 @@ def model_options(command: Callable[..., Any]) -> Callable[..., Any]:
     @click.option("--rotation-only", is_flag=True, help="No translation: rows are directions.")
     @functools.wraps(command)
     def wrapped(*args: Any, scale: str, rotation_only: bool, **options: Any) -> Any:
-        model = {"scale": problems.Scale(scale), "rotation_only": rotation_only}
+        model = {"scale": motion.Scale(scale), "rotation_only": rotation_only}
         return command(*args, model=model, **options)
 
     return wrapped
@@ -210,141 +221,10 @@ def fit_options(command: Callable[..., Any]) -> Callable[..., Any]:
         if max_rmse is not None and not math.isfinite(max_rmse):
             message = f"--max-rmse is {max_rmse}: give a finite number, 0 or more"
             raise click.UsageError(message)
-        demands = registration.FitDemands(require_fit=require_fit, max_rmse=max_rmse)
+        demands = exit_codes.FitDemands(require_fit=require_fit, max_rmse=max_rmse)
         return command(*args, demands=demands, **options)
 
     return wrapped
-
-
-def bound_clouds(*, lightly: bool) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
-    """[SOURCE TARGET] that a certificate must be about, and how their rows pair and weigh.
-
-    Read into the argument `clouds`; None where they are not given. lightly: text without NumPy, and
-    of a noise no more than the weights is kept.
-    """
-
-    def decorated(command: Callable[..., Any]) -> Callable[..., Any]:
-        @click.argument("paths", type=CLOUD, nargs=-1, metavar="[SOURCE TARGET]")
-        @click.option(
-            "--sigma", type=NUMBER, help="With SOURCE TARGET: the noise that was certified."
-        )
-        @click.option(
-            "--weights", type=CLOUD, help="With SOURCE TARGET: the weights that were certified."
-        )
-        @click.option(
-            "--any-weight",
-            is_flag=True,
-            help="With SOURCE TARGET: whatever weight was certified, if all pairs have the same.",
-        )
-        @pairing_options
-        @spring_options
-        @model_options
-        @certified_bounds
-        @functools.wraps(command)
-        def wrapped(
-            *args: Any, paths: tuple[Path, ...], any_weight: bool, pairing: Any, **options: Any
-        ) -> Any:
-            noise = {name: options.pop(name) for name in ("sigma", "weights")}
-            springs, model, wrong = (options.pop(name) for name in ("springs", "model", "wrong"))
-            if not paths and model != RIGID:
-                message = "--scale and --rotation-only go with SOURCE TARGET: the certificate has "
-                raise click.UsageError(f"{message}its own")
-            _require_fitting(paths, noise, pairing or springs or wrong, any_weight=any_weight)
-            _require_weights(springs, wrong, any_weight=any_weight)
-            clouds, pair, notes = None, None, list[str]()
-            if paths and (springs or wrong) is not None:
-                chosen = {} if springs is None else {"springs": springs}
-                pairing = pairing or io.BY_LABEL
-                clouds, pair = io.read_problem(*paths, **noise, pairing=pairing, **chosen)
-                notes = pair.notes
-            elif paths:
-                clouds, notes = _clouds_to_bind(*paths, **noise, pairing=pairing, lightly=lightly)
-            for note in notes:
-                click.echo(f"note: {note}", err=True)
-            if clouds is not None:
-                clouds = _of_any_weight(clouds) if any_weight else clouds
-                clouds = _of_model(clouds, **model)
-            if wrong is not None and pair is not None:
-                clouds = _bounded(clouds, pair, wrong)
-            return command(*args, clouds=clouds, **options)
-
-        return wrapped
-
-    return decorated
-
-
-def _require_fitting(
-    paths: tuple[Path, ...], noise: dict[str, Any], further: object, *, any_weight: bool
-) -> None:
-    """That what is said of clouds goes together, and with clouds."""
-    given = [name for name, value in noise.items() if value is not None]
-    if any_weight and (given or not paths):
-        message = "--any-weight goes with SOURCE TARGET, without --sigma and --weights"
-        raise click.UsageError(message)
-    if len(paths) not in {0, 2} or ((given or further is not None) and not paths):
-        message = "give SOURCE and TARGET, or neither; the options go with them"
-        raise click.UsageError(message)
-    if len(given) > 1:
-        raise click.UsageError(SIGMA_OR_WEIGHTS)
-
-
-def _require_weights(springs: object, wrong: object, *, any_weight: bool) -> None:
-    """That with --any-weight the weights are all that is not given."""
-    if any_weight and (springs or wrong) is not None:
-        what = "springs" if wrong is None else "--max-residual"
-        message = f"--any-weight goes without {what}: give the --sigma that was certified"
-        raise click.UsageError(message)
-
-
-def _of_any_weight(clouds: RegistrationProblem | Clouds) -> Clouds:
-    bare = isinstance(clouds, Clouds)
-    if not bare and clouds.n > INLINE_MAX:  # its digest is of the weights, too
-        message = f"--any-weight is for {INLINE_MAX} points at most: give --sigma"
-        raise click.UsageError(message)
-    if not bare or clouds.weights is not None:
-        message = "--any-weight: a column of the clouds tells the weights: add --ignore-weights"
-        raise click.UsageError(message)
-    return replace(clouds, any_weight=True)
-
-
-def _bounded(clouds: Any, pair: Pair, wrong: WrongPairs) -> Clouds:
-    """The clouds of a problem with the bounds of its pairs."""
-    return certificate.bounded_clouds(clouds, wrong.bounds(pair), wrong.objective)
-
-
-def _of_model(
-    clouds: RegistrationProblem | Clouds, *, scale: str, rotation_only: bool
-) -> RegistrationProblem | Clouds:
-    """The same clouds, of a motion with or without scale and translation; NumPy is not loaded."""
-    if isinstance(clouds, Clouds):
-        words = [f"--scale {scale}"] if scale != "none" else []
-        return replace(clouds, model=" ".join(words + ["--rotation-only"] * rotation_only))
-    return clouds.modelled(scale, rotation_only=rotation_only)
-
-
-def _clouds_to_bind(
-    source: Path,
-    target: Path,
-    *,
-    sigma: float | None,
-    weights: Path | None,
-    pairing: Pairing | None,
-    lightly: bool,
-) -> tuple[RegistrationProblem | Clouds, list[str]]:
-    """What a certificate must be about, and notes; NumPy is loaded only where it is needed."""
-    files = (source, target) if weights is None else (source, target, weights)
-    if lightly and pairing is None and all(file.suffix.lower() in TEXT_FORMATS for file in files):
-        return read_clouds(source, target, sigma=sigma, weights=weights)
-    problem, pair = io.read_problem(
-        source, target, sigma=sigma, weights=weights, pairing=pairing or io.BY_LABEL
-    )
-    weighed = sigma is not None or weights is not None or pair.weighed
-    if weighed or problem.n > INLINE_MAX:
-        return problem, pair.notes
-    # as with text clouds: a certificate of another weight is told which
-    points = problem.block(slice(None))
-    source_doubles = array("d", points.source.tobytes())
-    return Clouds(source_doubles, array("d", points.target.tobytes())), pair.notes
 
 
 def _damping(context: click.Context, parameter: click.Parameter, value: Any) -> Any:
@@ -390,20 +270,20 @@ def cloud_options(command: Callable[..., Any]) -> Callable[..., Any]:
     ) -> Any:
         if sigma is not None and weights is not None:
             raise click.UsageError(SIGMA_OR_WEIGHTS)
-        loss = problems.Loss.of(options.get("objective"), options.get("max_residual"))
-        problems.require_supported(problems.Cell(springs=springs is not None, loss=loss, **model))
-        stated, pair = io.read_problem(
+        loss = support.Loss.of(options.get("objective"), options.get("max_residual"))
+        support.require_supported(support.Cell(springs=springs is not None, loss=loss, **model))
+        stated, pair = io_problems.read_problem(
             source,
             target,
             sigma=sigma,
             weights=weights,
             damping=damping if isinstance(damping, float) else None,
-            pairing=pairing or io.BY_LABEL,
+            pairing=pairing or io_pairing.BY_LABEL,
             **({} if springs is None else {"springs": springs}),
         )
         stated = stated.modelled(**model)
         if damping == OPTIMAL and options.get("max_residual") is None:
-            stated = registration.optimally_damped(stated)  # else that of the pairs within
+            stated = simulation.optimally_damped(stated)  # else that of the pairs within
         for note in pair.notes:
             click.echo(f"note: {note}", err=True)
         with _patience(f"working on {stated.n} correspondences"):

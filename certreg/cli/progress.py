@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from certreg.campaign import Observer
-from certreg.report import printable
+from certreg.campaign.runner import Observer
+from certreg.report.markup import printable
 
 if TYPE_CHECKING:
     from types import TracebackType

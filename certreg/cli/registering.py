@@ -6,11 +6,12 @@ import shlex
 import sys
 from importlib.resources import files
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from certreg import __version__, report
+from certreg import __version__
+from certreg._loading import late
 from certreg.cli.as_json import json_option
 from certreg.cli.options import (
     EXIT_CODES,
@@ -22,31 +23,34 @@ from certreg.cli.options import (
 )
 from certreg.cli.writing import WritingCommand
 from certreg.cli.wrong_pairs import consensus_options
-from certreg.registration import (
+from certreg.registration.certification import certify as certified
+from certreg.registration.examples import STORIES, differences, tell
+from certreg.registration.exit_codes import (
     DONE,
     NOT_CERTIFIED,
     REFUSED,
-    ROBUSTNESS_ANGLE,
-    STORIES,
     code_of_registration,
-    differences,
-    tell,
     worst,
 )
-from certreg.registration import certify as certified
-from certreg.report import printable
+from certreg.registration.robustness import ROBUSTNESS_ANGLE
+from certreg.report.file_names import FILES, REPORT
+from certreg.report.markup import printable
 from certreg.verify import shown
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from certreg.cli.wrong_pairs import WrongPairs
-    from certreg.io import Pair
-    from certreg.problem import RegistrationProblem
-    from certreg.registration import ConsensusRegistration, FitDemands, TruncatedRegistration
+    from certreg.io.pairing import Pair
+    from certreg.problem.problem import RegistrationProblem
+    from certreg.registration.exit_codes import FitDemands
+    from certreg.report import document, folder, pair_fields, summary
+else:
+    document = late("certreg.report.document")
+    folder = late("certreg.report.folder")
+    pair_fields = late("certreg.report.pair_fields")
+    summary = late("certreg.report.summary")
 
 
-@click.command(cls=WritingCommand, files=report.FILES, epilog=EXIT_CODES)
+@click.command(cls=WritingCommand, files=FILES, epilog=EXIT_CODES)
 @cloud_options
 @limit_options
 @fit_options
@@ -101,7 +105,7 @@ def certify(
         raise click.UsageError(message)
     about = {"certreg": __version__, **pair.about}
     asked: dict[str, Any] = {} if wrong is None else wrong.asked(pair)
-    registration = certified(
+    result: Any = certified(
         problem,
         relaxation=solver or not no_relaxation,
         simulation=not no_simulation and (integrator or True),
@@ -111,52 +115,31 @@ def certify(
         robustness_angle=robustness_angle,
         **asked,
     )
-    if wrong is not None:
-        chosen = cast("ConsensusRegistration | TruncatedRegistration", registration)
-        return _told_of_consensus(chosen, pair.notes, demands, out, as_json=as_json)
-    path = None if out is None else report.write_folder(registration, out, notes=pair.notes)
+    path, whole = None, wrong is None
+    if out is not None:
+        path = folder.write_folder(result, out, notes=pair.notes)
     if as_json:
-        click.echo(
-            report.dumps(report.result_document(registration, path and str(path), notes=pair.notes))
-        )
-    else:
-        click.echo(registration.summary())
-        if path is not None:
-            _tell_files(path)
-    for words in demands.unmet(registration):
-        click.echo(f"certreg: {words}: exit code 4", err=True)
-    return code_of_registration(registration, demands)
-
-
-def _tell_files(certificate: Path) -> None:
-    """Where the certificate and the page are, and what to type to check it again."""
-    place, page = printable(certificate), certificate.with_name(report.REPORT)
-    click.echo(f"\nCertificate: {place}  (re-check it: certreg verify {shlex.quote(place)})")
-    if page.exists():
-        click.echo(f"Report: {printable(page)}  (open it in a browser)")
-
-
-def _told_of_consensus(
-    result: ConsensusRegistration | TruncatedRegistration,
-    notes: Sequence[str],
-    demands: FitDemands,
-    out: Path | None,
-    *,
-    as_json: bool,
-) -> int:
-    """Writes and prints a registration with wrong pairs; the exit code."""
-    path = None if out is None else report.write_folder(result, out, notes=notes)
-    if as_json:
-        place = None if path is None else str(path)
-        click.echo(report.dumps(report.pairs_document(result, place, notes=notes)))
+        stated = document.result_document if whole else pair_fields.pairs_document
+        click.echo(document.dumps(stated(result, path and str(path), notes=pair.notes)))
     else:
         click.echo(result.summary())
         if path is not None:
             _tell_files(path)
-    unmet = demands.unmet_by(result.fit.rmse, warned=bool(result.warnings))
+    fit = result if whole else result.fit
+    warned = bool((result.fit if whole else result).warnings)
+    code = code_of_registration(result) if whole else result.exit_code
+    unmet = demands.unmet_by(fit.rmse, warned=warned)
     for words in unmet:
         click.echo(f"certreg: {words}: exit code 4", err=True)
-    return worst([result.exit_code, NOT_CERTIFIED] if unmet else [result.exit_code])
+    return worst([code, NOT_CERTIFIED] if unmet else [code])
+
+
+def _tell_files(certificate: Path) -> None:
+    """Where the certificate and the page are, and what to type to check it again."""
+    place, page = printable(certificate), certificate.with_name(REPORT)
+    click.echo(f"\nCertificate: {place}  (re-check it: certreg verify {shlex.quote(place)})")
+    if page.exists():
+        click.echo(f"Report: {printable(page)}  (open it in a browser)")
 
 
 @click.command(epilog="Exit code 0 when every problem came out as told, else 1.")
@@ -172,16 +155,16 @@ def demo(out: Path) -> int:
     code = DONE
     for story in STORIES:
         registration = tell(story)
-        path = report.write_folder(registration, out / story.name)
+        path = folder.write_folder(registration, out / story.name)
         click.echo(
-            f"=== {story.title}\n\n{story.told}\n\n{report.registration_summary(registration)}\n"
+            f"=== {story.title}\n\n{story.told}\n\n{summary.registration_summary(registration)}\n"
         )
         for difference in differences(story, registration):
             click.echo(f"NOT AS TOLD: {difference}", err=True)
             code = REFUSED
         click.echo(f"  certificate: {path}")
         if path is not None:
-            click.echo(f"  report:      {path.with_name(report.REPORT)}\n")
+            click.echo(f"  report:      {path.with_name(REPORT)}\n")
     click.echo("Every certificate above was accepted by the checker. Check them yourself:")
     certificate = shown(out / STORIES[0].name / "certificate.json")
     click.echo(f"  {_own_name()} verify {shlex.quote(certificate)}")

@@ -9,43 +9,37 @@ from typing import TYPE_CHECKING
 import click
 
 from certreg._loading import require
-from certreg.campaign import (
-    SUMMARY,
-    occupied,
-    require_parquet,
-    run,
-    workers_at,
-)
+from certreg.campaign.runner import run
+from certreg.campaign.store import occupied
+from certreg.campaign.table import SUMMARY, require_parquet
+from certreg.campaign.workers import workers_at
 from certreg.cli.campaigns import resumable
 from certreg.cli.options import FOLDER
 from certreg.cli.progress import Progress, Stages
-from certreg.paper import (
-    EXCEPTIONS,
+from certreg.paper.documents import texts
+from certreg.paper.equilibrium_maps import (
     SPRING_INSTANCES,
-    MonteCarlo,
     RunEnd,
-    Setup,
     SpringCampaign,
     SpringCounts,
-    all_sweeps,
-    make_folder,
-    paper_drawings,
     spring_counts,
-    spring_drawings,
-    sweep_drawings,
-    texts,
-    write_instance_results,
-    write_reproduction,
     write_spring_results,
 )
-from certreg.paper import reproduce as reproduced
-from certreg.registration import DONE, REFUSED
-from certreg.report import printable
+from certreg.paper.figures import paper_drawings
+from certreg.paper.map_figures import spring_drawings
+from certreg.paper.monte_carlo import EXCEPTIONS, MonteCarlo, write_instance_results
+from certreg.paper.observations import Setup
+from certreg.paper.page import make_folder, write_reproduction
+from certreg.paper.parameter_sweeps import all_sweeps
+from certreg.paper.sweep_figures import sweep_drawings
+from certreg.paper.verdicts import reproduce as reproduced
+from certreg.registration.exit_codes import DONE, REFUSED
+from certreg.report.markup import printable
 
 if TYPE_CHECKING:
     from collections.abc import Generator
 
-    from certreg.campaign import Workers
+    from certreg.campaign.workers import Workers
 
 LARGEST_RUNS = 1000  # in one process, with figures: beyond, a campaign
 CAMPAIGN = "campaign"  # folder, within that of the reproduction

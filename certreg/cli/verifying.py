@@ -6,17 +6,18 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from certreg.certificate import verify as checked
-from certreg.certificate import verify_lines, verify_with_coq
+from certreg.certificate.checking import verify as checked
+from certreg.certificate.checking import verify_lines, verify_with_coq
+from certreg.cli.certified_clouds import bound_clouds
 from certreg.cli.numbers import NUMBER
-from certreg.cli.options import CLOUD, bound_clouds, certificate_argument
+from certreg.cli.options import CLOUD, certificate_argument
 from certreg.cli.writing import WritingCommand
-from certreg.registration import DONE, REFUSED
+from certreg.registration.exit_codes import DONE, REFUSED
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from certreg.problem import RegistrationProblem
+    from certreg.problem.problem import RegistrationProblem
     from certreg.verify import Clouds
 
 

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any, cast
 import click
 
 from certreg.errors import InvalidFileError
-from certreg.io import is_standard_input
-from certreg.report import printable
+from certreg.io.streams import is_standard_input
+from certreg.report.markup import printable
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence

@@ -15,21 +15,27 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-# Of this wing names are asked where they are needed: they load NumPy.
-from certreg import io
-from certreg import problem as problems
+from certreg._loading import late
 from certreg.cli.numbers import NUMBER
 from certreg.errors import InvalidProblemError
-from certreg.report import printable
+from certreg.report.markup import printable
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Generator
 
-    from certreg.io import Pair
+    from certreg.io import row_values as io_bounds
+    from certreg.io.pairing import Pair
+    from certreg.problem import bounds as problem_bounds
+    from certreg.problem import effort as problem_effort
+else:
+    # These load NumPy, and are loaded where they are needed.
+    io_bounds = late("certreg.io.row_values")
+    problem_bounds = late("certreg.problem.bounds")
+    problem_effort = late("certreg.problem.effort")
 
 
 SEARCH = "certreg.registration.consensus"  # the logger that tells what was found
-PROOF = "certreg.certificate.producing_scaled"  # that tells how far a proof is, again and again
+PROOF = "certreg.certificate.producing_consensus"  # that tells how far a proof is, again and again
 PATIENCE = 1.0  # seconds before anything is said
 AGAIN = 5.0  # seconds between two words of a proof
 
@@ -123,7 +129,7 @@ class WrongPairs:
             what = _why_no_number(self.max_residual)
             message = f"--max-residual {printable(self.max_residual)}: {what}"
             raise click.UsageError(message)
-        return io.read_bounds(Path(self.max_residual), pair)
+        return io_bounds.read_bounds(Path(self.max_residual), pair)
 
     def columns(self) -> dict[str, str]:
         """The same as columns of a list of pairs, of which each has its own rows."""
@@ -134,9 +140,11 @@ class WrongPairs:
                 "in a column max_residual of MANIFEST, one for each pair"
             )
             raise click.UsageError(message)
-        problems.checked_bounds(number, 1)
+        problem_bounds.checked_bounds(number, 1)
         told = {"max_residual": repr(number), "objective": self.objective}
-        told["effort"] = None if self.effort == 1.0 else repr(problems.checked_effort(self.effort))
+        told["effort"] = (
+            None if self.effort == 1.0 else repr(problem_effort.checked_effort(self.effort))
+        )
         return {name: value for name, value in told.items() if value is not None}
 
 

@@ -7,16 +7,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.equilibrium import unit_entries
+from certreg.equilibrium.presentation import unit_entries
 from certreg.errors import DegenerateProblemError
-from certreg.native import BASIN, record_of
+from certreg.native.layout import BASIN, record_of
 from certreg.results import Brief
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from certreg.native import Records
-    from certreg.objective import Isotropic
+    from certreg.native.layout import Records
+    from certreg.objective.isotropic import Isotropic
 
 SMALLEST_BARRIER = 1e-280  # of l1 - l2: shares of it, times squares of small angles, are doubles
 TIE = 1e-13  # of l1 - l4: doubles do not tell such eigenvalues apart

@@ -25,7 +25,7 @@ that it takes there. A body at rest is in a valley of its energy: which one does
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar, Protocol, Self, TypeVar
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -33,20 +33,14 @@ from certreg.dynamics.basin import basins_of
 from certreg.dynamics.body import SMALLEST_INERTIA, steps_of
 from certreg.dynamics.integrators import SimulationSettings, integrate, step_parameters
 from certreg.dynamics.springs import body_on_springs
-from certreg.equilibrium import clouds, many_springs, stationary_poses
+from certreg.dynamics.states import with_matrices
+from certreg.equilibrium.batch import clouds, stationary_poses
+from certreg.equilibrium.spring_batch import many_springs
 from certreg.errors import DegenerateProblemError
-from certreg.geometry import rotation_matrices
-from certreg.native import (
-    BODY,
-    MATRIX_STATE,
-    QUATERNION_STATE,
-    Batch,
-    Ending,
-    Integrator,
-    symmetric,
-)
-from certreg.objective import Springs
-from certreg.problem import DEFAULT_DAMPING, checked_damping, spring_moments
+from certreg.native.layout import BASIN, BODY, QUATERNION_STATE, symmetric
+from certreg.native.loops import Batch, Ending, Integrator
+from certreg.objective.springs import Springs
+from certreg.problem.motion import DEFAULT_DAMPING, checked_damping
 from certreg.results import Brief
 
 if TYPE_CHECKING:
@@ -55,20 +49,24 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from certreg.dynamics.springs import SprungBody
-    from certreg.native import Records, StationaryPoses
+    from certreg.native.layout import Records
+    from certreg.native.stationary import StationaryPoses
+
 
 DIAGONAL = [0, 3, 5]  # of an upper triangle
-End_co = TypeVar("End_co", covariant=True)
+PORTION, SPRUNG_PORTION = 8192, 1024  # bodies after which progress is told: full lanes
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class ManyEnds(Brief):
-    """Where many bodies ended, and how: what `Ends` and `SpringEnds` have in common.
+class Ends(Brief):
+    """Where many bodies ended, and how.
 
-    status: (count,), numbers of an `Ending`; steps, escapes: (count,) integers; times: (count,), of
-    the springs. states: (count,) records with the parts c, R for Euler, else q, v and omega.
+    status: (count,), numbers of an `Ending`: 0 out of steps, 1 converged, 2 at rest; steps,
+    escapes: (count,) integers; times: (count,), of the springs. states: (count,) records with the
+    parts c, R for Euler, else q, v and omega, lengths as in `Bodies`.
     """
 
+    bodies: Bodies
     integrator: Integrator
     status: NDArray[np.int32]
     steps: NDArray[np.int64]
@@ -76,143 +74,74 @@ class ManyEnds(Brief):
     times: NDArray[np.float64]
     states: Records
 
-    @classmethod
-    def of(cls, batch: Batch, **own: Any) -> Self:
-        """The ends of a batch that has run. own: what a kind of ends has beside these."""
-        return cls(
-            integrator=batch.integrator,
-            status=batch.status,
-            steps=batch.taken,
-            escapes=batch.escapes,
-            times=batch.times,
-            states=batch.states,
-            **own,
-        )
+    @property
+    def at_rest(self) -> NDArray[np.bool_]:
+        """Whether each came to rest, (count,): at the optimum or at another equilibrium."""
+        return (self.status == Ending.CONVERGED) | (self.status == Ending.AT_REST)
+
+    @property
+    def converged(self) -> NDArray[np.bool_]:
+        """Whether each came to rest at the optimum, or at one of the optima, (count,).
+
+        On general springs, where no basin tells, none is said to.
+        """
+        return self.at_rest & (not self.bodies.sprung)
 
     @property
     def rotations(self) -> NDArray[np.float64]:
         """The rotations at the ends, (count, 3, 3), body to world: target from source."""
-        if self.integrator is Integrator.EULER:
-            return self.states["R"]
-        return rotation_matrices(self.states["q"])
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Ends(ManyEnds):
-    """Where the bodies ended, and how.
-
-    status: (count,), 0 out of steps, 1 converged, 2 at rest at one of several optima; steps,
-    escapes: (count,) integers; times: (count,), of the springs. states: (count,) records with the
-    parts c, R for Euler, else q, v and omega, lengths as in `Bodies`.
-    """
-
-    @property
-    def converged(self) -> NDArray[np.bool_]:
-        """Whether each came to rest at the optimum, or at one of the optima, (count,)."""
-        return (self.status == Ending.CONVERGED) | (self.status == Ending.AT_REST)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class SpringEnds(ManyEnds):
-    """Where bodies on general springs ended, and how.
-
-    status: (count,), 0 out of steps, 2 at rest, in whichever valley; steps, escapes: (count,)
-    integers; times: (count,), of the springs. states: (count,) records as in `SpringBodies`.
-    """
-
-    bodies: SpringBodies
-
-    @property
-    def at_rest(self) -> NDArray[np.bool_]:
-        """Whether each came to rest, (count,): at the optimum or at another equilibrium."""
-        return self.status == Ending.AT_REST
+        return with_matrices(self.states)["R"]
 
     @property
     def translations(self) -> NDArray[np.float64]:
         """The translations at the ends, (count, 3), in the user's unit."""
-        bodies = self.bodies.bodies
-        exponents = np.array([body.length_exponent for body in bodies])[:, np.newaxis]
-        origins = np.array([[float(c) for c in body.origin] for body in bodies])
-        centres = np.array([[float(c) for c in body.centre] for body in bodies])
-        moved = (self.rotations @ centres[..., np.newaxis])[..., 0]
-        return origins + np.ldexp(self.states["c"], exponents) - moved
+        bodies = self.bodies
+        moved = (self.rotations @ bodies.centres[..., np.newaxis])[..., 0]
+        exponents = bodies.length_exponents[:, np.newaxis]
+        return bodies.origins + np.ldexp(self.states["c"], exponents) - moved
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Bodies(Brief):
     """Bodies to be simulated: what the dynamics knows of each, per unit of mass.
 
-    Lengths are over 2^length_exponents, (count,). The others are (count,) records with these parts:
+    Lengths are over 2^length_exponents, (count,). The next are (count,) records with these parts:
     records: cross, C row by row; inertia and inertia_inverse, upper triangles of J and of its
-        inverse (11 12 13 22 23 33); spread of both clouds; damping.
+        inverse (11 12 13 22 23 33); spread of both clouds; damping. On general springs their sums.
     basins: quaternions, (4, 4), of the equilibria by descending eigenvalue of the Davenport matrix;
-        gaps, (4,), of the eigenvalues to the largest.
-    starts: c, the centres of mass apart; q = (w, x, y, z); v; omega.
+        gaps, (4,), of the eigenvalues to the largest. On general springs nothing.
+    starts: c, the centre of mass from the origin; q = (w, x, y, z); v; omega.
+    centres, origins: (count, 3), of the source's mass, and where c is 0, in the user's unit.
+    sprung: on general springs each of the bodies; else none.
     """
 
     records: Records
     basins: Records
     starts: Records
     length_exponents: NDArray[np.int64]
-
-    PORTION: ClassVar[int] = (
-        8192  # after which somebody is told: a tenth of a second, and full lanes
-    )
+    centres: NDArray[np.float64]
+    origins: NDArray[np.float64]
+    sprung: tuple[SprungBody, ...] = ()
 
     def batch(self, integrator: Integrator, settings: SimulationSettings) -> Batch:
-        """What the loops run. Raises DegenerateProblemError of one too stiff for explicit Euler."""
+        """What the loops run.
+
+        Raises DegenerateProblemError of one too stiff for explicit Euler, InvalidProblemError for
+        that on general springs.
+        """
+        steps = (
+            steps_of(integrator, self.sprung, self.starts, settings)
+            if self.sprung
+            else step_parameters(integrator, self.records, self.basins, settings)
+        )
+        euler = integrator is Integrator.EULER
         return Batch.of(
             integrator,
             bodies=self.records,
-            basins=self.basins,
-            steps=step_parameters(integrator, self.records, self.basins, settings),
-            states=_stepped(self.starts, integrator),
+            basins=None if self.sprung else self.basins,
+            steps=steps,
+            states=with_matrices(self.starts) if euler else self.starts,
         )
-
-    def ends(self, batch: Batch) -> Ends:
-        """Where they ended, after a run."""
-        return Ends.of(batch)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class SpringBodies(Brief):
-    """Bodies on general springs, to be simulated.
-
-    bodies: what the dynamics knows of each. starts: (count,) records c, q = (w, x, y, z), v, omega,
-    lengths over 2^length_exponent of the body, c from its origin.
-    """
-
-    bodies: tuple[SprungBody, ...]
-    starts: Records
-
-    PORTION: ClassVar[int] = 1024  # after which progress is told: full lanes
-
-    def batch(self, integrator: Integrator, settings: SimulationSettings) -> Batch:
-        """What the loops run. Raises InvalidProblemError for explicit Euler."""
-        return Batch.of(
-            integrator,
-            bodies=np.array([body.record for body in self.bodies]),
-            steps=steps_of(integrator, self.bodies, self.starts, settings),
-            states=self.starts,
-        )
-
-    def ends(self, batch: Batch) -> SpringEnds:
-        """Where they ended, after a run."""
-        return SpringEnds.of(batch, bodies=self)
-
-
-class Runnable(Protocol[End_co]):
-    """Bodies that can be simulated side by side."""
-
-    PORTION: ClassVar[int]
-
-    def batch(self, integrator: Integrator, settings: SimulationSettings) -> Batch:
-        """What the loops run."""
-        ...
-
-    def ends(self, batch: Batch) -> End_co:
-        """Where the bodies ended, after a run."""
-        ...
 
 
 def bodies_of(
@@ -265,6 +194,8 @@ def bodies_of(
         basins=basins_of(poses.vectors, poses.values, unit),
         starts=starts,
         length_exponents=exponents,
+        centres=poses.means["source"],
+        origins=poses.means["target"],
     )
 
 
@@ -280,7 +211,7 @@ def bodies_on_springs(  # noqa: PLR0913 - each is one question, and has its usua
     sigma: ArrayLike | None = None,
     weights: ArrayLike | None = None,
     damping: float = DEFAULT_DAMPING,
-) -> SpringBodies:
+) -> Bodies:
     """The bodies of many problems of general springs, each released at rest where its source is.
 
     Parameters
@@ -294,7 +225,7 @@ def bodies_on_springs(  # noqa: PLR0913 - each is one question, and has its usua
 
     Returns
     -------
-    SpringBodies
+    Bodies
         For `simulate_many`.
 
     Raises
@@ -319,25 +250,31 @@ def bodies_on_springs(  # noqa: PLR0913 - each is one question, and has its usua
     bodies: list[SprungBody] = []
     for k in range(given.count):
         try:
-            bodies.append(body_on_springs(Springs(spring_moments(given.problem(k))), damping))
+            bodies.append(body_on_springs(Springs.of(given.problem(k)), damping))
         except DegenerateProblemError as error:
             message = f"instance {k}: {error}"
             raise DegenerateProblemError(
                 message, instance=k, rank=error.rank, value=error.value, limit=error.limit
             ) from error
-    starts = np.zeros(len(bodies), dtype=QUATERNION_STATE)
-    for k, body in enumerate(bodies):
-        starts[k] = body.start
-    return SpringBodies(bodies=tuple(bodies), starts=starts)
+    starts = np.array([body.start for body in bodies])
+    return Bodies(
+        records=np.array([body.record for body in bodies]),
+        basins=np.zeros(len(bodies), dtype=BASIN),
+        starts=starts,
+        length_exponents=np.array([body.length_exponent for body in bodies]),
+        centres=np.array([[float(c) for c in body.centre] for body in bodies]),
+        origins=np.array([[float(c) for c in body.origin] for body in bodies]),
+        sprung=tuple(bodies),
+    )
 
 
 def simulate_many(
-    bodies: Runnable[End_co],
+    bodies: Bodies,
     integrator: Integrator | str = Integrator.SPLITTING,
     *,
     settings: SimulationSettings | None = None,
     progress: Callable[[int, int], object] | None = None,
-) -> End_co:
+) -> Ends:
     """Every body simulated to its end, on `settings.threads` threads.
 
     The interpreter's lock is free meanwhile.
@@ -356,7 +293,7 @@ def simulate_many(
     Returns
     -------
     Ends
-        The last state of each, and how it came there; of bodies on general springs `SpringEnds`.
+        The last state of each, and how it came there.
 
     Raises
     ------
@@ -368,12 +305,22 @@ def simulate_many(
     integrator, settings = Integrator(integrator), settings or SimulationSettings()
     batch = bodies.batch(integrator, settings)
     count = len(batch.states)
-    portion = count or 1 if progress is None else bodies.PORTION
+    portion = count or 1
+    if progress is not None:
+        portion = SPRUNG_PORTION if bodies.sprung else PORTION
     for start in range(0, count, portion):
         integrate(batch.part(slice(start, start + portion)), settings)
         if progress is not None:
             progress(min(start + portion, count), count)
-    return bodies.ends(batch)
+    return Ends(
+        bodies=bodies,
+        integrator=integrator,
+        status=batch.status,
+        steps=batch.taken,
+        escapes=batch.escapes,
+        times=batch.times,
+        states=batch.states,
+    )
 
 
 def _length_exponents(poses: StationaryPoses) -> NDArray[np.int64]:
@@ -410,14 +357,3 @@ def _inverses(upper: NDArray[np.float64]) -> NDArray[np.float64]:
     """The upper triangles of the inverses of symmetric matrices, (count, 6)."""
     inverse = np.asarray(np.linalg.inv(symmetric(upper)), dtype=np.float64)
     return inverse[(slice(None), *np.triu_indices(3))]
-
-
-def _stepped(starts: Records, integrator: Integrator) -> Records:
-    """The starts as the integrator keeps them: with a matrix if it has one."""
-    if integrator is not Integrator.EULER:
-        return starts
-    states = np.empty(len(starts), dtype=MATRIX_STATE)
-    states["R"] = rotation_matrices(starts["q"])
-    for part in ("c", "v", "omega"):
-        states[part] = starts[part]
-    return states

@@ -19,11 +19,12 @@ breathes: a point stands at s R x + c, and the size s is a state:
     Sxx p' = s omega^T J omega - 2 s Sxx + 2 tr(R^T C) - mu Sxx p.
 
 Nothing is evaluated here: the functions are generated from the derivations
-(certreg/native/generated), and run compiled or in Python (certreg/native).
+(certreg/native/generated) and run compiled; those of the first body also in Python.
 """
 
 from __future__ import annotations
 
+import enum
 import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
@@ -33,23 +34,75 @@ import numpy as np
 
 from certreg.dynamics.integrators import own_steps
 from certreg.errors import DegenerateProblemError
-from certreg.native import BASIN, Integrator, Kind, current_engine, named, symmetric
-from certreg.problem import Cell, Verb, require_supported
+from certreg.native.engine import compiled_engine, current_engine
+from certreg.native.layout import BASIN, named, symmetric
+from certreg.native.loops import Integrator, Kind
+from certreg.problem.support import Cell, Verb, require_supported
 from certreg.results import Absent, Brief
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Sequence
     from fractions import Fraction
 
     from numpy.typing import NDArray
 
     from certreg.dynamics.basin import Basin
     from certreg.dynamics.integrators import SimulationSettings
-    from certreg.dynamics.status import Status
-    from certreg.native import Records, RecordType
+    from certreg.native.layout import Records, RecordType
+    from certreg.native.loops import Engine
+
 
 SMALLEST_INERTIA = 1e-14  # of the clouds' spread: below, rounding is larger than J itself
 CLEARLY_THICK = 1e-10  # far above that and all rounding
+
+
+class Status(enum.Enum):
+    """How a simulation ended."""
+
+    @property
+    def at_rest(self) -> bool:
+        """Whether the body came to rest."""
+        return self.name in {"CONVERGED", "AT_REST"}
+
+
+class SimulationStatus(Status):
+    """Of a body on springs of one weight per pair."""
+
+    CONVERGED = (
+        "The body is at rest (slower than the tolerance), its rotation with too little energy to "
+        "leave the optimum."
+    )
+    AT_REST = (
+        "The body is at rest (slower than the tolerance); where no optimum is unique, no more is "
+        "asked."
+    )
+    OUT_OF_STEPS = (
+        "The steps ran out before the body was at rest at the optimum. The certificate does not "
+        "depend on it."
+    )
+
+
+class SpringStatus(Status):
+    """Of a body on general springs."""
+
+    AT_REST = (
+        "The body is at rest: slower than the tolerance, in a valley of the energy. Which one it "
+        "is does not follow from that."
+    )
+    OUT_OF_STEPS = "The steps ran out before the body was at rest."
+
+
+class BreathingStatus(Status):
+    """Of a body with a free scale."""
+
+    AT_REST = (
+        "The body is at rest: slower than the tolerance, where the energy falls in no direction."
+    )
+    COLLAPSED = (
+        "The scale falls to 0, where the inertia vanishes and the motion is not defined: stopped "
+        "before it. Begin with less energy, nearer to the target in size and rotation."
+    )
+    OUT_OF_STEPS = "The steps ran out before the body was at rest."
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -63,7 +116,7 @@ class AnyBody(Brief, ABC):
     KIND: ClassVar[Kind]
     ENERGIES: ClassVar[RecordType]
     SAMPLE: ClassVar[RecordType | None] = None  # as the integrator has it
-    STATUSES: ClassVar[Mapping[int, Status]]  # by `Ending`
+    STATUS: ClassVar[type[Status]]  # by the names of `Ending`
     INTEGRATOR: ClassVar[Integrator] = Integrator.MIDPOINT  # where the user names none
     NO_RATE: ClassVar[Absent]  # why there is no rate of decay, where there is none
 
@@ -152,7 +205,10 @@ class AnyBody(Brief, ABC):
 
     def _evaluated(self, name: str, state: NDArray[Any]) -> tuple[NDArray[np.float64], ...]:
         full = f"{self.KIND.value}{name}"
-        return current_engine().evaluate(full, self._taken(state), self.record)
+        return self._engine().evaluate(full, self._taken(state), self.record)
+
+    def _engine(self) -> Engine:
+        return current_engine()
 
     def _taken(self, state: NDArray[Any]) -> NDArray[Any]:
         """A state as the generated functions take it."""
@@ -172,8 +228,11 @@ class ValleyBody(AnyBody):
     def steps(
         self, integrator: Integrator, starts: Records, settings: SimulationSettings
     ) -> Records:
-        """The step (1,). Raises InvalidProblemError for integrators that do not move it."""
+        """The step (1,). Raises as `steps_of`."""
         return steps_of(integrator, (self,), starts, settings)
+
+    def _engine(self) -> Engine:
+        return compiled_engine()
 
 
 def steps_of(
@@ -184,10 +243,12 @@ def steps_of(
 ) -> Records:
     """The steps (count,), records `integrator.step`: the bodies' own, or the user's where stable.
 
-    Raises InvalidProblemError for an integrator that does not move such bodies.
+    Raises InvalidProblemError for an integrator that does not move such bodies, MissingLibraryError
+    where nothing is compiled.
     """
     for cell in {body.CELL for body in bodies}:
         require_supported(cell, Verb(integrator.value))
+    compiled_engine()
     stiffest = [body.stiffest(start) for body, start in zip(bodies, starts, strict=True)]
     damping = np.array([body.damping for body in bodies])
     return own_steps(integrator, np.array(stiffest), damping, settings.step)

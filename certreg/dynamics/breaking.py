@@ -24,15 +24,17 @@ from certreg.dynamics.rigid import core_of, require_dynamics
 from certreg.dynamics.simulation import simulate
 from certreg.dynamics.states import state_at_rest
 from certreg.errors import DegenerateProblemError
-from certreg.native import MATRIX_STATE, Integrator, named
-from certreg.objective import Isotropic
+from certreg.native.layout import MATRIX_STATE, named
+from certreg.objective.isotropic import Isotropic
 from certreg.results import Brief
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.dynamics.integrators import SimulationSettings
-    from certreg.problem import RegistrationProblem
+    from certreg.native.loops import Integrator
+    from certreg.problem.problem import RegistrationProblem
+
 
 SHRINKING = 1.4  # of the bounds at a time, as [Yang2020GNC] has it
 LEAST_BOUND = 1e-100  # of the clouds' size: far below what doubles tell of a residual
@@ -72,18 +74,33 @@ class BreakingStage(Brief):
         return int(self.held.sum())
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class BreakingRun(Brief):
     """A simulation with springs that break, stage by stage.
 
-    rotation: (3, 3), translation: (3,), in the unit of the clouds, of the end: y = R x + t.
+    Attributes
+    ----------
+    problem
+        The springs and their bounds.
+    integrator, status
+        Which, and how it ended.
+    stages
+        With ever narrower bounds: their width, which springs hold, energy and time.
+    rotation, translation
+        (3, 3) and (3,), of the end, in the unit of the clouds: y = R x + t.
     """
 
+    problem: RegistrationProblem
+    integrator: Integrator
     status: BreakingStatus
     stages: tuple[BreakingStage, ...]
     rotation: NDArray[np.float64]
     translation: NDArray[np.float64]
-    integrator: Integrator
+
+    @property
+    def unbroken(self) -> tuple[int, ...]:
+        """The rows whose springs hold at the end, ascending."""
+        return tuple(self.stages[-1].held.nonzero()[0].tolist())
 
 
 def run_breaking(
@@ -113,11 +130,12 @@ def run_breaking(
             width /= shrinking
         width = max(1.0, width)
     return BreakingRun(
+        problem=problem,
+        integrator=integrator,
         status=status,
         stages=tuple(stages),
         rotation=annealed.rotation,
         translation=annealed.given_translation,
-        integrator=integrator,
     )
 
 

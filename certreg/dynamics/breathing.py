@@ -13,29 +13,31 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.dynamics.body import ValleyBody, exponent_of, require_rank, require_thick
-from certreg.dynamics.states import NO_TURN_QUATERNION, breathing_state
-from certreg.dynamics.status import BreathingStatus, by_ending
-from certreg.equilibrium import TRANSLATION_STIFFNESS
-from certreg.errors import DegenerateProblemError
-from certreg.exact import power_of_two, rank
-from certreg.native import (
-    BODY,
-    BREATHING_ENERGIES,
-    BREATHING_SAMPLE,
-    Integrator,
-    Kind,
-    named,
-    symmetric,
+from certreg.dynamics.body import (
+    BreathingStatus,
+    ValleyBody,
+    exponent_of,
+    require_rank,
+    require_thick,
 )
-from certreg.problem import UPPER, Cell, Scale, trace
+from certreg.dynamics.states import NO_TURN_QUATERNION, breathing_state
+from certreg.equilibrium.stability import TRANSLATION_STIFFNESS
+from certreg.errors import DegenerateProblemError
+from certreg.exact.dyadic import power_of_two
+from certreg.exact.elimination import rank
+from certreg.native.layout import BODY, BREATHING_ENERGIES, BREATHING_SAMPLE, named, symmetric
+from certreg.native.loops import Integrator, Kind
+from certreg.problem.exact_sums import UPPER
+from certreg.problem.moments import trace
+from certreg.problem.motion import Scale
+from certreg.problem.support import Cell
 from certreg.results import Absent
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from certreg.native import Records
-    from certreg.problem import ExactMoments
+    from certreg.native.layout import Records
+    from certreg.problem.moments import ExactMoments
 
 MOST_BITS_APART = 256  # sizes, scale 1 in units: 3 of its powers, 2^768, and 2^53 are doubles
 
@@ -54,7 +56,7 @@ class BreathingBody(ValleyBody):
     KIND = Kind.BREATHING
     ENERGIES = BREATHING_ENERGIES
     SAMPLE = BREATHING_SAMPLE
-    STATUSES = by_ending(BreathingStatus)
+    STATUS = BreathingStatus
     NO_RATE = Absent("no basin is certified of a body whose scale is free")
 
     source_exponent: int

@@ -15,25 +15,23 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.dynamics.pencil import spring_ratios_of_one
-from certreg.equilibrium import TRANSLATION_STIFFNESS
+from certreg.equilibrium.stability import TRANSLATION_STIFFNESS
 from certreg.errors import DegenerateProblemError
-from certreg.geometry import rotation_matrices
-from certreg.native import (
-    Ending,
-    Integrator,
-    Rules,
-    current_engine,
-    plain,
-    record_of,
-    symmetric,
-)
-from certreg.problem import DEFAULT_DAMPING
+from certreg.geometry.so3 import rotation_matrices
+from certreg.native.engine import current_engine
+from certreg.native.layout import plain, record_of, symmetric
+from certreg.native.library import library_if_any
+from certreg.native.loops import Ending, Integrator, Rules
+from certreg.problem.motion import DEFAULT_DAMPING
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import NDArray
 
-    from certreg.native import Batch, Log, Records
+    from certreg.native.layout import Records
+    from certreg.native.loops import Batch, Log
+
 
 EULER_STEP = 0.01  # [Yang2020]
 STABILITY_SHARE = 0.25  # of the largest stable step of explicit Euler
@@ -209,24 +207,43 @@ def integrate(batch: Batch, settings: SimulationSettings, log: Log | None = None
 
 
 def spring_ratios(bodies: Records, basins: Records) -> NDArray[np.float64]:
-    """The eigenvalues of the pencil (G, J) at the optimum, ascending, (count, 3)."""
+    """The springs beside the inertia: eigenvalues of the pencil (G, J), ascending, (count, 3).
+
+    At the optimum a small turn phi has the energy phi^T G phi / 2, G = 2 tr(A) I - A - A^T,
+    A = R^T C.
+    """
     if len(bodies) == 1:
         return np.array([_ratios_of_one(bodies, basins)])
-    return _ratios_of_many(bodies, basins)
+    return _ratios(basins["quaternions"][:, 0], bodies["cross"], bodies["inertia"])
 
 
 def _ratios_of_one(bodies: Records, basins: Records) -> list[float]:
     body, basin = array("d", bodies.tobytes()), array("d", basins.tobytes())  # sooner than parts
-    with suppress(ValueError, ZeroDivisionError):  # what NumPy finds then, if anything, is told
-        return spring_ratios_of_one(basin[:4], body[:9], body[9:15])
-    return _ratios_of_many(bodies, basins)[0].tolist()
+    return spring_ratios_of_one(basin[:4], body[:9], body[9:15])
 
 
-def _ratios_of_many(bodies: Records, basins: Records) -> NDArray[np.float64]:
-    aligned = rotation_matrices(basins["quaternions"][:, 0]).mT @ bodies["cross"]
+def spring_ratios_of_one(
+    q: Sequence[float], cross: Sequence[float], inertia: Sequence[float]
+) -> list[float]:
+    """Those of one body, by C where it is compiled and rounding leaves J a root.
+
+    q: the unit quaternion of the optimum; cross: C row by row; inertia: the upper triangle of J.
+    """
+    compiled = library_if_any()
+    if compiled is not None:
+        with suppress(ValueError):  # what NumPy finds then, if anything, is told
+            return compiled.spring_ratios(q, cross, inertia)
+    rows = np.array(cross).reshape(1, 3, 3)
+    return _ratios(np.array([q]), rows, np.array([inertia]))[0].tolist()
+
+
+def _ratios(
+    q: NDArray[np.float64], cross: NDArray[np.float64], inertia: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    aligned = rotation_matrices(q).mT @ cross
     traces = np.trace(aligned, axis1=1, axis2=2)[:, np.newaxis, np.newaxis]
     hessian = 2.0 * traces * IDENTITY - aligned - aligned.mT
-    whitening = np.linalg.inv(np.linalg.cholesky(symmetric(bodies["inertia"])))
+    whitening = np.linalg.inv(np.linalg.cholesky(symmetric(inertia)))
     return np.linalg.eigvalsh(whitening @ hessian @ whitening.mT).astype(np.float64)
 
 

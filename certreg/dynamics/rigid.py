@@ -8,7 +8,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from certreg.dynamics.basin import certified_basin
-from certreg.dynamics.body import AnyBody, exponent_of, require_rank, require_thick
+from certreg.dynamics.body import (
+    AnyBody,
+    SimulationStatus,
+    exponent_of,
+    require_rank,
+    require_thick,
+)
 from certreg.dynamics.integrators import step_parameters
 from certreg.dynamics.states import (
     NO_TURN,
@@ -19,21 +25,19 @@ from certreg.dynamics.states import (
     state_at_rest,
     with_matrices,
 )
-from certreg.dynamics.status import SimulationStatus, by_ending
-from certreg.exact import rank
-from certreg.geometry import quaternion_from_matrix, rotation_matrix
-from certreg.native import (
+from certreg.exact.elimination import rank
+from certreg.geometry.so3 import quaternion_from_matrix, rotation_matrix
+from certreg.native.layout import (
     BODY,
     ENERGIES,
     MATRIX_STATE,
     QUATERNION_STATE,
-    Integrator,
-    Kind,
     named,
     plain,
     record_of,
 )
-from certreg.problem import trace
+from certreg.native.loops import Integrator, Kind
+from certreg.problem.moments import trace
 from certreg.results import Absent
 
 if TYPE_CHECKING:
@@ -43,10 +47,10 @@ if TYPE_CHECKING:
 
     from certreg.dynamics.basin import Basin
     from certreg.dynamics.integrators import SimulationSettings
-    from certreg.geometry import Matrix3
-    from certreg.native import Records
-    from certreg.objective import Isotropic
-    from certreg.problem import ExactMoments
+    from certreg.geometry.so3 import Matrix3
+    from certreg.native.layout import Records
+    from certreg.objective.isotropic import Isotropic
+    from certreg.problem.moments import ExactMoments
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -61,7 +65,7 @@ class RigidBody(AnyBody):
 
     KIND = Kind.RIGID
     ENERGIES = ENERGIES
-    STATUSES = by_ending(SimulationStatus)
+    STATUS = SimulationStatus
     INTEGRATOR = Integrator.EULER  # the paper's
     NO_RATE = Absent("the optimum is not unique: no rate belongs to it")
 

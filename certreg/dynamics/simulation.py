@@ -28,15 +28,16 @@ from certreg.dynamics.integrators import (
     DEFAULT_SETTINGS,
     integrate,
     spring_ratios,
+    spring_ratios_of_one,
     step_parameters,
 )
-from certreg.dynamics.pencil import spring_ratios_of_one
 from certreg.dynamics.rigid import body_on_weights, core_of
 from certreg.dynamics.trajectory import Course, Trajectory
-from certreg.equilibrium import TRANSLATION_STIFFNESS, unit_double
+from certreg.equilibrium.presentation import unit_double
+from certreg.equilibrium.stability import TRANSLATION_STIFFNESS
 from certreg.errors import DegenerateProblemError
-from certreg.exact import rank
-from certreg.native import (
+from certreg.exact.elimination import rank
+from certreg.native.loops import (
     LARGEST_PERTURBATION,
     PERTURBATION_GROWTH,
     Batch,
@@ -44,7 +45,7 @@ from certreg.native import (
     Integrator,
     Log,
 )
-from certreg.objective import Isotropic
+from certreg.objective.isotropic import Isotropic
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -55,11 +56,12 @@ if TYPE_CHECKING:
     from certreg.dynamics.basin import Basin
     from certreg.dynamics.body import AnyBody
     from certreg.dynamics.integrators import SimulationSettings
-    from certreg.native import Records
-    from certreg.objective import Springs
-else:  # of a free scale, and of general springs
+    from certreg.native.layout import Records
+    from certreg.objective.springs import Springs
+else:
     breathing = late("certreg.dynamics.breathing")
     springs = late("certreg.dynamics.springs")
+
 
 Run = TypeVar("Run")
 
@@ -105,7 +107,7 @@ def simulate(
     notes = () if moving.basin is None else tuple(_notes(moving.basin, batch, settings))
     return kind(
         integrator=integrator,
-        status=moving.STATUSES[batch.status.item(0)],
+        status=moving.STATUS[Ending(batch.status.item(0)).name],
         step=batch.steps["h"].item(0),
         steps=batch.taken.item(0),
         escapes=batch.escapes.item(0),

@@ -9,21 +9,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.dynamics.body import ValleyBody, exponent_of, require_rank, require_thick
+from certreg.dynamics.body import SpringStatus, ValleyBody, exponent_of, require_rank, require_thick
 from certreg.dynamics.states import CUBE, NO_TURN_QUATERNION, state_of
-from certreg.dynamics.status import SpringStatus, by_ending
-from certreg.equilibrium import TRANSLATION_STIFFNESS
+from certreg.equilibrium.stability import TRANSLATION_STIFFNESS
 from certreg.errors import DegenerateProblemError
-from certreg.exact import power_of_two, rank
-from certreg.native import (
-    SPRING_BODY,
-    SPRING_ENERGIES,
-    SPRING_SAMPLE,
-    Kind,
-    named,
-    symmetric,
-)
-from certreg.problem import UPPER, Cell
+from certreg.exact.dyadic import power_of_two
+from certreg.exact.elimination import rank
+from certreg.native.layout import SPRING_BODY, SPRING_ENERGIES, SPRING_SAMPLE, named, symmetric
+from certreg.native.loops import Kind
+from certreg.problem.exact_sums import UPPER
+from certreg.problem.support import Cell
 from certreg.results import Absent
 
 if TYPE_CHECKING:
@@ -31,9 +26,10 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from certreg.native import Records
-    from certreg.objective import Springs
-    from certreg.problem import SpringMoments
+    from certreg.native.layout import Records
+    from certreg.objective.springs import Springs
+    from certreg.problem.stiffness import SpringMoments
+
 
 FULL = tuple(UPPER.index((min(a, b), max(a, b))) for a, b in product(range(3), repeat=2))
 DIAGONAL = (0, 3, 5)  # among the six entries of a symmetric matrix
@@ -53,7 +49,7 @@ class SprungBody(ValleyBody):
     KIND = Kind.SPRINGS
     ENERGIES = SPRING_ENERGIES
     SAMPLE = SPRING_SAMPLE
-    STATUSES = by_ending(SpringStatus)
+    STATUS = SpringStatus
     NO_RATE = Absent("not computed for general springs")
 
     origin: tuple[Fraction, ...]
@@ -105,7 +101,8 @@ class SprungBody(ValleyBody):
 class CentredSums:
     """The 73 sums about the source's centre of mass and an origin of the target, in fractions.
 
-    As in `certreg.problem.SpringMoments`, in the user's unit; scatter: six rows of six.
+    As in `certreg.problem.stiffness.SpringMoments`, in the user's unit. scatter: six rows
+    of six.
     """
 
     stiffness: list[Fraction]

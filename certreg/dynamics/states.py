@@ -8,16 +8,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.geometry import rotation_matrices
-from certreg.native import BREATHING_STATE, MATRIX_STATE, QUATERNION_STATE, plain
+from certreg.geometry.so3 import rotation_matrices
+from certreg.native.layout import BREATHING_STATE, MATRIX_STATE, QUATERNION_STATE, plain
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
     from numpy.typing import ArrayLike, NDArray
 
-    from certreg.native import Records
-    from certreg.problem import ExactMoments
+    from certreg.native.layout import Records
+    from certreg.problem.moments import ExactMoments
 
 NO_TURN, NO_TURN_QUATERNION = np.eye(3).ravel().tolist(), (1.0, 0.0, 0.0, 0.0)
 # Rotations over which the stiffest mode is looked for: those of the cube.

@@ -60,16 +60,14 @@ from certreg.equilibrium.presentation import equilibrium_set
 from certreg.equilibrium.spectral import by_eigenspaces
 from certreg.equilibrium.stability import Oscillations
 from certreg.errors import InvalidProblemError
-from certreg.native import ManyClouds, current_engine
-from certreg.objective import Isotropic
-from certreg.problem import (
-    DEFAULT_DAMPING,
-    RegistrationProblem,
-    checked_damping,
-    checked_threads,
-    exact_moments,
-    require_same_labels,
-)
+from certreg.native.engine import current_engine
+from certreg.native.stationary import ManyClouds
+from certreg.objective.isotropic import Isotropic
+from certreg.problem.effort import checked_threads
+from certreg.problem.moments import exact_moments
+from certreg.problem.motion import DEFAULT_DAMPING, checked_damping
+from certreg.problem.problem import RegistrationProblem
+from certreg.problem.row_labels import require_same_labels
 from certreg.results import Brief
 
 if TYPE_CHECKING:
@@ -78,7 +76,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from certreg.equilibrium.presentation import EquilibriumSet
-    from certreg.native import StationaryPoses
+    from certreg.native.stationary import StationaryPoses
 
 Array = Any  # NDArray[np.float64]
 MODES = 12  # of the linearised dynamics

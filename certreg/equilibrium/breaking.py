@@ -1,4 +1,4 @@
-"""The equilibria of a body on springs that break, for one set of unbroken springs.
+"""The equilibria of a body on springs that break, set by set of unbroken springs.
 
 V = sum of min(w r_i^2, w b_i^2) has near a pose with |r_i| != b_i for all i the form
 
@@ -13,6 +13,12 @@ On a tie, |r_i| = b_i for some i, no minimum of V lies: V is there at most V_T a
 and without the spring, and equal to both, so that both gradients would be zero at a minimum. But
 they differ by that of w r_i^2, which is -2 w r_i != 0 in the translation. Proof: derivations,
 springs_that_break.
+
+Which sets may hold at one pose: where springs i and j both hold, the difference of their residuals
+is shorter than b_i + b_j, and the lengths |x_j - x_i| and |y_j - y_i| differ by less. So a set that
+holds is a clique in the graph of the pairs that pass this test, decided in integers; a set of at
+least k has its springs where each has k - 1 neighbours; and a set that never holds, for its least
+energy is too large, is part of none that does.
 """
 
 from __future__ import annotations
@@ -24,10 +30,12 @@ from typing import TYPE_CHECKING
 
 from certreg._loading import cached_property
 from certreg.equilibrium.eigenlines import eigenlines, energy_is_at_least
-from certreg.exact import power_of_two
-from certreg.geometry import dot, rotation_matrix, squared_norm
-from certreg.objective import Isotropic
-from certreg.problem import exact_springs
+from certreg.errors import UndecidedError
+from certreg.exact.dyadic import power_of_two
+from certreg.geometry.so3 import dot, rotation_matrix, squared_norm
+from certreg.native.bit_rows import rows_of
+from certreg.objective.isotropic import Isotropic
+from certreg.problem.lifting import exact_springs
 from certreg.results import Brief
 
 if TYPE_CHECKING:
@@ -35,10 +43,16 @@ if TYPE_CHECKING:
     from fractions import Fraction
 
     from certreg.equilibrium.eigenlines import Eigenline
-    from certreg.exact import IntegerQuaternion
-    from certreg.geometry import Vector3
-    from certreg.problem import ExactSprings, RegistrationProblem
+    from certreg.exact.spaces import IntegerQuaternion
+    from certreg.geometry.so3 import Vector3
+    from certreg.problem.lifting import ExactSprings
+    from certreg.problem.problem import RegistrationProblem
     from certreg.results import ComponentKind
+
+
+LEAST_SPRINGS = 3  # two hold the body in no pose: it turns about their line
+LARGEST_TRIED = 12  # springs of a set that is tried with all larger ones: more seldom refute
+BRANCHES_A_SET = 16  # of the search, each quicker than a set: those without an end are given up
 
 
 class Labels(enum.Enum):
@@ -201,3 +215,103 @@ def _roots(square: int) -> tuple[int, int]:
     """The integers next to a square root, below and above; the same of a perfect square."""
     below = isqrt(square)
     return below, below + (below * below < square)
+
+
+def consistent_springs(problem: RegistrationProblem) -> list[int]:
+    """For each spring those that may hold at one pose with it, as bits of an integer."""
+    near, rows = [0] * problem.n, exact_springs(problem)
+    for j in range(problem.n):
+        for i in range(j):
+            if _agree(rows, i, j):
+                near[i] |= 1 << j
+                near[j] |= 1 << i
+    return near
+
+
+def label_sets(problem: RegistrationProblem, least: int, most_sets: int) -> Iterator[SpringSet]:
+    """All sets of at least `least` >= 3 springs that may hold: cliques that are not refuted.
+
+    Raises UndecidedError where more than `most_sets` sets would have to be looked at.
+    """
+    yield from _Sets(problem, least, most_sets).all()
+
+
+@dataclass(frozen=True, slots=True)
+class _Branch:
+    """The sets of all of `taken` and some of `free`; last: of `taken`, where it was looked at."""
+
+    taken: tuple[int, ...]
+    free: int
+    last: SpringSet | None
+
+
+class _Sets:
+    """A search through the cliques: each spring in turn is taken, or left out."""
+
+    def __init__(self, problem: RegistrationProblem, least: int, most_sets: int) -> None:
+        self._problem, self._least = problem, least
+        self._most = self._left = most_sets
+        self._branches_left = BRANCHES_A_SET * most_sets + problem.n
+        self._near = consistent_springs(problem)
+
+    def all(self) -> Iterator[SpringSet]:
+        branches = [_Branch((), (1 << self._problem.n) - 1, None)]
+        while branches:
+            branch = branches.pop()
+            self._count_branch()
+            taken, free = branch.taken, self._linked(branch)
+            if len(taken) + free.bit_count() < self._least:
+                continue
+            if not free:
+                yield branch.last or self._looked_at(taken)
+                continue
+            first = free & -free
+            row = first.bit_length() - 1
+            branches.append(_Branch(taken, free ^ first, branch.last))
+            more = (*taken, row)
+            grown = self._looked_at(more) if LEAST_SPRINGS <= len(more) <= LARGEST_TRIED else None
+            if grown is None or not grown.never_holds:
+                branches.append(_Branch(more, free & self._near[row], grown))
+
+    def _linked(self, branch: _Branch) -> int:
+        """The free springs, less those with too few neighbours for a set that is large enough."""
+        free, needed = branch.free, self._least - len(branch.taken) - 1
+        while needed > 0:
+            few = [i for i in rows_of(free) if (self._near[i] & free).bit_count() < needed]
+            if not few:
+                break
+            free &= ~sum(1 << i for i in few)
+        return free
+
+    def _count_branch(self) -> None:
+        if not self._branches_left:
+            raise self._too_many
+        self._branches_left -= 1
+
+    def _looked_at(self, rows: tuple[int, ...]) -> SpringSet:
+        if not self._left:
+            raise self._too_many
+        self._left -= 1
+        return SpringSet(self._problem, rows)
+
+    @property
+    def _too_many(self) -> UndecidedError:
+        message = (
+            f"more than {self._most} sets of springs may hold together: give narrower bounds, "
+            "ask for more unbroken springs (`least`), or for more sets (`most_sets`)"
+        )
+        return UndecidedError(message, method="label sets")
+
+
+def _agree(rows: ExactSprings, i: int, j: int) -> bool:
+    """Whether | |x_j - x_i| - |y_j - y_i| | < b_i + b_j = d, in integers and without a root.
+
+    With A >= B the squared lengths it is so iff A - B - d^2 < 2 d sqrt(B).
+    """
+    x, y = (
+        squared_norm([q - p for p, q in zip(points[i], points[j], strict=True)])
+        for points in (rows.sources, rows.targets)
+    )
+    A, B, d = max(x, y), min(x, y), rows.bounds[i] + rows.bounds[j]
+    excess = A - B - d * d
+    return excess < 0 or excess * excess < 4 * d * d * B

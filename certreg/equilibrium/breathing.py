@@ -16,12 +16,13 @@ from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from certreg.errors import DegenerateProblemError
-from certreg.exact import RootSigns, nearest_double, power_of_two, signs_of_eigenvalues
-from certreg.problem import trace
+from certreg.exact.dyadic import nearest_double, power_of_two
+from certreg.exact.signs import RootSigns, signs_of_eigenvalues
+from certreg.problem.moments import trace
 from certreg.results import OUT_OF_RANGE, Absent, Brief, Explained
 
 if TYPE_CHECKING:
-    from certreg.objective import Isotropic
+    from certreg.objective.isotropic import Isotropic
     from certreg.results import ComponentKind
 
 LOST_SCALE = Absent("the scale is so near 0 that no digits of it are known; its sign is exact")

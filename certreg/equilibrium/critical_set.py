@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
     from fractions import Fraction
 
-    from certreg.exact import IntegerQuaternion, Resolution
+    from certreg.exact.spaces import IntegerQuaternion, Resolution
     from certreg.results import Guarantee
 
 

@@ -19,14 +19,15 @@ from itertools import pairwise
 from typing import TYPE_CHECKING
 
 from certreg.errors import UndecidedError
-from certreg.exact import rational_root_above, signs_of_eigenvalues
+from certreg.exact.dyadic import rational_root_above
+from certreg.exact.signs import signs_of_eigenvalues
 from certreg.results import Brief, ComponentKind
 
 if TYPE_CHECKING:
     from fractions import Fraction
 
-    from certreg.exact import IntegerQuaternion
-    from certreg.objective import Isotropic
+    from certreg.exact.spaces import IntegerQuaternion
+    from certreg.objective.isotropic import Isotropic
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

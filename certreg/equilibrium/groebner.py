@@ -29,14 +29,15 @@ from flint import acb, arb, arb_mat, ctx, fmpq_mat, fmpz_mat, fmpz_poly
 from certreg.equilibrium.critical_set import Completeness, CriticalSet, spaces_as_components
 from certreg.equilibrium.torques import COLUMNS, torque_table
 from certreg.errors import ContradictionError
-from certreg.exact import Space, fixed_point, morse_bott_index, orthonormal, radius_bits, resolved
+from certreg.exact.balls import fixed_point, morse_bott_index, orthonormal, radius_bits
+from certreg.exact.spaces import Space, resolved
 from certreg.results import Guarantee
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from certreg.equilibrium.torques import Table
-    from certreg.objective import Isotropic
+    from certreg.objective.isotropic import Isotropic
 
 GROEBNER = "groebner"
 CHARTS = 13  # four lines lie in at most 4 * 3 = 12 hyperplanes (1, t, t^2, t^3)

@@ -35,15 +35,8 @@ from certreg.equilibrium.krawczyk import (
 )
 from certreg.equilibrium.tracking import REGULAR, SINGULAR, TrackerSettings, statuses_of, track
 from certreg.errors import UndecidedError
-from certreg.exact import (
-    Resolution,
-    Space,
-    exact_matrix,
-    fixed_point,
-    morse_bott_index,
-    orthonormal,
-    resolved,
-)
+from certreg.exact.balls import exact_matrix, fixed_point, morse_bott_index, orthonormal
+from certreg.exact.spaces import Resolution, Space, resolved
 from certreg.results import Guarantee
 
 if TYPE_CHECKING:
@@ -58,7 +51,7 @@ if TYPE_CHECKING:
         Reals,
         TrackedPaths,
     )
-    from certreg.objective import Isotropic
+    from certreg.objective.isotropic import Isotropic
 
 HOMOTOPY = "homotopy"
 SEED = 20260  # any: with another the paths differ, and the ends do not

@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 from flint import acb, acb_mat, arb, arb_mat, ctx
 
 from certreg.errors import ContradictionError
-from certreg.exact import radius_bits
+from certreg.exact.balls import radius_bits
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

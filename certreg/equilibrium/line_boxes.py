@@ -23,14 +23,14 @@ from certreg.equilibrium.krawczyk import (
     proved_root,
     tightened,
 )
-from certreg.exact import negative_eigenvalues
-from certreg.geometry import body_frame, squared_norm
-from certreg.objective import MONOMIALS, PAIR_PLACE, PAIRS
+from certreg.exact.balls import negative_eigenvalues
+from certreg.geometry.so3 import body_frame, squared_norm
+from certreg.objective.quartics import MONOMIALS, PAIR_PLACE, PAIRS
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from certreg.objective import LevelledExactly
+    from certreg.objective.levelling import LevelledExactly
 
 GUARD_BITS = 16  # of a coefficient, beyond those of the arithmetic
 PAIR_BITS = 64  # where to begin with a line that is not real: its box only has to be apart

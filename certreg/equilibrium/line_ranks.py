@@ -30,7 +30,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from certreg._loading import library
-from certreg.objective import MONOMIALS
+from certreg.objective.quartics import MONOMIALS
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

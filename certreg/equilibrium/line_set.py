@@ -13,7 +13,8 @@ from certreg.results import Guarantee
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from certreg.objective import Springs
+    from certreg.objective.springs import Springs
+
 
 LINES = 40
 REAL_LINES = 4  # of one weight per pair
@@ -126,6 +127,21 @@ def line_set(  # noqa: PLR0913 - what is known of the lines, by name
         finiteness=finiteness,
         pairs=pairs,
         tied=tied if complete else 0,
+    )
+
+
+def critical_of(
+    objective: Springs, vector: Sequence[int], index: int | None, guarantee: Guarantee
+) -> Critical:
+    """The component at a unit quaternion in fixed point, its first entry above 0."""
+    sign = next(1 if entry > 0 else -1 for entry in vector if entry)
+    w, x, y, z = (sign * entry for entry in vector)
+    return Critical(
+        quaternion=(w, x, y, z),
+        span=((w, x, y, z),),
+        value=objective.energy((w, x, y, z)),
+        index=index,
+        guarantee=guarantee,
     )
 
 

@@ -13,32 +13,29 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from importlib import import_module
 from itertools import accumulate, pairwise
 from typing import TYPE_CHECKING, Any
 
-from certreg._loading import library
+from certreg._loading import found_late, library
 from certreg.equilibrium.critical_set import CriticalSet
 from certreg.errors import ContradictionError, UndecidedError
-from certreg.exact import at_most
-from certreg.geometry import dot
-from certreg.objective import Isotropic, Springs
+from certreg.exact.decimals import at_most
+from certreg.geometry.so3 import dot
+from certreg.objective.springs import Springs
+from certreg.objective.structure import Structure
+from certreg.problem.support import Verb, refusal
 from certreg.results import Brief
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
+
+    from certreg.objective.isotropic import Isotropic
+    from certreg.objective.springs import Springs
+    from certreg.problem.support import Cell
+
 
 Method = Callable[[Any], CriticalSet]  # of the objective that it is for
 
-METHODS = {  # by name; loaded when asked for, because ball arithmetic and elimination are not light
-    "spectral": ("certreg.equilibrium.spectral", "by_eigenspaces"),
-    "groebner": ("certreg.equilibrium.groebner", "by_elimination"),
-    "homotopy": ("certreg.equilibrium.homotopy", "by_continuation"),
-}
-SPRING_METHODS = {  # of general springs
-    "homotopy": ("certreg.equilibrium.spring_homotopy", "by_forty_paths"),
-    "groebner": ("certreg.equilibrium.spring_groebner", "by_quotient_ring"),
-}
 LARGEST_ANGLE = 1e-10  # radians; spans of complete lists hold 28 digits and more
 LARGEST_DIFFERENCE = 1e-12  # of the range of energies
 
@@ -68,22 +65,66 @@ class Comparison:
     energy: float
 
 
-def methods_of(objective: Isotropic | Springs) -> dict[str, tuple[str, str]]:
-    """The methods that there are for an objective."""
-    return SPRING_METHODS if isinstance(objective, Springs) else METHODS
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Finder:
+    """One way to all equilibria of an objective.
+
+    verb: what asks for it. found: gives the function, loaded when it is first asked for, because
+    ball arithmetic and elimination are not light. needs: a library of others.
+    """
+
+    verb: Verb
+    found: Callable[[], Method]
+    needs: str | None = "flint"
+
+    @property
+    def method(self) -> Method:
+        """The function, its libraries loaded."""
+        if self.needs is not None:
+            library(self.needs, f"the method {self.verb.value}")
+        return self.found()
+
+    def accepts(self, cell: Cell) -> bool:
+        """Whether it lists the equilibria of such problems."""
+        return refusal(cell, self.verb) is None
 
 
-def method_named(name: str, methods: dict[str, tuple[str, str]] = METHODS) -> Method:
-    """The method of a name among `methods`, its libraries loaded."""
-    module, function = methods[name]
-    if name != "spectral":
-        library("flint", f"the method {name}")
-    return getattr(import_module(module), function)
+def _by_name(*finders: Finder) -> dict[str, Finder]:
+    return {each.verb.value: each for each in finders}
+
+
+FINDERS: Mapping[Structure, Mapping[str, Finder]] = {  # the first is the usual one
+    Structure.LINEAR: _by_name(
+        Finder(
+            verb=Verb.SPECTRAL,
+            found=found_late("certreg.equilibrium.spectral", "by_eigenspaces"),
+            needs=None,
+        ),
+        Finder(
+            verb=Verb.GROEBNER,
+            found=found_late("certreg.equilibrium.groebner", "by_elimination"),
+        ),
+        Finder(
+            verb=Verb.HOMOTOPY,
+            found=found_late("certreg.equilibrium.homotopy", "by_continuation"),
+        ),
+    ),
+    Structure.QUARTIC: _by_name(
+        Finder(
+            verb=Verb.HOMOTOPY,
+            found=found_late("certreg.equilibrium.spring_homotopy", "by_forty_paths"),
+        ),
+        Finder(
+            verb=Verb.GROEBNER,
+            found=found_late("certreg.equilibrium.spring_groebner", "by_quotient_ring"),
+        ),
+    ),
+}
 
 
 def search(objective: Isotropic | Springs, name: str) -> Search:
     """The search by one method; loading a library is no part of it."""
-    method = method_named(name, methods_of(objective))
+    method = FINDERS[objective.structure][name].method
     critical, reason, start = None, None, time.perf_counter()
     try:
         critical = method(objective)

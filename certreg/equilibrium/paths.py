@@ -31,8 +31,9 @@ from certreg.equilibrium.tracking import (
     statuses_of,
     track,
 )
-from certreg.native import REACHED, PathEnds, PathRules, many_quartic_paths, quartic_paths
-from certreg.objective import MONOMIALS, levelled
+from certreg.native.paths import REACHED, PathEnds, PathRules, many_quartic_paths, quartic_paths
+from certreg.objective.levelling import levelled
+from certreg.objective.quartics import MONOMIALS
 from certreg.results import Brief
 
 if TYPE_CHECKING:
@@ -41,6 +42,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.equilibrium.tracking import Complexes, Indices, Reals
+
 
 LINES = 40
 # One start is enough for 995 of 1000 random quartics; paths that come near each other need short
@@ -297,9 +299,8 @@ def many_critical_lines(quartics: Reals) -> GatheredEnds:
     clear = (ends.changes <= POLISHED) & (ends.conditions <= CLEAR_CONDITION)
     points = ends.points
     codes = np.where(ends.codes == REACHED, REGULAR, LOST).astype(np.int8)
-    for k in np.flatnonzero(~clear.all(axis=1)):
-        one = PathEnds(**{name: getattr(ends, name)[k] for name in PathEnds.__annotations__})
-        sorted_out = _sorted_out(FloatingQuartic.of(quartics[k]), roots, one, SETTINGS)
+    for k in np.flatnonzero(~clear.all(axis=1)).tolist():
+        sorted_out = _sorted_out(FloatingQuartic.of(quartics[k]), roots, ends.of(k), SETTINGS)
         points[k], codes[k] = sorted_out.points, sorted_out.codes
     found = gathered(points, codes)
     again = [k for k, o in enumerate(found.outcomes) if o is PathsOutcome.INCOMPLETE]

@@ -20,9 +20,9 @@ from certreg.equilibrium.stability import (
     linearised_spectrum,
     spring_ratios,
 )
-from certreg.exact import nearest_double, nearest_quotient, nearest_root, power_of_two
-from certreg.geometry import canonical, dot, rotation_matrix, squared_norm
-from certreg.problem import trace
+from certreg.exact.dyadic import nearest_double, nearest_quotient, nearest_root, power_of_two
+from certreg.geometry.so3 import canonical, dot, rotation_matrix, squared_norm
+from certreg.problem.moments import trace
 from certreg.results import OUT_OF_RANGE, Absent, Explained, Presented, present
 
 if TYPE_CHECKING:
@@ -31,7 +31,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.equilibrium.critical_set import CriticalSet
-    from certreg.objective import Classification, Isotropic
+    from certreg.objective.classification import Classification
+    from certreg.objective.isotropic import Isotropic
     from certreg.results import ComponentKind, Guarantee
 
 

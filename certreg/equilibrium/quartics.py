@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.geometry import body_frame
-from certreg.objective import MONOMIALS, PAIR_PLACE, PAIRS
+from certreg.geometry.so3 import body_frame
+from certreg.objective.quartics import MONOMIALS, PAIR_PLACE, PAIRS
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -13,7 +13,7 @@ from certreg.equilibrium.critical_set import Completeness, CriticalSet, spaces_a
 from certreg.results import Guarantee
 
 if TYPE_CHECKING:
-    from certreg.objective import Isotropic
+    from certreg.objective.isotropic import Isotropic
 
 SPECTRAL = "spectral"
 

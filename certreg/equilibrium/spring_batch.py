@@ -20,16 +20,14 @@ from certreg.equilibrium.paths import CriticalLines, PathsOutcome, many_critical
 from certreg.equilibrium.presentation import unit_double
 from certreg.equilibrium.quartics import LEAST_CURVATURE, StackedQuartics
 from certreg.equilibrium.spring_homotopy import proved_list
-from certreg.exact import nearest_double
-from certreg.geometry import rotation_matrix
-from certreg.objective import Springs, levelled, quartic_of_form
-from certreg.problem import (
-    GivenSprings,
-    checked_threads,
-    many_spring_moments,
-    spring_moments,
-    stated_many,
-)
+from certreg.exact.dyadic import nearest_double
+from certreg.geometry.so3 import rotation_matrix
+from certreg.objective.levelling import levelled
+from certreg.objective.quartics import quartic_of_form
+from certreg.objective.springs import Springs
+from certreg.problem.effort import checked_threads
+from certreg.problem.many_springs import many_spring_moments, stated_many
+from certreg.problem.springs import GivenSprings
 from certreg.results import Brief, Guarantee
 
 if TYPE_CHECKING:
@@ -40,7 +38,8 @@ if TYPE_CHECKING:
 
     from certreg.equilibrium.line_set import LineSet
     from certreg.equilibrium.paths import GatheredEnds
-    from certreg.problem import ManySpringMoments, ManySprings
+    from certreg.problem.many_springs import ManySpringMoments, ManySprings
+
 
 Array = Any  # NDArray[np.float64]
 PORTION = 64  # problems that a thread takes at a time: 64 ms, and 7 MB for the ends
@@ -48,7 +47,7 @@ UNKNOWN_INDEX = -1
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class SpringSolutions(Brief):
+class QuarticSolutions(Brief):
     """All equilibria of each problem, by ascending energy: row j of problem k, j < counts[k].
 
     What stands behind them is NaN, and -1 in `indices`.
@@ -107,7 +106,7 @@ def solve_many_springs(  # noqa: PLR0913 - each is one question, and has its usu
     threads: int = 2,
     prove: bool = False,
     progress: Callable[[int, int], object] | None = None,
-) -> SpringSolutions:
+) -> QuarticSolutions:
     """All equilibria of many problems of general springs; the same numbers on any threads.
 
     Floating point unless `prove` is set. The interpreter's lock is free while paths are followed.
@@ -130,7 +129,7 @@ def solve_many_springs(  # noqa: PLR0913 - each is one question, and has its usu
 
     Returns
     -------
-    SpringSolutions
+    QuarticSolutions
         And what became of the paths of each problem.
 
     Raises
@@ -182,7 +181,7 @@ def many_springs(
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class _Rows:
-    """Equilibria one after another: which problem (m,), and the columns of `SpringSolutions`."""
+    """Equilibria one after another: which problem (m,), and the columns of `QuarticSolutions`."""
 
     problem: NDArray[np.int64]
     quaternions: NDArray[np.float64]
@@ -275,7 +274,7 @@ def _proved(
     places = {int(k): place for place, k in enumerate(varied)}
     lists: list[LineSet] = []
     for k, outcome in enumerate(outcomes):
-        objective, found = Springs(spring_moments(given.problem(k))), None
+        objective, found = Springs.of(given.problem(k)), None
         if ends is not None and outcome is PathsOutcome.FOUND:
             place = places[k]
             lines = CriticalLines(
@@ -295,7 +294,7 @@ def _with_proved(rows: _Rows, lists: tuple[LineSet, ...], given: ManySprings) ->
     """The rows with those of complete lists in the place of theirs."""
     parts = [_picked(rows, ~np.array([one.complete for one in lists])[rows.problem])]
     parts += [
-        _of_list(found, k, Springs(spring_moments(given.problem(k))))
+        _of_list(found, k, Springs.of(given.problem(k)))
         for k, found in enumerate(lists)
         if found.complete
     ]
@@ -331,7 +330,7 @@ def _concatenated(parts: list[_Rows]) -> _Rows:
     return _Rows(**{name: np.concatenate([getattr(p, name) for p in parts]) for name in names})
 
 
-def _joined(parts: list[_Portion], given: ManySprings) -> SpringSolutions:
+def _joined(parts: list[_Portion], given: ManySprings) -> QuarticSolutions:
     """The rows of all portions, every problem's in a row of its own."""
     for number, part in enumerate(parts):
         part.rows.problem[:] += number * PORTION
@@ -348,7 +347,7 @@ def _joined(parts: list[_Portion], given: ManySprings) -> SpringSolutions:
         table[rows.problem, place] = column
         return table
 
-    return SpringSolutions(
+    return QuarticSolutions(
         counts=counts,
         quaternions=spread(rows.quaternions, np.nan),
         translations=spread(rows.translations, np.nan),

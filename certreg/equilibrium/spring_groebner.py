@@ -26,7 +26,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from flint import acb_mat, arb, arb_mat, ctx, nmod_mat
 
-from certreg.equilibrium.critical_set import Critical
 from certreg.equilibrium.groebner import GROEBNER
 from certreg.equilibrium.line_boxes import BallQuartic
 from certreg.equilibrium.line_ranks import (
@@ -43,18 +42,22 @@ from certreg.equilibrium.line_set import (
     Finiteness,
     LineSet,
     constant_set,
+    critical_of,
     finiteness_of,
     line_set,
 )
 from certreg.errors import UndecidedError
-from certreg.exact import fixed_point, negative_eigenvalues, orthonormal, radius_bits
-from certreg.objective import levelled_exactly
+from certreg.exact.balls import fixed_point, negative_eigenvalues, orthonormal, radius_bits
+from certreg.objective.levelling import levelled_exactly
 from certreg.results import Guarantee
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from certreg.objective import LevelledExactly, Springs
+    from certreg.equilibrium.critical_set import Critical
+    from certreg.objective.levelling import LevelledExactly
+    from certreg.objective.springs import Springs
+
 
 START_BITS = 256  # a third of it is lost
 MOST_BITS = 512  # where balls still overlap, lines meet or nearly so
@@ -237,15 +240,9 @@ def _listed(objective: Springs, levelled: LevelledExactly, lines: list[tuple[arb
 
 def _critical(objective: Springs, quartic: BallQuartic, q: tuple[arb, ...]) -> Critical:
     (unit,) = orthonormal([q], 1)
-    sign = next(1 if bool(c > 0) else -1 for c in q if bool(c != 0))
-    w, x, y, z = (sign * fixed_point(entry, BITS) for entry in unit)
-    return Critical(
-        quaternion=(w, x, y, z),
-        span=((w, x, y, z),),
-        value=objective.energy((w, x, y, z)),
-        index=negative_eigenvalues(quartic.curvature(q)),
-        guarantee=Guarantee.ENCLOSED,
-    )
+    vector = [fixed_point(entry, BITS) for entry in unit]
+    index = negative_eigenvalues(quartic.curvature(q))
+    return critical_of(objective, vector, index, Guarantee.ENCLOSED)
 
 
 def _are_told(lines: Sequence[tuple[arb, ...]]) -> bool:

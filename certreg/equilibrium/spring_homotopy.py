@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 from flint import ctx
 
-from certreg.equilibrium.critical_set import Critical
 from certreg.equilibrium.homotopy import HOMOTOPY
 from certreg.equilibrium.line_boxes import BallQuartic, BoxedLine, all_different, boxed, index_of
 from certreg.equilibrium.line_set import (
@@ -22,13 +21,14 @@ from certreg.equilibrium.line_set import (
     Finiteness,
     LineSet,
     constant_set,
+    critical_of,
     finiteness_of,
     line_set,
 )
 from certreg.equilibrium.paths import REAL, critical_lines
 from certreg.equilibrium.tracking import REGULAR
-from certreg.exact import fixed_point, orthonormal
-from certreg.objective import levelled_exactly
+from certreg.exact.balls import fixed_point, orthonormal
+from certreg.objective.levelling import levelled_exactly
 from certreg.results import Guarantee
 
 if TYPE_CHECKING:
@@ -36,9 +36,10 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from certreg.equilibrium.critical_set import Critical
     from certreg.equilibrium.paths import CriticalLines
     from certreg.equilibrium.tracking import Complexes
-    from certreg.objective import Springs
+    from certreg.objective.springs import Springs
 
     Numbers = NDArray[np.float64] | NDArray[np.complex128]
 
@@ -145,27 +146,13 @@ def _proved_component(objective: Springs, line: BoxedLine) -> Critical:
     with ctx.workprec(2 * BITS):
         (unit,) = orthonormal([line.quaternion], 1)
     vector = [fixed_point(entry, BITS) for entry in unit]
-    return _component(objective, vector, index_of(line), Guarantee.ENCLOSED)
+    return critical_of(objective, vector, index_of(line), Guarantee.ENCLOSED)
 
 
 def _unproved_component(objective: Springs, q: Complexes) -> Critical:
     entries = (q.real / np.linalg.norm(q.real)).tolist()
     vector = [int(entry * (1 << 60)) << (BITS - 60) for entry in entries]
-    return _component(objective, vector, None, Guarantee.NUMERICAL)
-
-
-def _component(
-    objective: Springs, vector: Sequence[int], index: int | None, guarantee: Guarantee
-) -> Critical:
-    sign = next(1 if entry > 0 else -1 for entry in vector if entry)
-    w, x, y, z = (sign * entry for entry in vector)
-    return Critical(
-        quaternion=(w, x, y, z),
-        span=((w, x, y, z),),
-        value=objective.energy((w, x, y, z)),
-        index=index,
-        guarantee=guarantee,
-    )
+    return critical_of(objective, vector, None, Guarantee.NUMERICAL)
 
 
 def _unproved(points: Complexes, proved: Sequence[BoxedLine]) -> list[Complexes]:

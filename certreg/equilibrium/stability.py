@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.geometry import body_frame
+from certreg.geometry.so3 import body_frame
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -5,7 +5,7 @@ world frame 2 vee(C R^T - R C^T): six equations that are linear in R. With R = R
 degree two in the quaternion q, they are six quadratic forms in q; nothing else is assumed here,
 above all not that their solutions are eigenvectors. One is led there: the six forms are, up to sign
 and sums of two, the 2x2 minors of the 4x2 matrix [q, K q] with Davenport's K(C), so they vanish iff
-K q is a multiple of q, which gives the square system of `Isotropic.equilibrium_system` for methods
+K q is a multiple of q, which gives the square system of `multiplier_system` for methods
 that need as many equations as unknowns.
 
 All coefficients are integers: C may be given up to a positive factor. Source: [Yang2020], torque.
@@ -16,7 +16,7 @@ from __future__ import annotations
 from functools import cache
 from typing import TYPE_CHECKING
 
-from certreg.geometry import rotation_matrix
+from certreg.geometry.so3 import rotation_matrix
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

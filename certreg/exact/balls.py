@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from flint import arb, arb_mat, ctx
 
-from certreg.geometry import dot, rotation_matrix, squared_norm
+from certreg.geometry.so3 import dot, rotation_matrix, squared_norm
 
 BEYOND = 1 << 40
 

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.geometry import dot
+from certreg.geometry.so3 import dot
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

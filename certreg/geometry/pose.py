@@ -9,8 +9,13 @@ import numpy as np
 
 from certreg._loading import library
 from certreg.errors import InvalidProblemError, OutOfRangeError
-from certreg.geometry.orthogonality import UNNOTED_DEFECT, rotation_defect, why_no_rotation
-from certreg.geometry.pose_matrix import doubles_of, split_matrix
+from certreg.geometry.pose_matrix import (
+    UNNOTED_DEFECT,
+    doubles_of,
+    rotation_defect,
+    split_matrix,
+    why_no_rotation,
+)
 from certreg.geometry.so3 import body_frame, canonical, quaternion_from_matrix, rotation_matrix
 from certreg.results import Brief
 

@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING, Any, ClassVar, overload
 import numpy as np
 
 from certreg.errors import InvalidProblemError, OutOfRangeError
-from certreg.geometry.orthogonality import why_no_rotation
 from certreg.geometry.pose import Pose
-from certreg.geometry.pose_matrix import doubles_of, split_matrix
+from certreg.geometry.pose_matrix import doubles_of, split_matrix, why_no_rotation
 from certreg.results import Brief
 
 if TYPE_CHECKING:

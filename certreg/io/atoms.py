@@ -1,23 +1,30 @@
-"""Cα atoms of proteins, whatever file they stood in, with labels chain:residue:atom.
+"""Molecules: Cα atoms of proteins, with labels chain:residue:atom; chemical .xyz files. No NumPy.
 
 Of several models the first is taken, of several places of an atom the most occupied one, each with
 a note. An insertion code is part of the residue: A:52A:CA is not A:52:CA.
+
+In .pdb files numbers are read from their columns and from nowhere else; where a row was moved by a
+character, no number is left in them, and it is refused. The last model must be closed, and END or
+ENDMDL stand behind the last atom: what was cut shows.
+
+A chemical .xyz file is a count, a comment, then `symbol x y z` a line. Element symbols are no
+labels: many atoms share one. What stands behind z is ignored. A second frame of a trajectory is
+more rows than declared, and refused.
 """
 
 from __future__ import annotations
 
+import re
 from array import array
+from itertools import chain
 from typing import TYPE_CHECKING, NamedTuple
 
-from certreg.errors import InvalidFileError
-from certreg.io.streams import number
+from certreg.io.streams import COUNT, Place, count, number, refused
 from certreg.verify import shown
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Iterator
     from pathlib import Path
-
-    from certreg.io.streams import Place
 
 
 class Atom(NamedTuple):
@@ -71,8 +78,9 @@ def carbon_alphas(atoms: Iterable[Atom], file: Path) -> CarbonAlphas:
         if before is None or occupancy > before[0]:
             kept[atom.label] = occupancy, position
     if not kept:
-        message = f"{shown(file)}: no Cα atoms: give a protein, or save the points as .csv"
-        raise InvalidFileError(message, path=file, value=0, limit=1)
+        raise refused(
+            file, "no Cα atoms: give a protein, or save the points as .csv", value=0, limit=1
+        )
     notes = [f"{len(kept)} Cα atoms, {others} other atoms not used"]
     if len(models) > 1:
         notes.append(f"the first of {len(models)} models (save another one alone to read it)")
@@ -80,3 +88,95 @@ def carbon_alphas(atoms: Iterable[Atom], file: Path) -> CarbonAlphas:
         notes.append(f"of {len(several)} with alternative places, the most occupied one")
     coordinates = array("d", (x for _, position in kept.values() for x in position))
     return CarbonAlphas(coordinates, tuple(kept), tuple(notes))
+
+
+RECORDS = ("ATOM  ", "HETATM")
+ENDS = {"END", "ENDMDL"}
+COORDINATE = re.compile(r" *-?[0-9]{1,6}\.[0-9]+ *")
+RESIDUE = re.compile(r"-?[0-9]+[A-Za-z]?")
+
+
+def parse_pdb(lines: Iterator[str], file: Path) -> CarbonAlphas:
+    """The Cα atoms of the first model."""
+    return carbon_alphas(_atoms(lines, file), file)
+
+
+def _atoms(lines: Iterator[str], file: Path) -> Iterator[Atom]:
+    """The atoms; records END and TER, MODEL and ENDMDL are checked on the way."""
+    model, opened, ended, k = "", None, False, 0
+    for k, raw in enumerate(lines, 1):
+        line, place = raw.rstrip("\r\n"), Place(file, k)
+        record = line[:6].ljust(6)
+        ended = record.rstrip() in ENDS or (ended and record not in RECORDS)
+        if record == "MODEL ":
+            model = line[10:14].strip() or f"in line {k}"
+            opened = place
+        elif record == "ENDMDL":
+            opened = None
+        elif record in RECORDS:
+            yield _atom(place, line, model)
+    if opened is not None:
+        raise opened.refusal("the model is not closed by ENDMDL: is the file truncated?")
+    if not ended:
+        raise Place(file, max(1, k)).refusal("no END behind the atoms: is the file truncated?")
+
+
+def _atom(place: Place, line: str, model: str) -> Atom:
+    """The atom of a row; columns as the format counts them, from 1: 13-16 name, 31-54 place."""
+    position = line[30:38], line[38:46], line[46:54]
+    residue = line[22:27].replace(" ", "")
+    for text in position:
+        if len(text) != 8 or not COORDINATE.fullmatch(text):
+            words = f"'{shown(text)}' in columns 31 to 54 is not a coordinate: mend the columns"
+            raise place.refusal(words, value=text)
+    if not RESIDUE.fullmatch(residue):
+        words = f"'{shown(residue)}' in columns 23 to 27 is not a residue number: mend the columns"
+        raise place.refusal(words, value=residue)
+    field = line[12:16]
+    element = line[76:78].strip().upper() or ("C" if field.startswith(" C") else "")
+    x, y, z = (text.strip() for text in position)
+    return Atom(
+        place=place,
+        model=model,
+        chain=line[21:22].strip(),
+        residue=residue,
+        name=field.strip(),
+        element=element,
+        alternative=line[16:17].strip(),
+        occupancy=line[54:60].strip(),
+        position=(x, y, z),
+    )
+
+
+SYMBOL = re.compile(r"[A-Za-z][A-Za-z0-9_+*'-]*")  # no number: x y z i behind a count is refused
+
+
+def chemical(lines: Iterator[str]) -> tuple[str | None, Iterator[str]]:
+    """The count that a chemical file begins with, if it does, and the lines as they were."""
+    first = next(lines, "")
+    declared = first.strip() if COUNT.fullmatch(first.strip()) else None
+    return declared, chain([first], lines)
+
+
+def chemical_points(lines: Iterator[str], file: Path, declared: str) -> tuple[array[float], int]:
+    """The coordinates of a chemical file, from its first line on, and its number of columns."""
+    expected, coordinates, width = count(Place(file, 1), declared), array("d"), 0
+    for line, text in enumerate(lines, 1):
+        words, place = text.split(), Place(file, line)
+        if line <= 2 or not words:
+            continue
+        width = width or len(words)
+        if len(coordinates) == 3 * expected:
+            what = f"more than the {expected} points of line 1: give one frame only"
+            raise place.refusal(what, limit=expected)
+        if len(words) < 4 or len(words) != width or not SYMBOL.fullmatch(words[0]):
+            what = "not 'symbol x y z' with as many columns as the rows above: mend it"
+            raise place.refusal(what, value=text.strip())
+        coordinates.extend(number(place, word) for word in words[1:4])
+    if len(coordinates) != 3 * expected or not coordinates:
+        held = len(coordinates) // 3
+        what = f"declares {expected} points, the file holds {held}"
+        raise Place(file, 1).refusal(
+            f"{what}: give at least one, and the true count", value=held, limit=expected
+        )
+    return coordinates, width

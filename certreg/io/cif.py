@@ -14,7 +14,7 @@ from certreg.errors import InvalidFileError
 from certreg.io.atoms import Atom, carbon_alphas
 from certreg.io.optional import optional_library
 from certreg.io.parsed import Parsed
-from certreg.io.streams import MAX_TEXT_BYTES, Place
+from certreg.io.streams import MAX_TEXT_BYTES, Place, refused
 from certreg.verify import shown
 
 if TYPE_CHECKING:
@@ -35,13 +35,17 @@ def parse_cif(stream: BinaryIO, file: Path) -> Parsed:
     cif = optional_library("gemmi", file, CONVERTER).cif
     content = stream.read(MAX_TEXT_BYTES + 1)
     if len(content) > MAX_TEXT_BYTES:
-        message = f"{shown(file)}: more than {MAX_TEXT_BYTES} bytes are too many: is it a molecule?"
-        raise InvalidFileError(message, path=file, limit=MAX_TEXT_BYTES)
+        raise refused(
+            file,
+            f"more than {MAX_TEXT_BYTES} bytes are too many: is it a molecule?",
+            limit=MAX_TEXT_BYTES,
+        )
     try:
         document = cif.read_string(content.decode("utf-8"))
     except (ValueError, RuntimeError) as error:
-        message = f"{shown(file)}: is not a .cif file ({shown(str(error)[:80])}): save it again"
-        raise InvalidFileError(message, path=file) from error
+        raise refused(
+            file, f"is not a .cif file ({shown(str(error)[:80])}): save it again"
+        ) from error
     found = carbon_alphas(_atoms(document, cif, file), file)
     points = np.array(found.coordinates).reshape(-1, 3)
     return Parsed(points=points, labels=found.labels, identifiers=found.labels, notes=found.notes)

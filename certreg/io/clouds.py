@@ -9,14 +9,11 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 import numpy as np
 
 from certreg._loading import found_late, late
-from certreg.errors import InvalidFileError
 from certreg.io.optional import unknown_format
-from certreg.io.standard_input import is_standard_input, standard_input
-from certreg.io.streams import reading
+from certreg.io.streams import is_standard_input, reading, refused, standard_input
 from certreg.io.text import TEXT_FORMATS, parse_points
-from certreg.problem import first_row, remedy_of_shape
+from certreg.problem.arrays import first_row, remedy_of_shape
 from certreg.results import Brief
-from certreg.verify import shown
 
 if TYPE_CHECKING:
     import os
@@ -25,8 +22,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.io import npy
-    from certreg.io.parsed import Parsed
-    from certreg.io.row_numbers import RowNumbers
+    from certreg.io.parsed import Parsed, RowNumbers
 
     Parser = Callable[[BinaryIO, Path], Parsed]
 else:  # for arrays in files
@@ -123,8 +119,7 @@ def parse_cloud(stream: BinaryIO, file: Path, *, noise: bool = True) -> Cloud:
     if points.ndim != 2 or points.shape[1] != 3 or len(points) == 0:
         what = f"holds an array of shape {points.shape}"
         remedy = remedy_of_shape(points.shape, "array")
-        message = f"{shown(file)}: {what}: expected (N, 3) with N >= 1{remedy}"
-        raise InvalidFileError(message, path=file, value=points.shape)
+        raise refused(file, f"{what}: expected (N, 3) with N >= 1{remedy}", value=points.shape)
     return Cloud(path=file, points=points, labels=None, ignored=())
 
 
@@ -154,6 +149,5 @@ def _checked_noise(file: Path, name: str, values: NDArray[Any]) -> NDArray[np.fl
     if row is not None:
         what = f"{name} {row} (counting from 0) is {numbers[row]}: "
         what += "give a standard deviation > 0" if name == "sigma" else "weights must be >= 0"
-        message = f"{shown(file)}: {what}"
-        raise InvalidFileError(message, path=file, row=row, column=name, value=float(numbers[row]))
+        raise refused(file, f"{what}", row=row, column=name, value=float(numbers[row]))
     return numbers

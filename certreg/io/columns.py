@@ -2,18 +2,26 @@
 
 Easting is x, northing is y, a height is z, wherever they stand: a table in the order N, E, H is no
 left-handed cloud. Two columns that could both be x are refused.
+
+Tables separated by semicolons are as spreadsheets write them where the comma is decimal. `1,234` is
+one and a quarter in one country and a thousand in another. So commas in numbers are read as decimal
+only where some number of the file shows that they are: `1,5` groups no thousands.
 """
 
 from __future__ import annotations
 
+import csv
 import re
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Generic, NamedTuple, Protocol, TypeVar
 
 from certreg.io.labels import IDENTIFIERS
+from certreg.io.streams import NUMBER, number, refused
 from certreg.verify import shown
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from certreg.io.streams import Place
 
 GRID = ({"e", "east", "easting", "eastings"}, {"n", "north", "northing", "northings"})
@@ -127,3 +135,132 @@ def _unclear(names: tuple[str, ...], full: list[str], repeated: list[str]) -> st
     if missing:
         return f"the header ({stated}) names no column {', '.join(missing)}: {RENAME}"
     return f"the header ({stated}) does not say which columns are x, y, z: {RENAME}"
+
+
+Numbers = TypeVar("Numbers")
+Read_co = TypeVar("Read_co", covariant=True)
+REMEDY = "keep one of them, or give --sigma, --weights or --ignore-weights"
+
+
+class Noisy(Protocol[Read_co]):
+    """A cloud that was read; numbers of its rows, None where it has none."""
+
+    @property
+    def sigma(self) -> Read_co | None:
+        """Standard deviations."""
+        ...
+
+    @property
+    def weights(self) -> Read_co | None:
+        """Weights."""
+        ...
+
+
+class ColumnNoise(NamedTuple, Generic[Numbers]):
+    """Standard deviations, weights, or neither, one for each pair; and what to tell the user."""
+
+    sigma: Numbers | None
+    weights: Numbers | None
+    notes: tuple[str, ...]
+
+
+def noise_of_columns(
+    source: Noisy[Numbers], target: Noisy[Numbers], files: tuple[Path, Path]
+) -> ColumnNoise[Numbers]:
+    """The one column of both clouds, already paired, that says how sure a pair is.
+
+    Two of them are refused: which one holds, or whether both add up, no file says. Raises
+    InvalidFileError.
+    """
+    sides = zip((source, target), files, strict=True)
+    found = [
+        (name, numbers, file)
+        for cloud, file in sides
+        for name, numbers in (("sigma", cloud.sigma), ("weight", cloud.weights))
+        if numbers is not None
+    ]
+    if not found:
+        return ColumnNoise(None, None, ())
+    if len(found) > 1:
+        stated = " and ".join(f"{name} of {shown(file)}" for name, _, file in found)
+        raise refused(
+            found[1][2], f"columns {stated}: which one holds? {REMEDY}", column=found[1][0]
+        )
+    ((name, numbers, file),) = found
+    note = f"{shown(file)}: column {name} is used as "
+    if name == "sigma":
+        note += "the standard deviation of each pair (--ignore-weights: leave it)"
+        return ColumnNoise(numbers, None, (note,))
+    note += "the weight of each pair (--ignore-weights: leave it)"
+    return ColumnNoise(None, numbers, (note,))
+
+
+GROUPED = re.compile(r"[+-]?[1-9][0-9]{0,2},[0-9]{3}")  # 1,234: perhaps a thousand
+
+
+def separated_by_semicolons(first: str) -> bool:
+    """Whether the first row of a table is one of semicolons, not of commas."""
+    if len(_fields(first, ";")) < 3:
+        return False
+    fields = _fields(first, ",")  # `1,5;2,5;3,5` has two numbers between its commas, never three
+    numbers = sum(NUMBER.fullmatch(field) is not None for field in fields)
+    return numbers < 3 and axes_of(fields) is None
+
+
+def _fields(line: str, separator: str) -> list[str]:
+    try:
+        row = next(csv.reader([line], delimiter=separator), list[str]())
+    except csv.Error:
+        return []
+    return [field.strip().lower() for field in row]
+
+
+class DecimalCommas:
+    """Numbers whose commas, if there are any, are found to be decimal or are refused."""
+
+    def __init__(self) -> None:
+        self._comma: tuple[Place, str] | None = None  # the first number with one
+        self._point: tuple[Place, str] | None = None
+        self._decimal = False
+
+    def number(self, place: Place, text: str) -> float:
+        """The double nearest to a decimal number with a point or a comma."""
+        text = text.strip(" \t")
+        if "," not in text:
+            if "." in text:
+                self._point = self._point or (place, text)
+            return number(place, text)
+        self._comma = self._comma or (place, text)
+        if text.count(",") > 1 or not NUMBER.fullmatch(text.replace(",", ".")):
+            words = f"'{shown(text)}' is not a number: write plain decimal numbers, without groups"
+            raise place.refusal(words, value=text)
+        self._decimal = self._decimal or not GROUPED.fullmatch(text)
+        return number(place, text.replace(",", "."))
+
+    def require_decimal(self) -> None:
+        """That the commas met were decimal beyond doubt. Raises InvalidFileError."""
+        if self._comma is None:
+            return
+        place, text = self._comma
+        if self._point is not None:
+            there, other = self._point
+            words = f"'{shown(text)}' here and '{shown(other)}' in line {there.line}: is the comma "
+            raise place.refusal(words + "decimal? Write decimal points", value=text)
+        if not self._decimal:
+            point, thousand = text.replace(",", "."), text.replace(",", "")
+            words = f"'{shown(text)}': is it {point} or {thousand}? Write decimal points"
+            raise place.refusal(words, value=text)
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What the user should know."""
+        return () if self._comma is None else ("decimal commas",)
+
+
+def notes_on(path: Path, notes: tuple[str, ...], ignored: tuple[str, ...]) -> list[str]:
+    """What the user should know of how a file was read, and of columns that were not."""
+    told = [f"{shown(path)}: {', '.join(notes)}"] if notes else []
+    if ignored:
+        hint = " (only `label` pairs rows)" if path.suffix.lower() == ".csv" else ""
+        told.append(f"{shown(path)}: not used: {shown(', '.join(ignored))}{hint}")
+    return told

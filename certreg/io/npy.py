@@ -13,8 +13,8 @@ import numpy as np
 
 from certreg.errors import InvalidFileError
 from certreg.io.atomic import write_atomically
-from certreg.io.streams import held_bytes, large_file, reading
-from certreg.problem import as_doubles, mapped_file, row_blocks
+from certreg.io.streams import held_bytes, large_file, reading, refused, require_held
+from certreg.problem.arrays import as_doubles, mapped_file, row_blocks
 from certreg.verify import shown
 
 if TYPE_CHECKING:
@@ -62,12 +62,7 @@ def parse_npy(stream: BinaryIO, file: Path) -> NDArray[Any]:
         mapped = large_file(stream, file) if is_float(header.dtype) else None
         first = stream.tell()
         held = held_bytes(stream, file) if mapped is None else len(mapped) - first
-        if declared != held:
-            message = (
-                f"{shown(file)}: the header declares {declared} bytes of data, the file holds "
-                f"{held}: it is truncated or corrupt; save it again"
-            )
-            raise InvalidFileError(message, path=file, value=held, limit=declared)
+        require_held(file, declared, held)
         if mapped is not None:
             order = "F" if header.fortran else "C"
             return np.ndarray(header.shape, header.dtype, mapped, first, order=order)
@@ -95,14 +90,14 @@ def read_header(stream: BinaryIO, file: Path) -> Header:
         (2, 0): np.lib.format.read_array_header_2_0,
     }.get(version)
     if reader is None:
-        message = f"{shown(file)}: npy version {version} is not known: save it again with numpy"
-        raise InvalidFileError(message, path=file, value=version)
+        raise refused(
+            file, f"npy version {version} is not known: save it again with numpy", value=version
+        )
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # a header of Python 2 is read right all the same
         shape, fortran, dtype = reader(stream)
     if dtype.kind not in "fiu":
-        message = f"{shown(file)}: holds {shown(dtype)}, not real numbers: save float64"
-        raise InvalidFileError(message, path=file, value=dtype)
+        raise refused(file, f"holds {shown(dtype)}, not real numbers: save float64", value=dtype)
     return Header(tuple(map(int, shape)), bool(fortran), dtype)
 
 

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, BinaryIO
 from certreg.errors import InvalidFileError
 from certreg.io.npy import NOT_NPY, parse_array, read_header
 from certreg.io.parsed import Parsed
-from certreg.io.streams import MAX_HEADER_BYTES, MAX_UNPACKED_BYTES, held_bytes
+from certreg.io.streams import MAX_HEADER_BYTES, MAX_UNPACKED_BYTES, held_bytes, refused
 from certreg.verify import shown
 
 if TYPE_CHECKING:
@@ -72,12 +72,14 @@ def _opened(stream: BinaryIO, file: Path) -> Generator[tuple[zipfile.ZipFile, li
         with zipfile.ZipFile(stream) as archive:
             count = len(archive.infolist())
             if count > MAX_ARRAYS:
-                message = f"{shown(file)}: too many arrays: save only the points"
-                raise InvalidFileError(message, path=file, value=count, limit=MAX_ARRAYS)
+                raise refused(
+                    file, "too many arrays: save only the points", value=count, limit=MAX_ARRAYS
+                )
             yield archive, [_member(archive, info, file) for info in archive.infolist()]
     except NOT_ZIP as error:
-        message = f"{shown(file)}: is not an .npz file ({shown(error)}): save it with numpy.savez"
-        raise InvalidFileError(message, path=file) from error
+        raise refused(
+            file, f"is not an .npz file ({shown(error)}): save it with numpy.savez"
+        ) from error
 
 
 def _require_plain_directory(stream: BinaryIO, file: Path) -> None:
@@ -93,15 +95,13 @@ def _require_plain_directory(stream: BinaryIO, file: Path) -> None:
         short = length <= MAX_HEADER_BYTES
         if plain and short and offset + length + END.size == size:
             return
-    message = f"{shown(file)}: is not an .npz file, or truncated: save it with numpy.savez"
-    raise InvalidFileError(message, path=file)
+    raise refused(file, "is not an .npz file, or truncated: save it with numpy.savez")
 
 
 def _member(archive: zipfile.ZipFile, info: zipfile.ZipInfo, file: Path) -> Member:
     if info.compress_type not in METHODS:
         what = f"'{shown(info.filename)}' is packed in a way that numpy does not use"
-        message = f"{shown(file)}: {what}: save it with numpy.savez"
-        raise InvalidFileError(message, path=file, column=info.filename)
+        raise refused(file, f"{what}: save it with numpy.savez", column=info.filename)
     if not info.filename.endswith(".npy"):
         return Member(info, None, 0)
     with archive.open(info) as packed:
@@ -119,11 +119,13 @@ def _chosen(members: list[Member], file: Path) -> Member:
     candidates = named or fitting
     if len(candidates) != 1 or candidates[0] not in fitting or candidates[0].shape == (0, 3):
         held = ", ".join(f"{m.name} {m.shape or 'no real numbers'}" for m in members)
-        message = (
-            f"{shown(file)}: holds {shown(held) or 'nothing'}: save one array of shape (N, 3), "
-            "N >= 1, or name it points"
+        raise refused(
+            file,
+            f"holds {shown(held) or 'nothing'}: save one array of shape (N, 3), "
+            "N >= 1, or name it points",
+            column="points",
+            value=held,
         )
-        raise InvalidFileError(message, path=file, column="points", value=held)
     return candidates[0]
 
 
@@ -131,13 +133,10 @@ def _unpacked(archive: zipfile.ZipFile, member: Member, file: Path) -> bytes:
     """The .npy file of a member, unpacked only if archive and header declare the same size."""
     declared = member.info.file_size
     if declared != member.size or declared > MAX_UNPACKED_BYTES:
-        message = (
-            f"{shown(file)}: '{shown(member.name)}' is said to be {declared} bytes long, by its "
-            f"header {member.size}: it is corrupt or too large; save it again"
-        )
-        raise InvalidFileError(
-            message,
-            path=file,
+        raise refused(
+            file,
+            f"'{shown(member.name)}' is said to be {declared} bytes long, by its "
+            f"header {member.size}: it is corrupt or too large; save it again",
             column=member.name,
             value=declared,
             limit=min(member.size, MAX_UNPACKED_BYTES),

@@ -8,38 +8,30 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg._loading import late
 from certreg.errors import InvalidProblemError
 from certreg.io.clouds import Cloud, read_cloud
 from certreg.io.columns import NOISE, axes_of
 from certreg.io.labels import Match
 from certreg.io.pairing import Pair, Pairing, pair_of
 from certreg.io.problems import problem_of
-from certreg.io.springs import springs_of_pairs
-from certreg.io.standard_input import is_standard_input
-from certreg.problem import (
-    LABEL,
-    RegistrationProblem,
+from certreg.io.springs import columns_of, read_spring_table, springs_of_pairs, titles_of
+from certreg.io.streams import is_standard_input
+from certreg.problem.arrays import (
     cloud_array,
     data_frame,
     finite_doubles,
-    held_rows,
-    labels_of,
     mapped_file,
     real_numbers,
-    require_same_labels,
-    unused_springs,
-    warn_of_unused,
 )
+from certreg.problem.row_labels import LABEL, labels_of, require_same_labels
+from certreg.problem.spring_rows import held_rows, unused_springs, warn_of_unused
 
 if TYPE_CHECKING:
     import os
 
     from numpy.typing import NDArray
 
-    from certreg.io import spring_tables
-else:
-    spring_tables = late("certreg.io.spring_tables")
+    from certreg.problem.problem import RegistrationProblem
 
 
 def load(path: str | os.PathLike[str]) -> Cloud:
@@ -74,10 +66,10 @@ def load(path: str | os.PathLike[str]) -> Cloud:
 
 def _with_springs(cloud: Cloud) -> Cloud:
     """With normals and covariances, where columns of the file tell them."""
-    titles = spring_tables.titles_of(cloud.path)
+    titles = titles_of(cloud.path)
     for kind in ("normals", "covariances"):
-        if spring_tables.columns_of(titles, kind) is not None:
-            table = spring_tables.read_spring_table(cloud.path, kind)
+        if columns_of(titles, kind) is not None:
+            table = read_spring_table(cloud.path, kind)
             ignored = tuple(
                 one for one in cloud.ignored if one.strip().lower() not in table.columns
             )

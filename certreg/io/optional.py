@@ -8,11 +8,13 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from certreg._loading import library
-from certreg.errors import InvalidFileError
+from certreg.io.streams import refused
 from certreg.verify import PIPES, shown
 
 if TYPE_CHECKING:
     from pathlib import Path
+
+    from certreg.errors import InvalidFileError
 
 CLOUDCOMPARE = "CloudCompare -SILENT -O {file} -C_EXPORT_FMT PLY -SAVE_CLOUDS"
 MESH = """python -c 'import trimesh; trimesh.load("{file}", force="mesh").export("{stem}.ply")'"""
@@ -48,8 +50,7 @@ def unknown_format(file: Path, formats: tuple[str, ...]) -> InvalidFileError:
         remedy = "pipe the cloud into the command and give - in its place"
     if suffix in WORDS:
         remedy = f"convert it: {converter(file, WORDS[suffix])}"
-    message = f"{shown(file)}: {what}: {remedy}"
-    return InvalidFileError(message, path=file, value=file.suffix, limit=formats)
+    return refused(file, f"{what}: {remedy}", value=file.suffix, limit=formats)
 
 
 def optional_library(name: str, file: Path, line: str) -> Any:

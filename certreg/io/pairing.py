@@ -11,6 +11,7 @@ import numpy as np
 from certreg._loading import late
 from certreg.errors import InvalidFileError
 from certreg.io.clouds import read_cloud
+from certreg.io.columns import notes_on
 from certreg.io.labels import (
     Match,
     are_short,
@@ -20,9 +21,8 @@ from certreg.io.labels import (
     rows_by_label,
     unused_labels_note,
 )
-from certreg.io.row_numbers import RowNumbers
-from certreg.io.standard_input import is_standard_input
-from certreg.io.text import notes_on
+from certreg.io.parsed import RowNumbers
+from certreg.io.streams import is_standard_input, refused
 from certreg.results import Brief
 from certreg.verify import shown
 
@@ -152,8 +152,9 @@ def pair_of(first: Cloud, second: Cloud, pairing: Pairing = BY_LABEL) -> Pair:
         rows, further = (timed.source, timed.target), (*further, timed.note)
     elif pairing.match is Match.COMMON:
         bare = first if first.labels is None else second
-        message = f"{shown(bare.path)}: has no labels to match: name a column label, or give pairs"
-        raise InvalidFileError(message, path=bare.path, column="label")
+        raise refused(
+            bare.path, "has no labels to match: name a column label, or give pairs", column="label"
+        )
     elif sizes[0] != sizes[1]:
         message = (
             f"{shown(first.path)} has {sizes[0]} points, {shown(second.path)} has {sizes[1]}: "

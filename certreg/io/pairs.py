@@ -11,9 +11,8 @@ from typing import TYPE_CHECKING, BinaryIO
 
 import numpy as np
 
-from certreg.errors import InvalidFileError
 from certreg.io.npy import parse_npy
-from certreg.io.streams import count, reading
+from certreg.io.streams import count, reading, refused
 from certreg.io.text import TABLE_FORMATS, parse_rows
 from certreg.verify import shown
 
@@ -46,11 +45,16 @@ def parse_pairs(
     elif suffix in TABLE_FORMATS:
         pairs = _from_text(stream, file)
     else:
-        message = f"{shown(file)}: the format is not known: give pairs as .csv, .txt or .npy"
-        raise InvalidFileError(message, path=file, value=suffix)
+        raise refused(
+            file, "the format is not known: give pairs as .csv, .txt or .npy", value=suffix
+        )
     if len(pairs) == 0:
-        message = f"{shown(file)}: no pairs: write a row of the source and one of the target a line"
-        raise InvalidFileError(message, path=file, value=0, limit=1)
+        raise refused(
+            file,
+            "no pairs: write a row of the source and one of the target a line",
+            value=0,
+            limit=1,
+        )
     for column, side, size in zip(pairs.T, HEADER, sizes, strict=True):
         _require_rows(file, column, side, size)
         if one_to_one:
@@ -75,11 +79,11 @@ def _from_npy(stream: BinaryIO, file: Path) -> NDArray[np.int64]:
     array = parse_npy(stream, file)
     integers = array.dtype.kind in "iu" and array.ndim == 2 and array.shape[1] == 2
     if not integers or (array.size and int(array.max()) >= 1 << 63):
-        message = (
-            f"{shown(file)}: holds {array.dtype} of shape {array.shape}: save row numbers as "
-            "integers, (M, 2)"
+        raise refused(
+            file,
+            f"holds {array.dtype} of shape {array.shape}: save row numbers as integers, (M, 2)",
+            value=array.shape,
         )
-        raise InvalidFileError(message, path=file, value=array.shape)
     return array.astype(np.int64)
 
 
@@ -108,12 +112,14 @@ def _require_rows(file: Path, column: NDArray[np.int64], side: str, size: int) -
     outside = (column < 0) | (column >= size)
     if outside.any():
         k = int(np.argmax(outside))
-        message = (
-            f"{shown(file)}: pair {k} (counting from 0) names row {column[k]} of the {side}: its "
-            f"rows are 0 to {size - 1}"
-        )
-        raise InvalidFileError(
-            message, path=file, row=k, column=side, value=int(column[k]), limit=size - 1
+        raise refused(
+            file,
+            f"pair {k} (counting from 0) names row {column[k]} of the {side}: its "
+            f"rows are 0 to {size - 1}",
+            row=k,
+            column=side,
+            value=int(column[k]),
+            limit=size - 1,
         )
 
 
@@ -123,8 +129,11 @@ def _require_once(file: Path, column: NDArray[np.int64], side: str) -> None:
         again = np.ones(len(column), dtype=bool)
         again[first] = False
         k = int(np.argmax(again))
-        message = (
-            f"{shown(file)}: pair {k} (counting from 0) names row {column[k]} of the {side} again: "
-            "give each row one pair"
+        raise refused(
+            file,
+            f"pair {k} (counting from 0) names row {column[k]} of the {side} again: "
+            "give each row one pair",
+            row=k,
+            column=side,
+            value=int(column[k]),
         )
-        raise InvalidFileError(message, path=file, row=k, column=side, value=int(column[k]))

@@ -25,6 +25,8 @@ from certreg.io.streams import (
     header,
     held_bytes,
     in_column,
+    refused,
+    require_held,
     rows_of_words,
     typed_number,
 )
@@ -81,7 +83,7 @@ def parse_pcd(stream: BinaryIO, file: Path, further: frozenset[str] = frozenset(
     if declared.data == "ascii":
         columns = _from_text(stream, file, declared, len(top) + 1)
     elif declared.data == "binary":
-        _require_size(file, declared.size, held_bytes(stream, file))
+        require_held(file, declared.size, held_bytes(stream, file))
         columns = _of_rows(stream.read(declared.size), declared)
     else:
         columns = _of_blocks(_unpacked(stream, file, declared), declared)
@@ -104,8 +106,9 @@ def _declared(file: Path, top: list[HeaderLine], further: frozenset[str]) -> Hea
         entries[line.key] = line
     missing = sorted(KEYS - OPTIONAL - set(entries))
     if missing:
-        message = f"{shown(file)}: the header has no {missing[0]}: is it a .pcd file?"
-        raise InvalidFileError(message, path=file, column=missing[0])
+        raise refused(
+            file, f"the header has no {missing[0]}: is it a .pcd file?", column=missing[0]
+        )
     _require_plain(entries)
     width, height, points = (_one_count(entries[key]) for key in ("WIDTH", "HEIGHT", "POINTS"))
     if width * height != points or points == 0:
@@ -191,21 +194,14 @@ def _from_text(
             except InvalidFileError as error:
                 raise in_column(error, place, axis) from error
     if held != declared.points:
-        message = (
-            f"{shown(file)}: the header declares {declared.points} points, the file holds {held}: "
-            "it is truncated or corrupt; save it again"
+        raise refused(
+            file,
+            f"the header declares {declared.points} points, the file holds {held}: "
+            "it is truncated or corrupt; save it again",
+            value=held,
+            limit=declared.points,
         )
-        raise InvalidFileError(message, path=file, value=held, limit=declared.points)
     return {name: np.array(column) for name, column in columns.items()}
-
-
-def _require_size(file: Path, declared: int, held: int) -> None:
-    if declared != held:
-        message = (
-            f"{shown(file)}: the header declares {declared} bytes of data, the file holds {held}: "
-            "it is truncated or corrupt; save it again"
-        )
-        raise InvalidFileError(message, path=file, value=held, limit=declared)
 
 
 def _of_rows(data: bytes, declared: Header) -> dict[str, NDArray[Any]]:
@@ -239,13 +235,17 @@ def _unpacked(stream: BinaryIO, file: Path, declared: Header) -> bytes:
     held = held_bytes(stream, file)
     sizes = stream.read(SIZES.size)
     packed, unpacked = SIZES.unpack(sizes) if len(sizes) == SIZES.size else (0, 0)
-    _require_size(file, packed + SIZES.size, held)
-    _require_size(file, declared.size, unpacked)
+    require_held(file, packed + SIZES.size, held)
+    require_held(file, declared.size, unpacked)
     small = unpacked <= MAX_UNPACKED_BYTES
     data = decompress(stream.read(packed), unpacked) if small else None
     if data is None:
-        message = f"{shown(file)}: the compressed data are corrupt or too large: save it as binary"
-        raise InvalidFileError(message, path=file, value=unpacked, limit=MAX_UNPACKED_BYTES)
+        raise refused(
+            file,
+            "the compressed data are corrupt or too large: save it as binary",
+            value=unpacked,
+            limit=MAX_UNPACKED_BYTES,
+        )
     return data
 
 

@@ -21,8 +21,7 @@ from certreg.io.atomic import write_atomically
 from certreg.io.columns import LABEL, NOISE
 from certreg.io.labels import IDENTIFIERS
 from certreg.io.npy import points_of_columns, side_by_side
-from certreg.io.parsed import Parsed
-from certreg.io.row_numbers import RowNumbers
+from certreg.io.parsed import Parsed, RowNumbers
 from certreg.io.streams import (
     COUNT,
     MAX_BINARY_BYTES,
@@ -33,6 +32,7 @@ from certreg.io.streams import (
     held_bytes,
     in_column,
     large_file,
+    refused,
     rows_of_words,
     typed_number,
 )
@@ -115,18 +115,22 @@ def parse_ply(stream: BinaryIO, file: Path, further: frozenset[str] = frozenset(
             columns = read if element is vertex else columns
         if offset != len(data):
             held, size = len(data) - first, offset - first
-            message = (
-                f"{shown(file)}: the header declares {size} bytes of data, the file holds "
-                f"{held}: it is corrupt; save it again"
+            raise refused(
+                file,
+                f"the header declares {size} bytes of data, the file holds "
+                f"{held}: it is corrupt; save it again",
+                value=held,
+                limit=size,
             )
-            raise InvalidFileError(message, path=file, value=held, limit=size)
         too_large = mapped is not None and len(mapped) > MAX_BINARY_BYTES
         if too_large and side_by_side([columns[axis] for axis in "xyz"]) is None:
-            message = (
-                f"{shown(file)}: {len(data)} bytes are too many: save x, y, z of one type, double "
-                "or float, one behind the other"
+            raise refused(
+                file,
+                f"{len(data)} bytes are too many: save x, y, z of one type, double "
+                "or float, one behind the other",
+                value=len(data),
+                limit=MAX_BINARY_BYTES,
             )
-            raise InvalidFileError(message, path=file, value=len(data), limit=MAX_BINARY_BYTES)
     names = {} if mapped is not None else _names(columns)  # a text each is more than the file
     read = {*"xyz", *NOISE, *({LABEL} & names.keys())}
     others = [p.name for p in vertex.properties if p.name not in read or p.count is not None]
@@ -219,15 +223,15 @@ def _vertex(file: Path, elements: list[Element]) -> Element:
     for element in elements:
         if element.count and not element.properties:
             what = f"element '{shown(element.name)}' has no properties"
-            message = f"{shown(file)}: {what}: mend the header"
-            raise InvalidFileError(message, path=file, column=element.name)
+            raise refused(file, f"{what}: mend the header", column=element.name)
     for element in elements:
         if element.name == "vertex":
             scalars = {p.name for p in element.properties if p.count is None}
             if element.count and scalars >= {"x", "y", "z"}:
                 return element
-    message = f"{shown(file)}: declares no vertices with numbers x, y and z: is it a point cloud?"
-    raise InvalidFileError(message, path=file, column="vertex")
+    raise refused(
+        file, "declares no vertices with numbers x, y and z: is it a point cloud?", column="vertex"
+    )
 
 
 def _ascii_columns(

@@ -3,24 +3,26 @@
 from __future__ import annotations
 
 import io
+import json
+import math
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, BinaryIO
+from typing import TYPE_CHECKING, Any, BinaryIO, NamedTuple, cast
 
 import numpy as np
 
 from certreg.errors import InvalidFileError
-from certreg.geometry import ROTATION_TOLERANCE
+from certreg.geometry.given import GivenPose
+from certreg.geometry.pose_matrix import ROTATION_TOLERANCE, last_row_fault
 from certreg.io.npy import parse_array
-from certreg.io.pose_documents import pose_of_certificate, pose_of_json
-from certreg.io.pose_values import PoseSource, of_array, of_matrix, of_quaternion
 from certreg.io.streams import lines, reading
-from certreg.verify import FILE_MAX, shown
+from certreg.verify import FILE_MAX, FORMAT, RefusalError, parse, shown
 
 if TYPE_CHECKING:
     import os
 
-    from certreg.geometry import GivenPose
+    from numpy.typing import NDArray
+
 
 MAX_POSE_BYTES = 1 << 20  # a result without its points is a few kilobytes
 RESULT = "result.json"
@@ -148,3 +150,148 @@ def _numbers(source: PoseSource, words: list[str]) -> list[float]:
             message = f"'{shown(word)}' is not a number: write a 4x4 matrix, or w x y z tx ty tz"
             raise source.refusal(message, value=word) from error
     return numbers
+
+
+QUATERNION = 4  # entries
+BOUNDED = "consensus", "truncated"  # what only results of pairs with bounds hold
+SCALE = 64  # bits: the root of the norm is then right beyond a double
+
+
+def pose_of_json(source: PoseSource, content: bytes, text: str) -> GivenPose:
+    """The pose in a document; content: the bytes of the text, of which certificates are parsed."""
+    try:
+        document: Any = json.loads(text)
+    except (ValueError, RecursionError) as error:
+        message = f"is not JSON ({shown(error)}): give a pose file or a certreg result"
+        raise source.refusal(message) from error
+    if isinstance(document, list):
+        return of_matrix(source, document)
+    fields = cast("dict[str, Any]", document)
+    if fields.get("format") == FORMAT:
+        return pose_of_certificate(source, content)
+    some = any(isinstance(fields.get(name), dict) for name in BOUNDED)
+    if isinstance(fields.get("pose"), dict):
+        fields = fields["pose"]
+    if "T_target_source" in fields:
+        return replace(of_matrix(source, fields["T_target_source"]), of_some=some)
+    if not {"rotation", "quaternion_wxyz"} & set(fields) or "translation" not in fields:
+        raise source.refusal("holds no pose (T_target_source, or rotation and translation)")
+    return replace(_pose_of_fields(source, fields), of_some=some)
+
+
+def pose_of_certificate(source: PoseSource, content: bytes) -> GivenPose:
+    """The rotation that a certificate is about, rounded to doubles; nothing in it is believed.
+
+    The file holds no translation: it is the best one for the points that it is about.
+    """
+    try:
+        statement = parse(content)
+    except RefusalError as error:
+        message = f"is neither a pose file nor a well-formed certificate ({shown(error)})"
+        raise source.refusal(message) from error
+    q = getattr(statement, "pose", None) or _pose_of_fit(getattr(statement, "fit", None))
+    if not any(q):  # that of a count holds none
+        raise source.refusal("is a certificate that holds no pose: give a pose or a result")
+    norm = math.isqrt(sum(entry * entry for entry in q) << 2 * SCALE)
+    turn = np.array([(entry << SCALE) / norm for entry in q])
+    some = statement.model.endswith(("--max-residual", "--objective truncated"))
+    return GivenPose(turn=turn, translation=None, of_some=some)
+
+
+def _pose_of_fit(fit: Any) -> tuple[int, ...]:
+    """Of the least squares that a certificate of wrong pairs holds, as nobody has checked it."""
+    fields = cast("dict[str, Any]", fit) if isinstance(fit, dict) else {}
+    proof = fields.get("proof", fields)
+    pose = cast("dict[str, Any]", proof).get("pose") if isinstance(proof, dict) else None
+    entries = cast("list[Any]", pose) if isinstance(pose, list) else []
+    right = len(entries) == QUATERNION and all(type(entry) is int for entry in entries)
+    return tuple(entries) if right else (0,)
+
+
+def _pose_of_fields(source: PoseSource, fields: dict[str, Any]) -> GivenPose:
+    """Rotation, quaternion or both, which must agree, and a translation."""
+    translation = finite_array(source, fields["translation"], (3,), "translation")
+    matrix = None
+    if "rotation" in fields:
+        matrix = finite_array(source, fields["rotation"], (3, 3), "rotation")
+    scale = _scale(source, fields.get("scale"))
+    if "quaternion_wxyz" not in fields:
+        return GivenPose(turn=cast("Any", matrix), translation=translation, scale=scale)
+    quaternion = finite_array(source, fields["quaternion_wxyz"], (4,), "quaternion_wxyz")
+    pose = of_quaternion(source, quaternion, translation)
+    apart = 0.0 if matrix is None else float(np.abs(matrix - pose.rotation).max())
+    if apart > ROTATION_TOLERANCE:
+        message = "rotation and quaternion_wxyz are two different rotations: keep one"
+        raise source.refusal(
+            message, column="quaternion_wxyz", value=apart, limit=ROTATION_TOLERANCE
+        )
+    return replace(pose, scale=scale)
+
+
+def _scale(source: PoseSource, value: Any) -> float | None:
+    """Of y = s R x + t; None where there is none, as in the result of a rigid problem."""
+    if value is None:
+        return None
+    scale = float(finite_array(source, value, (), "scale"))
+    if scale <= 0.0:
+        message = f"scale is {scale!r}: that of a similarity is > 0"
+        raise source.refusal(message, column="scale", value=scale, limit=0.0)
+    return scale
+
+
+class PoseSource(NamedTuple):
+    """The file, and the line of it, from 1, where a pose is not the whole file."""
+
+    file: Path
+    line: int | None = None
+
+    def refusal(self, words: str, **evidence: Any) -> InvalidFileError:
+        """The error that says what is wrong here."""
+        line = "" if self.line is None else f", line {self.line}"
+        message = f"{shown(self.file)}{line}: {words}"
+        return InvalidFileError(message, path=self.file, line=self.line, **evidence)
+
+
+def finite_array(
+    source: PoseSource, values: Any, shape: tuple[int, ...], name: str
+) -> NDArray[np.float64]:
+    """The values as finite doubles of a shape. Raises InvalidFileError."""
+    try:
+        array = np.asarray(values, dtype=np.float64)
+    except (ValueError, TypeError, OverflowError) as error:
+        raise source.refusal(f"{name} is not an array of numbers", column=name) from error
+    if array.shape != shape or not np.isfinite(array).all():
+        message = f"{name} must be {shape} finite numbers, found shape {array.shape}"
+        raise source.refusal(message, column=name, value=array.shape, limit=shape)
+    return array
+
+
+def of_quaternion(source: PoseSource, quaternion: Any, translation: Any) -> GivenPose:
+    """The pose of w x y z, which must be a unit quaternion, and a translation."""
+    shift = finite_array(source, translation, (3,), "translation")
+    q = np.array(quaternion, dtype=np.float64)
+    norm = math.hypot(*q.tolist())  # infinite beyond the doubles, without a warning
+    if not abs(norm - 1.0) <= ROTATION_TOLERANCE:
+        message = f"the quaternion has norm {norm:.6g}, not 1: write unit w x y z, scalar first"
+        raise source.refusal(message, column="quaternion_wxyz", value=norm, limit=1.0)
+    return GivenPose(turn=q, translation=shift)
+
+
+def of_array(source: PoseSource, array: NDArray[np.float64]) -> GivenPose:
+    """The pose of an array (4, 4) or (3, 4)."""
+    if array.shape not in {(4, 4), (3, 4)}:
+        stack = array.ndim == 3 and array.shape[1:] in {(4, 4), (3, 4)}
+        remedy = f"a stack of {len(array)}: save one of them" if stack else "save [R | t]"
+        message = f"holds an array {array.shape}, a pose is (4, 4) or (3, 4): {remedy}"
+        raise source.refusal(message, value=array.shape, limit=(4, 4))
+    return of_matrix(source, array.tolist())
+
+
+def of_matrix(source: PoseSource, rows: Any) -> GivenPose:
+    """The pose of a matrix 4x4 or 3x4; the rotation is not checked."""
+    if isinstance(rows, list) and len(cast("list[Any]", rows)) == 3:
+        rows = [*rows, [0.0, 0.0, 0.0, 1.0]]
+    matrix = finite_array(source, rows, (4, 4), "the pose matrix")
+    if matrix[3].tolist() != [0.0, 0.0, 0.0, 1.0]:
+        raise source.refusal(last_row_fault(matrix), row=3, value=matrix[3].tolist())
+    return GivenPose(turn=matrix[:3, :3], translation=matrix[:3, 3])

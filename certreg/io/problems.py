@@ -6,26 +6,22 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
-from certreg._loading import late
 from certreg.errors import InvalidFileError
-from certreg.io.noise import noise_of_columns
+from certreg.io.columns import noise_of_columns
 from certreg.io.pairing import BY_LABEL, Pair, Pairing, read_pair
+from certreg.io.row_values import numbers_of
 from certreg.io.springs import NO_SPRINGS, read_springs
-from certreg.io.text import read_numbers
-from certreg.problem import RegistrationProblem, first_row
+from certreg.problem.arrays import first_row
+from certreg.problem.problem import RegistrationProblem
 
 if TYPE_CHECKING:
     import os
     from collections.abc import Mapping
 
+    import numpy as np
     from numpy.typing import ArrayLike, NDArray
 
-    from certreg.io import npy
     from certreg.io.springs import SpringSource
-else:  # for arrays in files
-    npy = late("certreg.io.npy")
 
 NONE: dict[str, Any] = {}
 
@@ -58,7 +54,7 @@ def read_problem(  # noqa: PLR0913 - one for each option of the commands, each b
         Which rows belong together; by label, where both clouds have labels, if nothing is given.
     springs
         General springs by columns of the target's file: "plane", "line" or "full"; of several kinds
-        and of other files a `certreg.io.SpringSource`.
+        and of other files a `certreg.io.springs.SpringSource`.
 
     Returns
     -------
@@ -121,13 +117,10 @@ def _paired_weights(
 def read_weights(path: str | os.PathLike[str]) -> NDArray[np.float64]:
     """One weight per row of the source, from .npy or from text with one number a line."""
     file = Path(path)
-    if file.suffix.lower() == ".npy":
-        weights = npy.read_array(file)
-        if weights.ndim != 1:
-            message = f"{file}: holds an array of shape {weights.shape}: expected (N,)"
-            raise InvalidFileError(message, path=file, value=weights.shape)
-    else:
-        weights = np.array(read_numbers(file), dtype=np.float64)
+    weights = numbers_of(file)
+    if weights.ndim != 1:
+        message = f"{file}: holds an array of shape {weights.shape}: expected (N,)"
+        raise InvalidFileError(message, path=file, value=weights.shape)
     if len(weights) == 0:
         message = f"{file}: holds no weights: give one number per row of the source"
         raise InvalidFileError(message, path=file, value=0, limit=1)

@@ -21,7 +21,7 @@ from certreg.errors import InvalidFileError
 from certreg.io.npy import points_of_columns
 from certreg.io.optional import CLOUDCOMPARE, PDAL, optional_library
 from certreg.io.parsed import Parsed
-from certreg.io.streams import MAX_BINARY_BYTES, MAX_UNPACKED_BYTES, held_bytes
+from certreg.io.streams import MAX_BINARY_BYTES, MAX_UNPACKED_BYTES, held_bytes, refused
 from certreg.verify import shown
 
 if TYPE_CHECKING:
@@ -141,5 +141,4 @@ def _refusing(file: Path) -> Generator[None]:
 
 
 def _not_read(file: Path, what: str) -> InvalidFileError:
-    message = f"{shown(file)}: cannot be read ({what}): is it truncated? Save it again"
-    return InvalidFileError(message, path=file)
+    return refused(file, f"cannot be read ({what}): is it truncated? Save it again")

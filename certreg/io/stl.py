@@ -13,10 +13,9 @@ from typing import TYPE_CHECKING, BinaryIO
 
 import numpy as np
 
-from certreg.errors import InvalidFileError
 from certreg.io.npy import points_of_columns
 from certreg.io.parsed import Parsed
-from certreg.io.streams import held_bytes, number, rows_of_words
+from certreg.io.streams import held_bytes, number, refused, rows_of_words
 from certreg.verify import shown
 
 if TYPE_CHECKING:
@@ -41,14 +40,15 @@ def parse_stl(stream: BinaryIO, file: Path) -> Parsed:
         corners = _of_text(content, file)
     else:
         facets = "no number of" if declared is None else str(declared)
-        message = (
-            f"{shown(file)}: declares {facets} triangles, the file holds {held} bytes: it is "
-            "truncated or corrupt; save it again"
+        raise refused(
+            file,
+            f"declares {facets} triangles, the file holds {held} bytes: it is "
+            "truncated or corrupt; save it again",
+            value=held,
+            limit=declared,
         )
-        raise InvalidFileError(message, path=file, value=held, limit=declared)
     if len(corners) == 0:
-        message = f"{shown(file)}: no triangles: is it empty?"
-        raise InvalidFileError(message, path=file, value=0, limit=1)
+        raise refused(file, "no triangles: is it empty?", value=0, limit=1)
     points = points_of_columns(file, list(corners.T))
     first = np.sort(np.unique(points, axis=0, return_index=True)[1])
     note = f"{len(first)} vertices of {len(points) // 3} triangles"
@@ -76,6 +76,7 @@ def _of_text(content: bytes, file: Path) -> NDArray[np.float64]:
         if key == "vertex":
             corners.extend(map(number, repeat(place), words[1:]))
     if not ended:
-        message = f"{shown(file)}: the last line is not endsolid: it is truncated; save it again"
-        raise InvalidFileError(message, path=file, column="endsolid")
+        raise refused(
+            file, "the last line is not endsolid: it is truncated; save it again", column="endsolid"
+        )
     return np.array(corners).reshape(-1, 3)

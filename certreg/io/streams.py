@@ -7,13 +7,15 @@ it refuses is an InvalidFileError of one line: file, place, remedy.
 from __future__ import annotations
 
 import errno
+import io
 import mmap
 import re
+import sys
 from contextlib import contextmanager
 from functools import partial
 from math import inf, isfinite
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from certreg.errors import InvalidFileError
 from certreg.io.atomic import remedy_of
@@ -67,6 +69,11 @@ class Place(NamedTuple):
             value=value,
             limit=limit,
         )
+
+
+def refused(file: Path, words: str, **evidence: Any) -> InvalidFileError:
+    """The error that says what is wrong with a file; evidence: row, column, value, limit."""
+    return InvalidFileError(f"{shown(file)}: {words}", path=file, **evidence)
 
 
 class HeaderLine(NamedTuple):
@@ -127,8 +134,19 @@ def held_bytes(stream: BinaryIO, file: Path) -> int:
 
 def _require_size(file: Path, size: int, limit: int) -> None:
     if size > limit:
-        message = f"{shown(file)}: {size} bytes are too many: is it a cloud?"
-        raise InvalidFileError(message, path=file, value=size, limit=limit)
+        raise refused(file, f"{size} bytes are too many: is it a cloud?", value=size, limit=limit)
+
+
+def require_held(file: Path, declared: int, held: int) -> None:
+    """That a file holds as many bytes of data as its header declares."""
+    if declared != held:
+        raise refused(
+            file,
+            f"the header declares {declared} bytes of data, the file holds {held}: "
+            "it is truncated or corrupt; save it again",
+            value=held,
+            limit=declared,
+        )
 
 
 def lines(stream: BinaryIO, file: Path, first: int = 1) -> Iterator[str]:
@@ -170,8 +188,12 @@ def header(stream: BinaryIO, file: Path, last: str) -> list[HeaderLine]:
         top.append(HeaderLine(Place(file, number), key, words))
         if key == last:
             return top
-    message = f"{shown(file)}: the header has no line '{last}', or is too long: is it truncated?"
-    raise InvalidFileError(message, path=file, column=last, limit=MAX_HEADER_BYTES)
+    raise refused(
+        file,
+        f"the header has no line '{last}', or is too long: is it truncated?",
+        column=last,
+        limit=MAX_HEADER_BYTES,
+    )
 
 
 def number(place: Place, text: str) -> float:
@@ -222,3 +244,50 @@ def typed_number(place: Place, text: str, kind: str) -> float:
             words = f"'{shown(text)}' is not of the integer type declared: mend it"
             raise place.refusal(words, value=text, limit=kind)
     return value
+
+
+DASH = "-"
+NAME = "stdin"  # with the format behind it, in errors and notes
+BEGINNINGS = (
+    (re.compile(rb"\x93NUMPY"), ".npy"),
+    (re.compile(rb"PK\x03\x04"), ".npz"),
+    (re.compile(rb"ply\r?\n"), ".ply"),
+    (re.compile(rb"# \.PCD|VERSION "), ".pcd"),
+    (re.compile(rb"LASF"), ".las"),
+    (re.compile(rb"data_"), ".cif"),
+    (re.compile(rb"solid[ \r\n]"), ".stl"),
+    (re.compile(rb"(HEADER|NUMMDL|ATOM  |HETATM|REMARK|MODEL |CRYST1|TITLE )"), ".pdb"),
+    (re.compile(rb"(#[^\n]*\n|\s)*(v|vn|vt|o|g|mtllib) "), ".obj"),
+)
+COMMENT = re.compile(r"\s*(#|//|$)")
+LOOKED_AT = 1 << 16
+
+
+def is_standard_input(path: object) -> bool:
+    """Whether a path means standard input; a file of that name is `./-`."""
+    return str(path) == DASH
+
+
+def standard_input() -> tuple[BinaryIO, Path]:
+    """What stands on standard input, of bounded length, and a name that tells its format."""
+    content = sys.stdin.buffer.read(MAX_TEXT_BYTES + 1)
+    if len(content) > MAX_TEXT_BYTES:
+        message = f"standard input: more than {MAX_TEXT_BYTES} bytes: give a file"
+        raise InvalidFileError(message, path=Path(DASH), limit=MAX_TEXT_BYTES)
+    return io.BytesIO(content), Path(NAME + format_of(content[:LOOKED_AT]))
+
+
+def format_of(beginning: bytes) -> str:
+    """The format of what begins so; text that is nothing else is a table.
+
+    >>> format_of(b"x,y,z"), format_of(b"1 2 3"), format_of(b"12"), format_of(b"ATOM  ")
+    ('.csv', '.txt', '.xyz', '.pdb')
+    """
+    for pattern, suffix in BEGINNINGS:
+        if pattern.match(beginning):
+            return suffix
+    lines = beginning.decode("utf-8", errors="replace").splitlines() or [""]
+    if COUNT.fullmatch(lines[0].strip()):
+        return ".xyz"
+    first = next((line for line in lines if not COMMENT.match(line)), "")
+    return ".csv" if "," in first or ";" in first else ".txt"

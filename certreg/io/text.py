@@ -22,16 +22,23 @@ from typing import TYPE_CHECKING
 
 from certreg._loading import late
 from certreg.errors import InvalidFileError, InvalidProblemError
-from certreg.exact import weight_of_sigma
-from certreg.io.columns import Columns, axes_of, columns_in_order, named_columns
+from certreg.exact.dyadic import weight_of_sigma
+from certreg.io.columns import (
+    Columns,
+    DecimalCommas,
+    axes_of,
+    columns_in_order,
+    named_columns,
+    noise_of_columns,
+    notes_on,
+    separated_by_semicolons,
+)
 from certreg.io.labels import (
     require_same_order,
     rows_by_label,
     text_of_field,
     unused_labels_note,
 )
-from certreg.io.noise import noise_of_columns
-from certreg.io.semicolons import DecimalCommas, separated_by_semicolons
 from certreg.io.streams import (
     COUNT,
     NO_NUMBER,
@@ -42,6 +49,7 @@ from certreg.io.streams import (
     lines,
     number,
     reading,
+    refused,
 )
 from certreg.verify import Clouds, shown
 
@@ -49,11 +57,10 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from typing import BinaryIO
 
-    from certreg.io import obj, pdb, xyz
+    from certreg.io import atoms, obj
 else:  # each for files of one ending
+    atoms = late("certreg.io.atoms")
     obj = late("certreg.io.obj")
-    pdb = late("certreg.io.pdb")
-    xyz = late("certreg.io.xyz")
 
 TABLE_FORMATS = (".csv", ".txt")  # of numbers, too: weights, pairs
 TEXT_FORMATS = (*TABLE_FORMATS, ".xyz", ".asc", ".pts", ".obj", ".pdb")
@@ -99,12 +106,12 @@ def parse_points(stream: BinaryIO, file: Path, *, noise: bool = True) -> Points:
     if suffix == ".obj":
         return Points(*obj.parse_obj(content, file))
     if suffix == ".pdb":
-        atoms = pdb.parse_pdb(content, file)
-        return Points(atoms.coordinates, atoms.labels, (), atoms.labels, notes=atoms.notes)
+        found = atoms.parse_pdb(content, file)
+        return Points(found.coordinates, found.labels, (), found.labels, notes=found.notes)
     if suffix == ".xyz":
-        declared, content = xyz.chemical(content)
+        declared, content = atoms.chemical(content)
         if declared is not None:
-            coordinates, width = xyz.chemical_points(content, file, declared)
+            coordinates, width = atoms.chemical_points(content, file, declared)
             return Points(coordinates, None, tuple(f"column {k}" for k in range(5, width + 1)))
     if suffix == ".csv":
         first, content = _first_row(content)
@@ -288,12 +295,13 @@ def _require_three(place: Place, fields: list[str]) -> None:
 def _require_no_count(column: array[float], file: Path) -> None:
     """That the first of more than three columns without a header does not count the rows."""
     if len(column) > 1 and column[0].is_integer() and all(b - a == 1 for a, b in pairwise(column)):
-        message = (
-            f"{shown(file)}: column 1 counts the rows ({column[0]:.0f}, {column[1]:.0f}, ...): is "
+        raise refused(
+            file,
+            f"column 1 counts the rows ({column[0]:.0f}, {column[1]:.0f}, ...): is "
             "it x, or does it number the points? Leave out that column or those behind z, or save "
-            "a .csv file with a header such as label,x,y,z"
+            "a .csv file with a header such as label,x,y,z",
+            column="1",
         )
-        raise InvalidFileError(message, path=file, column="1")
 
 
 def read_numbers(path: str | Path) -> array[float]:
@@ -370,15 +378,6 @@ def _of_rows(numbers: array[float] | None, rows: list[int]) -> array[float] | No
     return None if numbers is None else array("d", map(numbers.__getitem__, rows))
 
 
-def notes_on(path: Path, notes: tuple[str, ...], ignored: tuple[str, ...]) -> list[str]:
-    """What the user should know of how a file was read, and of columns that were not."""
-    told = [f"{shown(path)}: {', '.join(notes)}"] if notes else []
-    if ignored:
-        hint = " (only `label` pairs rows)" if path.suffix.lower() == ".csv" else ""
-        told.append(f"{shown(path)}: not used: {shown(', '.join(ignored))}{hint}")
-    return told
-
-
 def read_clouds(
     source: Path, target: Path, *, sigma: float | None = None, weights: Path | None = None
 ) -> tuple[Clouds, list[str]]:
@@ -414,8 +413,9 @@ def _one_of(formats: tuple[str, ...], path: str | Path) -> Path:
     file = Path(path)
     if file.suffix.lower() not in formats:
         known = " or ".join((", ".join(formats[:-1]), formats[-1]))
-        message = f"{shown(file)}: not a known format: give a {known} file"
-        raise InvalidFileError(message, path=file, value=file.suffix, limit=formats)
+        raise refused(
+            file, f"not a known format: give a {known} file", value=file.suffix, limit=formats
+        )
     return file
 
 

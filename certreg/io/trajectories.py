@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from certreg.errors import InvalidFileError
-from certreg.exact import as_given, at_most
+from certreg.exact.decimals import as_given, at_most
 from certreg.io.parsed import Parsed
-from certreg.io.streams import number
+from certreg.io.streams import number, refused
 from certreg.io.text import parse_rows
 from certreg.verify import shown
 
@@ -111,7 +111,6 @@ def _trajectory(
     positions: list[list[float]], file: Path, times: NDArray[np.float64] | None
 ) -> Parsed:
     if not positions:
-        message = f"{shown(file)}: no poses: add lines"
-        raise InvalidFileError(message, path=file, value=0, limit=1)
+        raise refused(file, "no poses: add lines", value=0, limit=1)
     left = ("the orientations",)
     return Parsed(points=np.array(positions), ignored=left, times=times)

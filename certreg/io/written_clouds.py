@@ -14,7 +14,8 @@ from certreg.io.atomic import write_atomically
 from certreg.io.labels import csv_field
 from certreg.io.npy import write_array
 from certreg.io.ply import write_ply
-from certreg.problem import contiguous, row_blocks
+from certreg.io.streams import refused
+from certreg.problem.arrays import contiguous, row_blocks
 from certreg.verify import shown
 
 if TYPE_CHECKING:
@@ -44,8 +45,9 @@ def write_cloud(
     suffix = file.suffix.lower()
     if suffix not in WRITTEN_FORMATS:
         what = f"the format {shown(suffix) or '(none)'} cannot be written"
-        message = f"{shown(file)}: {what}: use {' '.join(WRITTEN_FORMATS)}"
-        raise InvalidFileError(message, path=file, value=suffix, limit=WRITTEN_FORMATS)
+        raise refused(
+            file, f"{what}: use {' '.join(WRITTEN_FORMATS)}", value=suffix, limit=WRITTEN_FORMATS
+        )
     pieces = _written(file, points, move)
     if suffix == ".npy":
         write_array(file, pieces, len(points))

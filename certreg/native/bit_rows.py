@@ -6,14 +6,13 @@ Where there is no compiled code rows are struck alike in Python's integers, a hu
 from __future__ import annotations
 
 import ctypes
-import sys
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from certreg._loading import cached_property
-from certreg.native.library import library_if_any
+from certreg.native.library import little_library
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -108,7 +107,7 @@ def agreeing(points: NDArray[np.float64], bounds: NDArray[np.float64]) -> Agreei
 
     None where there is no compiled code.
     """
-    library = library_if_any() if sys.byteorder == "little" else None
+    library = little_library()
     if library is None:
         return None
     n = len(bounds)
@@ -134,53 +133,11 @@ class OpenRow:
     spare: int
 
 
-class Thinned(Protocol):
-    """Rows left of a graph of which each has `least` - 1 neighbours."""
-
-    @property
-    def near(self) -> BitRows:
-        """The graph, without the pairs that were cut."""
-        ...
-
-    @property
-    def alive(self) -> int:
-        """The rows left, as bits."""
-        ...
-
-    def beside(self, row: int) -> int:
-        """The neighbours of a row that are left, as bits."""
-        ...
-
-    def strike(self, row: int) -> None:
-        """Strikes a row, and then those with too few neighbours."""
-        ...
-
-    def cut(self, row: int, other: int) -> None:
-        """Two neighbours are none any more; then rows with too few neighbours are struck."""
-        ...
-
-    def strike_by_colours(self) -> list[int]:
-        """Strikes rows whose neighbours take fewer than `least` - 1 colours, until none falls.
-
-        Those with few neighbours first; not those of the clique, nor where too few are left.
-        """
-        ...
-
-    def open_rows(self) -> Iterator[OpenRow]:
-        """Rows that fall if enough of the clique beside each must be left out.
-
-        Those with few neighbours first, while enough are left; some may be struck on the way.
-        """
-        ...
-
-    def colours(self, rows: int, most: int) -> int:
-        """How many colours rows take, as bits, as neighbours have different ones; or most + 1."""
-        ...
-
-
-def thinned(near: Neighbours, alive: int, least: int, clique: int) -> Thinned:
+def thinned(
+    near: Neighbours, alive: int, least: int, clique: int
+) -> CompiledThinned | PlainThinned:
     """The rows left of `alive`, as bits. clique: rows that colours do not strike."""
-    library = library_if_any() if sys.byteorder == "little" else None
+    library = little_library()
     if library is None:
         return PlainThinned(BitRows.of(near), alive, least, clique)
     return CompiledThinned(library.handle, BitRows.of(near), alive, least, clique)
@@ -196,7 +153,7 @@ class _State(ctypes.Structure):
 
 
 class CompiledThinned:
-    """By native/thinning.c."""
+    """Rows left of a graph of which each has `least` - 1 neighbours, by native/thinning.c."""
 
     def __init__(self, handle: Any, near: BitRows, alive: int, least: int, clique: int) -> None:
         n, words = near.words.shape
@@ -237,27 +194,33 @@ class CompiledThinned:
         self._handle.certreg_strike(self._pointer, ctypes.c_int64(row))
 
     def cut(self, row: int, other: int) -> None:
-        """Two neighbours are none any more."""
+        """Two neighbours are none any more; then rows with too few neighbours are struck."""
         if self._words is self._given.words:  # it is not this one's to be changed
             self._words = self._words.copy()
             self._state.near = self._words.ctypes.data
         self._handle.certreg_cut(self._pointer, ctypes.c_int64(row), ctypes.c_int64(other))
 
     def strike_by_colours(self) -> list[int]:
-        """Strikes rows whose neighbours take few colours."""
+        """Strikes rows whose neighbours take fewer than `least` - 1 colours, until none falls.
+
+        Those with few neighbours first; not those of the clique, nor where too few are left.
+        """
         struck = self._numbers[4]
         place = ctypes.c_void_p(struck.ctypes.data)
         count: int = self._handle.certreg_strike_by_colours(self._pointer, place)
         return struck[:count].tolist()
 
     def open_rows(self) -> Iterator[OpenRow]:
-        """Rows that fall if enough of the clique beside each must be left out."""
+        """Rows that fall if enough of the clique beside each must be left out.
+
+        Those with few neighbours first, while enough are left; some may be struck on the way.
+        """
         self._handle.certreg_begin(self._pointer)
         while (row := self._handle.certreg_next(self._pointer)) >= 0:
             yield OpenRow(row, self._state.spare)
 
     def colours(self, rows: int, most: int) -> int:
-        """How many colours rows take; or most + 1."""
+        """How many colours rows take, as bits, as neighbours have different ones; or most + 1."""
         words = self._state.words
         given = np.frombuffer(rows.to_bytes(8 * words, "little"), "<u8")
         self._masks[2 * words : 3 * words] = given

@@ -6,26 +6,24 @@ Where there is no compiled code the same ones are found in Python.
 from __future__ import annotations
 
 import ctypes
-import sys
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from certreg.native.bit_rows import rows_of
-from certreg.native.library import library_if_any
+from certreg.native.library import little_library
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.native.bit_rows import BitRows
-    from certreg.native.library import Library
 
     Rows = NDArray[np.int64]
 
 
 def triangles(near: BitRows, alive: int) -> Rows:
     """Twice how many triangles each row is of, (n,), among those that are alive, as bits."""
-    library = _library()
+    library = little_library()
     if library is None:
         among = np.zeros(len(near), dtype=np.float32)
         among[list(rows_of(alive))] = 1.0
@@ -39,7 +37,7 @@ def triangles(near: BitRows, alive: int) -> Rows:
 
 def greedy_clique(near: BitRows, alive: int, row: int) -> Rows:
     """A clique that holds a row: the neighbour of most that are left is taken, again and again."""
-    library = _library()
+    library = little_library()
     if library is None:
         return np.array(sorted(_greedily(near.integers, alive, row)))
     masks, numbers = _words(near, alive, 0), np.empty((2, len(near) + 1), dtype=np.int64)
@@ -64,22 +62,14 @@ def _greedily(near: list[int], alive: int, row: int) -> list[int]:
     return clique
 
 
-class CliqueEnumeration(Protocol):
-    """All cliques of a size, some at a time."""
+def enumeration(
+    near: BitRows, size: int, steps: int, dear: int
+) -> CompiledEnumeration | PlainEnumeration:
+    """All cliques of a size, of all rows of the graph, some at a time.
 
-    @property
-    def steps(self) -> int:
-        """Those left; below 0 the enumeration has ended before all were found."""
-        ...
-
-    def some(self, most: int) -> Rows:
-        """The next cliques, (up to so many, size); none: there are no more, or steps."""
-        ...
-
-
-def enumeration(near: BitRows, size: int, steps: int, dear: int) -> CliqueEnumeration:
-    """Of all rows of the graph. dear: the steps of a clique, beside those of the search."""
-    library = _library()
+    dear: the steps of a clique, beside those of the search.
+    """
+    library = little_library()
     if library is None:
         return PlainEnumeration(near, size, steps, dear)
     return CompiledEnumeration(library.handle, near, size, steps, dear)
@@ -105,11 +95,11 @@ class CompiledEnumeration:
 
     @property
     def steps(self) -> int:
-        """Those left."""
+        """Those left; below 0 the enumeration has ended before all were found."""
         return self._state.steps
 
     def some(self, most: int) -> Rows:
-        """The next cliques."""
+        """The next cliques, (up to so many, size); none: there are no more, or steps."""
         found = np.empty((most, self._size), dtype=np.int64)
         count: int = self._handle.certreg_cliques(
             ctypes.byref(self._state), ctypes.c_int64(most), ctypes.c_void_p(found.ctypes.data)
@@ -147,10 +137,6 @@ class PlainEnumeration:
             self._path.append(row)
             self._left.append(self._left[-1] & self._near[row])
         return np.array(found, dtype=np.int64).reshape(-1, self._size)
-
-
-def _library() -> Library | None:
-    return library_if_any() if sys.byteorder == "little" else None
 
 
 def _words(near: BitRows, *masks: int) -> NDArray[np.uint64]:

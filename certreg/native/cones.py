@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import ctypes
 import enum
-import sys
 from dataclasses import dataclass
 from functools import cache
 from itertools import combinations, combinations_with_replacement, pairwise, product
@@ -17,7 +16,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.native.library import library_if_any
+from certreg.native.library import little_library
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -84,7 +83,7 @@ def search_cones(quartic: Integers, caps: NDArray[np.float64], *, budget: int) -
     quartic: its 35 coefficients, without multinomials. caps: (k, 5), a unit vector each and the
     squared sine of the angle that the cap reaches to.
     """
-    library = library_if_any() if sys.byteorder == "little" else None
+    library = little_library()
     found = None if library is None else search_compiled(library, quartic, caps, budget)
     return found or search_in_python(quartic, caps, budget)
 

@@ -7,11 +7,9 @@ from __future__ import annotations
 
 import ctypes
 import struct
-import sys
-from functools import cache
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from certreg.native.library import library_if_any
+from certreg.native.library import little_library
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -31,23 +29,16 @@ def fixed_eigenbasis(
     last places, over the least difference of values. None where there is no compiled code, or the
     values are so close that it leaves the matrix to others.
     """
-    compiled = _compiled()
-    if compiled is None:
+    library = little_library()
+    if library is None:
         return None
     (a, b, c, d), (_, e, f, g), (_, _, h, i), (*_, j) = matrix
     upper, up, number = (a, b, c, d, e, f, g, h, i, j), FIXED_BITS - shift, int.from_bytes
     upper = [entry << up for entry in upper] if up >= 0 else [entry >> -up for entry in upper]
     given = b"".join([entry.to_bytes(_SIZE, "little", signed=True) for entry in upper])
     found = _Found()
-    if not compiled(given, found):
+    if not library.handle.certreg_eigenbasis(given, found):
         return None
     parts = _NUMBERS.unpack(found.raw)
     n = tuple([number(part, "little", signed=True) for part in parts])
     return n[:4], (n[4:8], n[8:12], n[12:16], n[16:])
-
-
-@cache
-def _compiled() -> Any:
-    """The function in C; None where it is not compiled, or words are not those of integers."""
-    library = library_if_any() if sys.byteorder == "little" else None
-    return None if library is None else library.handle.certreg_eigenbasis

@@ -1,21 +1,116 @@
-"""The engine of this process: compiled code where there is one, Python elsewhere."""
+"""The engine of this process: compiled code where there is one; elsewhere Python runs the C.
+
+There only a rigid body moves, slower by a factor of hundreds, with the same numbers up to rounding:
+`Evaluator.run` does what the loops in C do, in the same order (`runs`).
+"""
 
 from __future__ import annotations
 
 import logging
 import warnings
+from dataclasses import dataclass
 from functools import cache
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from certreg.errors import SlowSimulationWarning
-from certreg.native.evaluator import evaluator
-from certreg.native.kernels import MissingLibraryError
-from certreg.native.library import loaded_library
+from certreg.native.kernels import GENERATED, MissingLibraryError
+from certreg.native.layout import (
+    BODY,
+    QUATERNION_STATE,
+    plain,
+)
+from certreg.native.library import checked, loaded_library
+from certreg.native.runs import run_in_python
+from certreg.native.signatures import generated
+from certreg.native.stationary import stationary_poses
+from certreg.native.tape import Tape, tapes_of
 
 if TYPE_CHECKING:
-    from certreg.native.loops import Engine
+    from collections.abc import Sequence
+    from pathlib import Path
 
+    from numpy.typing import NDArray
+
+    from certreg.native.library import Library
+    from certreg.native.loops import Batch, Engine, Log, Rules
+    from certreg.native.signatures import Signature
+    from certreg.native.stationary import ManyClouds, StationaryPoses
+
+Array = Any  # NDArray[np.float64]
 LOG = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True, slots=True)
+class Evaluator:
+    """The generated functions of a rigid body, each a tape."""
+
+    calls: dict[str, _Call]
+
+    @property
+    def words(self) -> str:
+        """What it is, for `certreg info`."""
+        return "Python (no compiled code)"
+
+    def evaluate(self, name: str, *arguments: NDArray[Any]) -> tuple[NDArray[np.float64], ...]:
+        """The results of one generated function, flat. Raises ValueError for other sizes."""
+        return self.calls[name](*arguments)
+
+    def stationary_poses(self, clouds: ManyClouds) -> StationaryPoses:
+        """What doubles say of the stationary poses of many problems."""
+        return stationary_poses(clouds, self._hessians)
+
+    def _hessians(self, quaternions: Array, cross: Array) -> Array:
+        """The generated Hessian at unit quaternions (count, 4), of C (count, 9): (count, 3, 3)."""
+        states = np.zeros(len(quaternions), dtype=QUATERNION_STATE)
+        bodies = np.zeros(len(quaternions), dtype=BODY)
+        states["q"], bodies["cross"] = quaternions, cross.reshape(-1, 3, 3)
+        arguments = plain(states).T, plain(bodies).T
+        hessians, _ = self.calls["certreg_quaternion_curvature"].of_arrays(arguments)
+        return hessians.T.reshape(-1, 3, 3)
+
+    def run(self, batch: Batch, rules: Rules, log: Log | None = None) -> None:
+        """Integrate every body of a batch, one after another."""
+        run_in_python(self, batch, rules, log)
+
+
+@dataclass(frozen=True, slots=True)
+class _Call:
+    """One function with the sizes of what it takes and gives."""
+
+    name: str
+    tape: Tape
+    shape: Signature
+
+    def __call__(self, *arguments: NDArray[Any]) -> tuple[NDArray[np.float64], ...]:
+        """The results for one set of numbers."""
+        given = checked(self.name, self.shape, arguments)
+        try:  # Python's own numbers are four times as fast as NumPy's, one by one
+            results = self.tape.run([array.tolist() for array in given])
+        except (ZeroDivisionError, ValueError):  # infinity, or none: a result like any other in C
+            return self.of_arrays(given)
+        return tuple(np.array(result) for result in results)
+
+    def of_arrays(self, arguments: Sequence[Array]) -> tuple[Array, ...]:
+        """The results for arguments (size, ...), as (size, ...) each."""
+        several = np.shape(arguments[0])[1:]
+        with np.errstate(all="ignore"):
+            results = self.tape.run(arguments)
+        return tuple(np.array([np.broadcast_to(x, several) for x in result]) for result in results)
+
+
+@cache
+def evaluator() -> Evaluator:
+    """The evaluator of this process, of the body on springs of one weight per pair."""
+    return Evaluator(calls_of(GENERATED / "dynamics.c"))
+
+
+def calls_of(*sources: Path) -> dict[str, _Call]:
+    """The functions of generated C, by name."""
+    shapes = generated()
+    tapes = (tape for source in sources for tape in tapes_of(source.read_text("utf-8")))
+    return {name: _Call(name, tape, shapes[name]) for name, tape in tapes}
 
 
 @cache
@@ -30,3 +125,12 @@ def current_engine() -> Engine:
         return evaluator()
     LOG.info("%s", library.words)
     return library
+
+
+def compiled_engine() -> Library:
+    """The engine of bodies that Python does not move. Raises MissingLibraryError."""
+    try:
+        return loaded_library()
+    except MissingLibraryError as error:
+        words = "the motion on general springs, or with a free scale, needs the compiled library"
+        raise MissingLibraryError(f"{words}: {error}") from error

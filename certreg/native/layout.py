@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import json
 from array import array
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +21,6 @@ if TYPE_CHECKING:
 
 RecordType = np.dtype[np.void]
 Records = NDArray[np.void]
-Number = TypeVar("Number")
 DOUBLE = np.dtype(np.float64)
 UPPER = np.array((0, 1, 2, 1, 3, 4, 2, 4, 5))  # of the nine entries of a symmetric matrix
 
@@ -84,16 +83,6 @@ def plain(records: NDArray[Any]) -> NDArray[np.float64]:
     """Records (...) of k doubles as doubles (..., k): the same memory where they are contiguous."""
     doubles = np.ascontiguousarray(records).view(DOUBLE)
     return doubles.reshape(*records.shape, width(records.dtype))
-
-
-def parts_of(numbers: Sequence[Number], record: RecordType) -> dict[str, Sequence[Number]]:
-    """The parts of a record by name, each flat, of as many numbers of any kind."""
-    parts: dict[str, Sequence[Number]] = {}
-    end = 0
-    for name in record.names or ():
-        start, end = end, end + width(record[name])
-        parts[name] = numbers[start:end]
-    return parts
 
 
 def width(record: np.dtype[Any]) -> int:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from certreg.native.kernels import MissingLibraryError, chosen_library
-from certreg.native.layout import EXACT_SUMS, plain, width
+from certreg.native.layout import plain
 from certreg.native.loops import (
     BASIN_SHARE,
     HALVINGS,
@@ -26,7 +26,6 @@ from certreg.native.loops import (
     Integrator,
     Kind,
 )
-from certreg.native.optima import ProvedOptima
 from certreg.native.runs import run_in_python
 from certreg.native.signatures import generated, opened
 from certreg.native.stationary import StationaryPoses
@@ -40,19 +39,42 @@ if TYPE_CHECKING:
     from certreg.native.signatures import Signature
     from certreg.native.stationary import ManyClouds
 
-EXACT_WORDS, FEW_WORDS = 101, 6  # as in exact.h
-SUMMED, NOT_FINITE, NOWHERE = 0, 2, 2**63 - 1
-FEW_POINTS = 1024  # up to here memory that is not asked for is worth reading them twice
-LEAST_PLACE = -1074  # every double is an integer times 2^-1074
-FIXED_WORDS, FIXED_NOT_FINITE = 7, 2  # as in fixed.h
+
 SCRATCH = 56  # doubles per point: CERTREG_SCRATCH of native/stationary.h
 PORTION = 512  # bodies that one call takes: Ctrl-C is answered within milliseconds
 _POINTER = ctypes.c_void_p
-_FixedSums, _About = ctypes.c_uint64 * (width(EXACT_SUMS) * FIXED_WORDS), ctypes.c_int64 * 8
-_LongSums, _Lowest = ctypes.c_uint64 * (width(EXACT_SUMS) * EXACT_WORDS), ctypes.c_int64 * 3
 _address, _first = ctypes.addressof, ctypes.c_char.from_buffer
 _Ratios, _FOUR, _SIX, _NINE = ctypes.c_double * 3, *map(struct.Struct, ("4d", "6d", "9d"))
-_FewSums = ctypes.c_uint64 * (width(EXACT_SUMS) * FEW_WORDS)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ProvedOptima:
+    """What is proved of each problem; where it is not, and `proved` is False, nothing stands.
+
+    quaternions: (count, 4) integers (w, x, y, z), of the rotation that is optimal.
+    mu, delta, sine: (count, 2), mantissas of 32 bits and exponents, as in a certificate; sine is of
+        sin^2 of half the angle to the optimum. K has four eigenvalues there.
+    poses: (count, 4, 4), that rotation and its best translation in doubles.
+    """
+
+    quaternions: NDArray[np.int64]
+    mu: NDArray[np.int64]
+    delta: NDArray[np.int64]
+    sine: NDArray[np.int64]
+    poses: NDArray[np.float64]
+    proved: NDArray[np.bool_]
+
+    @classmethod
+    def none(cls, count: int) -> ProvedOptima:
+        """Nothing is proved yet of so many problems."""
+        return cls(
+            quaternions=np.zeros((count, 4), dtype=np.int64),
+            mu=np.zeros((count, 2), dtype=np.int64),
+            delta=np.zeros((count, 2), dtype=np.int64),
+            sine=np.zeros((count, 2), dtype=np.int64),
+            poses=np.zeros((count, 4, 4)),
+            proved=np.zeros(count, dtype=np.bool_),
+        )
 
 
 class _Settings(ctypes.Structure):
@@ -82,22 +104,7 @@ class _Log(ctypes.Structure):
 
 
 class _Batch(ctypes.Structure):
-    _fields_ = (
-        ("count", ctypes.c_int64),
-        ("bodies", _POINTER),
-        ("basins", _POINTER),
-        ("steps", _POINTER),
-        ("states", _POINTER),
-        ("taken", _POINTER),
-        ("status", _POINTER),
-        ("escapes", _POINTER),
-        ("times", _POINTER),
-        ("log", ctypes.POINTER(_Log)),
-    )
-
-
-class _Single(ctypes.Structure):
-    """A batch of one, whose body, basin and step are given as bytes: no address is asked for."""
+    """The first parts are addresses, or for one body bytes: then no address is asked for."""
 
     _fields_ = (
         ("count", ctypes.c_int64),
@@ -143,81 +150,10 @@ class Library:
         getattr(self.handle, name)(*pointers)
         return results
 
-    def exact_sums(
-        self, source: NDArray[np.float64], target: NDArray[np.float64], weights: NDArray[np.float64]
-    ) -> ExactSums:
-        """Exact sums over contiguous points, source and target (k, 3), weights (k,).
-
-        Raises ValueError for other arrays and for numbers that are not finite, MissingLibraryError
-        where the compiled code cannot do it.
-        """
-        k = len(weights)
-        shapes = source.shape, target.shape, weights.shape
-        if shapes != ((k, 3), (k, 3), (k,)):
-            raise ValueError(f"points of shapes {shapes}: expected (k, 3), (k, 3), (k,)")
-        arrays = [np.asarray(array, dtype=float) for array in (source, target, weights)]
-        count = ctypes.c_int64(k)
-        if k <= FEW_POINTS:
-            few, lowest = _FewSums(), _Lowest()
-            points = [array.tobytes() for array in arrays]  # sooner done than asking for addresses
-            if self.handle.certreg_few_sums(count, *points, few, lowest) == SUMMED:
-                exponents = _exponents(lowest)
-                places = tuple([bit or 0 for bit in exponents])
-                return ExactSums(integers=_long_numbers(few), places=places, lowest=exponents)
-        arrays = [np.ascontiguousarray(array) for array in arrays]
-        points = [_POINTER(array.ctypes.data) for array in arrays]
-        words, lowest = _LongSums(), _Lowest()
-        refused = self.handle.certreg_exact_sums(count, *points, words, lowest)
-        if refused == NOT_FINITE:
-            raise ValueError("a number is not finite")
-        if refused:
-            raise MissingLibraryError("no memory for exact sums, or no integers of 128 bits")
-        return ExactSums(
-            integers=_long_numbers(words), places=(LEAST_PLACE,) * 3, lowest=_exponents(lowest)
-        )
-
     @property
     def multiplies_digits(self) -> bool:
         """Whether this processor multiplies eight pairs of 52 bits at once."""
         return bool(self.handle.certreg_fixed_vectors())
-
-    def fixed_point_fits(
-        self,
-        source: NDArray[np.float64],
-        target: NDArray[np.float64],
-        weights: NDArray[np.float64] | None,
-    ) -> bool:
-        """Whether `fixed_sums` would take these points."""
-        count, pointers, _ = _points(source, target, weights)
-        return self.handle.certreg_fixed_fits(count, *pointers) == 0
-
-    def fixed_sums(
-        self,
-        source: NDArray[np.float64],
-        target: NDArray[np.float64],
-        weights: NDArray[np.float64] | None,
-    ) -> FixedSums | None:
-        """Sums over contiguous points in fixed point; weights: None if all are one.
-
-        None where the numbers are of too many sizes, or a weight is negative, or the compiled code
-        has no integers of 128 bits. Raises ValueError for other arrays and for numbers that are not
-        finite.
-        """
-        count, pointers, arrays = _points(source, target, weights)
-        words, about = _FixedSums(), _About()
-        refused = self.handle.certreg_fixed_sums(count, *pointers, words, about)
-        del arrays
-        if refused == FIXED_NOT_FINITE:
-            raise ValueError("a number is not finite")
-        if refused:
-            return None
-        numbers = list(about)
-        return FixedSums(
-            integers=_long_numbers(words),
-            units=tuple(numbers[:3]),
-            biases=tuple(numbers[3:5]),
-            lowest=tuple(None if bit < 0 else bit for bit in numbers[5:]),
-        )
 
     def prove_optima(
         self,
@@ -299,43 +235,12 @@ class Library:
         count, given = len(batch.bodies), (batch.bodies, batch.basins, batch.steps)
         written = (batch.states, batch.taken, batch.status, batch.escapes, batch.times)
         logged = None if record is None else ctypes.pointer(record)
-        passed = (
-            _Single(1, *[part.tobytes() for part in given], *_addresses(written), logged)
-            if count == 1
-            else _Batch(count, *_addresses((*given, *written)), logged)
-        )
+        parts = [part.tobytes() for part in given] if count == 1 else _addresses(given)
+        passed = _Batch(count, *parts, *_addresses(written), logged)
         call = getattr(self.handle, f"{kind.value}{loop}")
         call(ctypes.byref(passed), ctypes.byref(_settings(rules)))
         if log is not None and record is not None:
             log.count, log.stride = record.count, record.stride
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ExactSums:
-    """Sums by native/exact.c.
-
-    integers: the 28 sums, each over 2^places of its factors. places: of source, target, weights.
-    lowest: exponents of the lowest bits set in source, target, weights; None: all are zero.
-    """
-
-    integers: tuple[int, ...]
-    places: tuple[int, ...]
-    lowest: tuple[int | None, ...]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class FixedSums:
-    """Sums by native/fixed.c, of integers that are not negative.
-
-    With source = X 2^a, target = Y 2^b, weights = W 2^c and the integers X + 2^p, Y + 2^q, W,
-    `integers` are the 28 sums; units: a, b, c; biases: p, q. lowest: the lowest bits set in X,
-    Y, W; None: all are zero. Without weights W = 1, also for points of zeros that were added.
-    """
-
-    integers: tuple[int, ...]
-    units: tuple[int, ...]
-    biases: tuple[int, ...]
-    lowest: tuple[int | None, ...]
 
 
 def checked(
@@ -348,39 +253,6 @@ def checked(
     if sizes != shape.arguments:
         raise ValueError(f"{name} takes {shape.arguments} numbers, not {sizes}")
     return given
-
-
-def _points(
-    source: NDArray[np.float64], target: NDArray[np.float64], weights: NDArray[np.float64] | None
-) -> tuple[ctypes.c_int64, list[ctypes.c_void_p], list[NDArray[np.float64]]]:
-    """How many points, where they are, and the arrays that must live as long."""
-    given = [array for array in (source, target, weights) if array is not None]
-    arrays = [np.ascontiguousarray(array, dtype=float) for array in given]
-    shapes, k = [array.shape for array in arrays], len(source)
-    if shapes != [(k, 3), (k, 3), (k,)][: len(arrays)]:
-        raise ValueError(f"points of shapes {shapes}: expected (k, 3), (k, 3), (k,)")
-    pointers = [_POINTER(array.ctypes.data) for array in arrays]
-    return ctypes.c_int64(k), [*pointers, *[_POINTER()] * (3 - len(arrays))], arrays
-
-
-def _long_numbers(words: ctypes.Array[Any]) -> tuple[int, ...]:
-    """The integers of the sums, each of as many words, low first."""
-    if sys.byteorder == "big":
-        words = type(words)(*[int.from_bytes(word.to_bytes(8, "big"), "little") for word in words])
-    number, parts = int.from_bytes, _parts(ctypes.sizeof(words)).unpack(bytes(words))
-    return tuple([number(part, "little", signed=True) for part in parts])
-
-
-@cache
-def _parts(size: int) -> struct.Struct:
-    """The sums in so many bytes, each of as many."""
-    count = width(EXACT_SUMS)
-    return struct.Struct(f"{size // count}s" * count)
-
-
-def _exponents(lowest: Iterable[int]) -> tuple[int | None, ...]:
-    """Of lowest bits that are told over 2^-1074."""
-    return tuple([None if bit == NOWHERE else bit + LEAST_PLACE for bit in lowest])
 
 
 def _addresses(arrays: Iterable[Any]) -> list[int]:
@@ -420,3 +292,9 @@ def library_if_any() -> Library | None:
         return loaded_library()
     except MissingLibraryError:
         return None
+
+
+@cache
+def little_library() -> Library | None:
+    """That, for rows of bits and long integers; None where the processor keeps bytes otherwise."""
+    return library_if_any() if sys.byteorder == "little" else None

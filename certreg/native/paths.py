@@ -59,6 +59,13 @@ class PathEnds:
     conditions: NDArray[np.float64]
     rounds: NDArray[np.int64]
 
+    def of(self, problem: int) -> PathEnds:
+        """Those of one problem of many."""
+        return PathEnds(**{name: getattr(self, name)[problem] for name in _ARRAYS})
+
+
+_ARRAYS = tuple(PathEnds.__annotations__)
+
 
 def quartic_paths(
     quartic: NDArray[np.float64],
@@ -72,32 +79,8 @@ def quartic_paths(
     a: (4,). roots: (paths, 5), q and l of the start. library: None for the one of this process.
     None where there is no compiled code.
     """
-    library = library or library_if_any()
-    if library is None:
-        return None
-    given = [
-        np.ascontiguousarray(quartic, dtype=np.float64),
-        np.ascontiguousarray(a, dtype=np.complex128),
-    ]
-    if [array.shape for array in given] != [(35,), (4,)] or roots.shape[1:] != (5,):
-        raise ValueError("a quartic has 35 coefficients, its start 4, a point 5 entries")
-    count = len(roots)
-    ends = PathEnds(
-        points=np.array(roots, dtype=np.complex128, order="C"),
-        codes=np.empty(count, dtype=np.int8),
-        changes=np.empty(count),
-        conditions=np.empty(count),
-        rounds=np.empty(count, dtype=np.int64),
-    )
-    passed = _PathRules(*[getattr(rules, name) for name in PathRules.__annotations__])
-    found: list[Any] = [ends.points, ends.codes, ends.changes, ends.conditions, ends.rounds]
-    library.handle.certreg_quartic_paths(
-        *[_address(array) for array in given],
-        ctypes.c_int64(count),
-        ctypes.byref(passed),
-        *[_address(array) for array in found],
-    )
-    return ends
+    ends = many_quartic_paths(np.atleast_2d(quartic), a, roots, rules, library)
+    return None if ends is None else ends.of(0)
 
 
 def many_quartic_paths(
@@ -131,7 +114,7 @@ def many_quartic_paths(
         ctypes.c_int64(len(roots)),
         _address(given[2]),
         ctypes.byref(passed),
-        *[_address(getattr(ends, name)) for name in PathEnds.__annotations__],
+        *[_address(getattr(ends, name)) for name in _ARRAYS],
     )
     return ends
 

@@ -1,6 +1,7 @@
 """One body from its start to its end where no C does that: as loop.h, escape.c, midpoint.c.
 
-Of a body whose scale is a state there is no loop in C: it takes some dozens of steps.
+Of a body whose scale is a state there is no loop in C: it takes some dozens of steps. General
+springs are moved by C alone; the tests have a run of their own beside it.
 """
 
 from __future__ import annotations
@@ -10,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.geometry import quaternion_from_matrix, rotation_matrix
+from certreg.geometry.so3 import quaternion_from_matrix, rotation_matrix
 from certreg.native.layout import (
     BREATHING_STATE,
     ENERGIES,
@@ -37,12 +38,11 @@ if TYPE_CHECKING:
     from certreg.native.layout import RecordType
     from certreg.native.loops import Batch, Engine, Log, Rules
 
+
 Array = Any  # NDArray[np.float64]
 NO_TORQUE = 1e-12  # of the curvature: less is rounding, and must not choose a side
 JACOBI_SWEEPS = 12  # the sixth changes nothing any more
-SPRING_SWEEPS = 16  # of six rows
-FLAT = 1e-9  # of the largest curvature: less is none, as along a shift that no spring resists
-NO_PULL = 1e-12  # of the largest curvature: less is rounding, and must not choose a side
+FLAT = 1e-9  # of the largest curvature: less is none
 LEAST_SCALE = 1e-6  # of the start's: below, the scale is on its way to 0
 
 
@@ -52,6 +52,7 @@ class BodyRun:
     names = "certreg_quaternion_"  # of the functions of a state
     steps_prefix = Kind.RIGID.value  # of those of a step
     unknowns = ("omega",)  # of a midpoint step: the middle velocities
+    tolerance = NEWTON_TOLERANCE**2  # of what `_moved` says
     halvings = HALVINGS  # of a midpoint step
     stuck = Ending.OUT_OF_STEPS  # what it is where no step can be made
 
@@ -124,8 +125,8 @@ class BodyRun:
 
     def _middle(self, state: Array, size: float) -> Array | None:
         """The middle velocities by Newton's method; None if it does not converge."""
-        parts = named(state, QUATERNION_STATE)
-        middle, before = np.concatenate([parts[name] for name in self.unknowns]), math.inf
+        parts = named(state, self.state)
+        middle, before = np.hstack([parts[name] for name in self.unknowns]), math.inf
         for _ in range(NEWTON_STEPS):
             residual, slope = self.machine.evaluate(
                 f"{self.steps_prefix}midpoint_residual", state, self.body, middle, np.array([size])
@@ -135,17 +136,20 @@ class BodyRun:
             except np.linalg.LinAlgError:
                 return None
             middle = middle - change
-            turn = float(middle[-3:] @ middle[-3:])
-            if not np.isfinite(middle).all() or size * size * turn > LARGEST_TURN**2:
+            moved = self._moved(state, middle, change, size)
+            if moved is None:
                 return None
-            shift, shifted = middle[:-3], change[:-3]  # of no numbers where only the turn is sought
-            moved = float(change[-3:] @ change[-3:])
-            moved += float(shifted @ shifted) / (1.0 + float(shift @ shift))
-            small = size * size * moved <= NEWTON_TOLERANCE**2
-            if small and (moved >= before / 4.0 or moved == 0.0):
+            if moved <= self.tolerance and (moved >= before / 4.0 or moved == 0.0):
                 return middle
             before = moved
         return None
+
+    def _moved(self, state: Array, middle: Array, change: Array, size: float) -> float | None:
+        """By how much Newton's method changed the turn, squared; None where it leads nowhere."""
+        del state
+        if not size * size * float(middle @ middle) <= LARGEST_TURN**2:  # NaN, too
+            return None
+        return size * size * float(change @ change)
 
     def _looked_at(self, state: Array) -> tuple[Ending, Array]:
         """What a slow state may do, and the state, perturbed if it has to be."""
@@ -200,47 +204,12 @@ class BodyRun:
         log.count += 1
 
 
-class SpringRun(BodyRun):
-    """One body on its way, on general springs."""
-
-    names = steps_prefix = Kind.SPRINGS.value
-    unknowns = ("v", "omega")
-
-    def _looked_at(self, state: Array) -> tuple[Ending, Array]:
-        """What a slow state may do, and the state, perturbed if it has to be."""
-        hessian, force = self.machine.evaluate("certreg_spring_curvature", state, self.body)
-        values, vectors = eigenbasis(hessian.reshape(6, 6), SPRING_SWEEPS)
-        largest = float(np.abs(values).max())
-        pulls = force @ vectors
-        least = int(np.argmin(values))
-        if values[least] < -FLAT * largest:
-            if (np.abs(pulls) > STALLED_TORQUE * largest).any():
-                return Ending.OUT_OF_STEPS, state
-            return self._off(state, vectors[:, least], float(pulls[least]), NO_PULL * largest)
-        firm = values > FLAT * largest
-        distance = float(((pulls[firm] / values[firm]) ** 2).sum())
-        resting = distance <= 4.0 * self.rules.rest_share
-        return Ending.AT_REST if resting else Ending.OUT_OF_STEPS, state
-
-    def _off(self, state: Array, along: Array, pull: float, none: float) -> tuple[Ending, Array]:
-        """Off a saddle along the direction of lowest curvature, downhill."""
-        side = pull if abs(pull) > none else float(along[np.argmax(np.abs(along))])
-        amount = math.copysign(self.perturbation, side)
-        self.perturbation = min(self.perturbation * PERTURBATION_GROWTH, LARGEST_PERTURBATION)
-        moved = state.copy()
-        named(moved, QUATERNION_STATE)["c"] += amount * along[:3]
-        angle = float(np.linalg.norm(along[3:]))
-        if angle > 0.0:
-            sine = math.sin(amount * angle / 2.0) * along[3:] / angle
-            cosine = math.cos(amount * angle / 2.0)
-            moved = turned_by(moved, self.state, cosine, sine)
-        return Ending.PERTURBED, moved
-
-
 class BreathingRun(BodyRun):
     """One body on its way, its scale a state; where that falls to 0 no step can be made."""
 
     names = steps_prefix = Kind.BREATHING.value
+    unknowns = ("omega", "growth")
+    tolerance = NEWTON_TOLERANCE
     halvings = 29  # a billionth of a step is short only on the way to the scale 0
     stuck = Ending.COLLAPSED
 
@@ -249,28 +218,13 @@ class BreathingRun(BodyRun):
         self.least_scale = LEAST_SCALE * float(batch.states["scale"][0])
         self.rest_angle = 2.0 * math.asin(math.sqrt(rules.rest_share))
 
-    def _middle(self, state: Array, size: float) -> Array | None:
-        """The middle omega and growth by Newton's method; None if the scale would fall to 0."""
-        parts = named(state, BREATHING_STATE)
-        middle, before = np.array([*parts["omega"], parts["growth"]]), math.inf
-        for _ in range(NEWTON_STEPS):
-            residual, slope = self.machine.evaluate(
-                f"{self.names}midpoint_residual", state, self.body, middle, np.array([size])
-            )
-            try:
-                change = np.linalg.solve(slope.reshape(4, 4), residual)
-            except np.linalg.LinAlgError:
-                return None
-            middle = middle - change
-            scale = float(parts["scale"]) + size * float(middle[3])
-            turn = size * float(np.linalg.norm(middle[:3]))
-            if not (turn <= LARGEST_TURN and scale > self.least_scale):  # NaN, too
-                return None
-            moved = size * float(np.linalg.norm(change[:3])) + size * abs(change[3]) / scale
-            if moved <= NEWTON_TOLERANCE and (moved >= before / 4.0 or not moved):
-                return middle
-            before = moved
-        return None
+    def _moved(self, state: Array, middle: Array, change: Array, size: float) -> float | None:
+        """By how much it changed turn and scale; None where that would fall to 0."""
+        scale = float(named(state, self.state)["scale"]) + size * float(middle[3])
+        turn = size * float(np.linalg.norm(middle[:3]))
+        if not (turn <= LARGEST_TURN and scale > self.least_scale):  # NaN, too
+            return None
+        return size * float(np.linalg.norm(change[:3])) + size * abs(float(change[3])) / scale
 
     def _looked_at(self, state: Array) -> tuple[Ending, Array]:
         """What a slow state may do, and the state, perturbed if it has to be."""
@@ -291,7 +245,7 @@ class BreathingRun(BodyRun):
         return Ending.PERTURBED, turned
 
 
-RUNS = {Kind.RIGID: BodyRun, Kind.SPRINGS: SpringRun, Kind.BREATHING: BreathingRun}
+RUNS = {Kind.RIGID: BodyRun, Kind.BREATHING: BreathingRun}  # general springs go by C alone
 
 
 def run_in_python(machine: Engine, batch: Batch, rules: Rules, log: Log | None) -> None:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.geometry import davenport_matrix, rotation_matrix
+from certreg.geometry.so3 import davenport_matrix, rotation_matrix
 from certreg.native.layout import MEANS, SPREADS, named
 
 if TYPE_CHECKING:

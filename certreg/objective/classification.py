@@ -17,14 +17,14 @@ from enum import Enum
 from itertools import accumulate
 from typing import TYPE_CHECKING, Any
 
-from certreg.exact import is_positive_definite, rank
+from certreg.exact.elimination import is_positive_definite, rank
 from certreg.results import ComponentKind
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from certreg.geometry import T
-    from certreg.problem import ExactMoments
+    from certreg.geometry.so3 import T
+    from certreg.problem.moments import ExactMoments
 
 Pattern = tuple[int, ...]
 PRIME = 2**30 - 35  # one digit of Python: what it does not divide is quickly seen not to be 0

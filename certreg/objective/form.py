@@ -14,15 +14,19 @@ from math import gcd
 from typing import TYPE_CHECKING
 
 from certreg._loading import cached_property
-from certreg.exact import definite_inverse, nullspace, power_of_two
-from certreg.geometry import dot, quadratic_form
-from certreg.problem import UPPER
+from certreg.exact.dyadic import power_of_two
+from certreg.exact.elimination import definite_inverse, nullspace
+from certreg.geometry.so3 import dot, quadratic_form
+from certreg.problem.exact_sums import UPPER
 from certreg.results import Brief
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from certreg.geometry import SquareMatrix, Vector3
+    from certreg.geometry.constraints import SquareMatrix
+    from certreg.geometry.so3 import Vector3
+    from certreg.problem.motion import Motion
+
 
 SIZE = 13
 TRANSLATION = range(10, 13)  # where t stands in z: as a fourth column of M
@@ -93,20 +97,19 @@ class Form(Brief):
         """S, 3x3, what resists a shift: semidefinite."""
         return tuple(row[10:] for row in self.rows[10:])
 
-    @cached_property
-    def free_translations(self) -> tuple[tuple[int, ...], ...]:
-        """A basis of the kernel of S: shifts that cost nothing, whatever M is."""
-        return nullspace(self.stiffness, 3)
+    def free_translations(self, motion: Motion) -> tuple[tuple[int, ...], ...]:
+        """A basis of the kernel of S: shifts of a motion that cost nothing, whatever M is."""
+        return nullspace(self.stiffness, 3) if motion.translations else ()
 
-    @cached_property
-    def reduced(self) -> Reduced:
-        """The least energy over t, d (H_rr - H_rt C H_tr).
+    def restricted(self, motion: Motion) -> Reduced:
+        """The least energy over t, d (H_rr - H_rt C H_tr); without a translation H_rr.
 
         C = S_pp^-1, with 0 in the other rows, of as many rows p of S as its rank; d = det S_pp. H
         is semidefinite in t, so the columns of H_tr are in the span of those of S: the energy does
-        not depend on what t is along the kernel of S.
+        not depend on what t is along the kernel of S. Without a translation there are no rows p.
         """
-        choices = [c for size in (3, 2, 1, 0) for c in combinations(range(3), size)]
+        most = motion.translations
+        choices = [c for size in range(most, -1, -1) for c in combinations(range(3), size)]
         parts = ([[self.stiffness[i][j] for j in chosen] for i in chosen] for chosen in choices)
         inverses = zip(choices, map(definite_inverse, parts), strict=False)
         chosen, (determinant, adjugate) = next((c, found) for c, found in inverses if found)

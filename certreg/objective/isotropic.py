@@ -12,41 +12,39 @@ from dataclasses import dataclass
 from fractions import Fraction
 from itertools import product
 from operator import mul
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 from certreg._loading import cached_property
-from certreg.exact import (
-    Resolution,
-    Space,
-    integer_eigenbasis,
-    power_of_two,
-    quotient_or_zero,
-    resolved,
-)
-from certreg.geometry import (
+from certreg.exact.dyadic import power_of_two, quotient_or_zero
+from certreg.exact.eigenbasis import integer_eigenbasis
+from certreg.exact.spaces import Resolution, Space, resolved
+from certreg.geometry.constraints import homogeneous
+from certreg.geometry.so3 import (
     davenport_matrix,
     dot,
-    homogeneous,
     quadratic_form,
     rotation_matrix,
     squared_norm,
 )
-from certreg.native import FIXED_BITS, fixed_eigenbasis
+from certreg.native.eigenbasis import FIXED_BITS, fixed_eigenbasis
 from certreg.objective.classification import classify, with_pattern
 from certreg.objective.form import Form, Reduced, bordered
-from certreg.objective.polynomials import multiplier_system
 from certreg.objective.scaling import Scaling
-from certreg.problem import UPPER, exact_moments, trace
+from certreg.objective.structure import Structure
+from certreg.problem.exact_sums import UPPER
+from certreg.problem.moments import exact_moments, trace
 from certreg.results import Brief
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from certreg.exact import IntegerQuaternion
-    from certreg.geometry import Matrix4, SquareMatrix, T, Vector3, Vector4
+    from certreg.exact.spaces import IntegerQuaternion
+    from certreg.geometry.constraints import SquareMatrix
+    from certreg.geometry.so3 import Matrix4, T, Vector3, Vector4
     from certreg.objective.classification import Classification, Pattern
-    from certreg.objective.polynomials import PolynomialSystem
-    from certreg.problem import ExactMoments, RegistrationProblem
+    from certreg.problem.moments import ExactMoments
+    from certreg.problem.problem import RegistrationProblem
+
 
 KEPT = 16  # alignments that are asked for again
 
@@ -63,6 +61,7 @@ class Isotropic(Brief):
 
     moments: ExactMoments
     scaling: Scaling | None = None
+    structure: ClassVar[Structure] = Structure.LINEAR
 
     @classmethod
     def of(cls, problem: RegistrationProblem) -> Isotropic:
@@ -263,10 +262,6 @@ class Isotropic(Brief):
             for end, moved in zip(moments.target_sum, rotated, strict=True)
         ]
         return entries, 1 << max(common, 0), moments.mass * norm * over << max(-common, 0)
-
-    def equilibrium_system(self, chart: Sequence[int]) -> PolynomialSystem:
-        """K q = l q and chart . q = 1 in (w, x, y, z, l): four paths."""
-        return multiplier_system(self.davenport, chart)
 
     # --- energies of single poses, exactly
 

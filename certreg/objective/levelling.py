@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from certreg.geometry import Matrix4, Vector4
+    from certreg.geometry.so3 import Matrix4, Vector4
 
     Reals = NDArray[np.float64]
 

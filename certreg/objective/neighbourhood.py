@@ -19,8 +19,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from certreg._loading import cached_property
-from certreg.exact import definite_inverse, power_of_two, quotient_or_zero
-from certreg.geometry import rotation_matrix, squared_norm
+from certreg.exact.dyadic import power_of_two, quotient_or_zero
+from certreg.exact.elimination import definite_inverse
+from certreg.geometry.so3 import rotation_matrix, squared_norm
 from certreg.results import Brief
 
 if TYPE_CHECKING:
@@ -29,7 +30,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.objective.form import Reduced
-    from certreg.problem import Motion
+    from certreg.problem.motion import Motion
 
 Integers = Any  # arrays of Python's, which do not overflow
 Inverse = tuple[Integers, int]
@@ -107,9 +108,7 @@ class Neighbourhood(Brief):
     def shifts(self) -> tuple[Integers, int]:
         """How the best translation moves: (3, k) integers over a number."""
         up, down = power_of_two(self.form.length_exponent).as_integer_ratio()
-        response = np.array(self.form.response, dtype=object)[:, 1:] * (
-            self.motion.translations > 0
-        )
+        response = np.array(self.form.response, dtype=object)[:, 1:]
         return up * (response @ self.tangents.T), self.form.determinant * down * self.over
 
     def moves(self, point: Sequence[Fraction]) -> NDArray[np.float64]:

@@ -14,15 +14,21 @@ for no more than this protocol.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, ClassVar, Protocol
+
+from certreg._loading import found_late
+from certreg.objective.structure import Structure
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Mapping, Sequence
     from fractions import Fraction
 
-    from certreg.geometry import Matrix4, SquareMatrix, T, Vector3, Vector4
+    from certreg.geometry.constraints import SquareMatrix
+    from certreg.geometry.so3 import Matrix4, T, Vector3, Vector4
     from certreg.objective.form import Form, Reduced
-    from certreg.objective.polynomials import PolynomialSystem
+    from certreg.objective.isotropic import Isotropic
+    from certreg.objective.springs import Springs
+    from certreg.problem.problem import RegistrationProblem
 
 
 class Objective(Protocol):
@@ -32,6 +38,8 @@ class Objective(Protocol):
     gradient and hessian use + - * alone: they run over integers, fractions, balls, floats, SymPy
     and CasADi expressions.
     """
+
+    structure: ClassVar[Structure]
 
     @property
     def joint_form(self) -> Form:
@@ -79,10 +87,16 @@ class Objective(Protocol):
         """
         ...
 
-    def equilibrium_system(self, chart: Sequence[int]) -> PolynomialSystem:
-        """Equations for the critical quaternions with chart . q = 1, as many as unknowns.
 
-        What is tracked and proved: each solution is one up to sign and length. Those with
-        chart . q = 0 are missed.
-        """
-        ...
+OBJECTIVES: Mapping[Structure, Callable[[], type[Isotropic | Springs]]] = {
+    Structure.LINEAR: found_late("certreg.objective.isotropic", "Isotropic"),
+    Structure.QUARTIC: found_late("certreg.objective.springs", "Springs"),
+}
+
+
+def objective_of(problem: RegistrationProblem) -> Isotropic | Springs:
+    """The energy of a problem as a function of the rotation, by its structure.
+
+    Raises DegenerateProblemError where its scale is free, and the points tell none.
+    """
+    return OBJECTIVES[Structure.of(problem.cell)]().of(problem)

@@ -16,12 +16,13 @@ from typing import TYPE_CHECKING
 
 from certreg._loading import cached_property
 from certreg.errors import DegenerateProblemError
-from certreg.exact import Dyadic, dyadic_above, dyadic_below, power_of_two
-from certreg.problem import Scale, trace
+from certreg.exact.dyadic import Dyadic, dyadic_above, dyadic_below, power_of_two
+from certreg.problem.moments import trace
+from certreg.problem.motion import Scale
 from certreg.results import Brief
 
 if TYPE_CHECKING:
-    from certreg.problem import ExactMoments
+    from certreg.problem.moments import ExactMoments
 
 ROOT_BITS = 240  # of a root: its bounds are 2^-239 apart, far within what bounds a scale below
 SCALE_BITS = 96  # of the bounds of a scale: 2^-95 = 2.5e-29 of it, below 1e-20

@@ -6,20 +6,24 @@ in r = (1, vec R).
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import product
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 import numpy as np
 
 from certreg._loading import cached_property
-from certreg.exact import nullspace, power_of_two, rational_root_above
-from certreg.geometry import dot, homogeneous, quadratic_form, rotation_matrix, squared_norm
+from certreg.exact.dyadic import nearest_double, power_of_two, rational_root_above
+from certreg.exact.elimination import nullspace
+from certreg.geometry.constraints import homogeneous
+from certreg.geometry.so3 import dot, quadratic_form, rotation_matrix, squared_norm
 from certreg.objective import quartics
 from certreg.objective.form import FULL, Form, Reduced, bordered
-from certreg.objective.polynomials import QUATERNION, PolynomialSystem, collected, exponents
-from certreg.problem import UPPER
+from certreg.objective.structure import Structure
+from certreg.problem.exact_sums import UPPER
+from certreg.problem.stiffness import spring_moments
 from certreg.results import Brief
 
 if TYPE_CHECKING:
@@ -27,8 +31,12 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from certreg.geometry import Matrix4, SquareMatrix, T, Vector3, Vector4
-    from certreg.problem import SpringMoments
+    from certreg.geometry.constraints import SquareMatrix
+    from certreg.geometry.so3 import Matrix4, T, Vector3, Vector4
+    from certreg.problem.motion import Motion
+    from certreg.problem.problem import RegistrationProblem
+    from certreg.problem.stiffness import SpringMoments
+
 
 DIAGONAL = (0, 3, 5)  # among the six entries of a symmetric matrix
 FARTHEST = 8  # the largest |R - R'|^2 of two rotations, in the Frobenius norm
@@ -48,10 +56,19 @@ class MassMoments(Brief):
 class Springs(Brief):
     """The objective of the exact moments of springs that are matrices; see `Objective`.
 
-    For searches in doubles take `floating_quartic`: the integers here may be beyond the doubles.
+    motion: without a translation the moments are those about the origin. For searches in doubles
+    take `floating_quartic`: the integers here may be beyond the doubles.
     """
 
     moments: SpringMoments
+    motion: Motion
+    structure: ClassVar[Structure] = Structure.QUARTIC
+    scaling: ClassVar[None] = None  # no scale is free
+
+    @classmethod
+    def of(cls, problem: RegistrationProblem) -> Springs:
+        """The objective of a problem with general springs."""
+        return cls(spring_moments(problem), problem.motion)
 
     @cached_property
     def joint_form(self) -> Form:
@@ -65,10 +82,10 @@ class Springs(Brief):
             (m.source_exponent, m.target_exponent, m.weight_exponent),
         )
 
-    @property
+    @cached_property
     def reduced(self) -> Reduced:
-        """The energy with the best translation."""
-        return self.joint_form.reduced
+        """The energy with the best translation, if the motion has any."""
+        return self.joint_form.restricted(self.motion)
 
     @property
     def unit(self) -> Fraction:
@@ -77,8 +94,8 @@ class Springs(Brief):
 
     @cached_property
     def free_translations(self) -> tuple[Vector3[Fraction], ...]:
-        """A basis of the kernel of S: shifts that no spring resists, at any rotation."""
-        free = self.joint_form.free_translations
+        """A basis of the shifts of the motion that no spring resists, at any rotation."""
+        free = self.joint_form.free_translations(self.motion)
         return tuple((Fraction(a), Fraction(b), Fraction(c)) for a, b, c in free)
 
     # --- the objective
@@ -132,6 +149,19 @@ class Springs(Brief):
         norm = squared_norm(q)
         r = homogeneous(rotation_matrix(q), unit=norm)
         return self.reduced.best_translation(r, norm)
+
+    def best_scale(self, q: Sequence[int]) -> Fraction:
+        """1, as no scale is free."""
+        del q
+        return Fraction(1)
+
+    def rounded_translation(
+        self, q: Sequence[int], scale: Fraction | Literal[1] = 1
+    ) -> list[float]:
+        """The best translation, each entry rounded once; infinite where no double holds it."""
+        del scale
+        rounded = (nearest_double(entry) for entry in self.best_translation(q))
+        return [math.inf if entry is None else entry for entry in rounded]
 
     def image_slopes(self, point: Sequence[Fraction]) -> tuple[tuple[Fraction, ...], ...]:
         """M, 3x9, with R point + (best translation at R) = M vec R + const, R by columns.
@@ -193,21 +223,6 @@ class Springs(Brief):
         offset = [entry - own for entry, own in zip(translation, best, strict=True)]
         weight = power_of_two(self.moments.weight_exponent)
         return quadratic_form(self.joint_form.stiffness, offset) * weight
-
-    def equilibrium_system(self, chart: Sequence[int]) -> PolynomialSystem:
-        """dF/dq = l q and chart . q = 1 in (w, x, y, z, l); then l q.q = 4 F(q)."""
-        rows: list[dict[tuple[int, ...], int]] = []
-        for k in range(4):
-            terms = [(exponents((k, 4), 5), -1)]
-            for monomial, coefficient in zip(quartics.MONOMIALS, self.quartic, strict=True):
-                left = list(monomial)
-                if k in left:
-                    left.remove(k)
-                    terms.append((exponents(left, 5), monomial.count(k) * coefficient))
-            rows.append(collected(terms))
-        norm = [(exponents((k,), 5), c) for k, c in enumerate(chart)]
-        rows.append(collected([*norm, ((0,) * 5, -1)]))
-        return PolynomialSystem(variables=(*QUATERNION, "l"), polynomials=tuple(rows))
 
     # --- what is known of it exactly
 
@@ -275,11 +290,6 @@ class Springs(Brief):
         return rational_root_above(FARTHEST * linear) + rational_root_above(FARTHEST_OF_FIVE * even)
 
     # --- doubles
-
-    def floating_form(self) -> tuple[NDArray[np.float64], Fraction]:
-        """Q in doubles of at most 1, each rounded once, and what 1 is worth as an energy."""
-        entries, unit = self._rounded([entry for row in self.form() for entry in row])
-        return entries.reshape(10, 10), unit
 
     def floating_quartic(self) -> tuple[NDArray[np.float64], Fraction]:
         """The 35 coefficients in doubles of at most 1, each rounded once, and what 1 is worth."""

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.geometry import rotation_matrix
+from certreg.geometry.so3 import rotation_matrix
 from certreg.paper.particles import Particles
-from certreg.problem import RegistrationProblem
+from certreg.problem.problem import RegistrationProblem
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -12,11 +12,15 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
-from certreg.certificate import AT_MOST, count_certificate, produce, verify
+from certreg.certificate.checking import verify
+from certreg.certificate.count import AT_MOST
+from certreg.certificate.producing import count_certificate, produce
 from certreg.errors import InvalidProblemError
-from certreg.geometry import squared_norm
-from certreg.objective import Isotropic
-from certreg.problem import PAPER_DAMPING, RegistrationProblem, exact_moments
+from certreg.geometry.so3 import squared_norm
+from certreg.objective.isotropic import Isotropic
+from certreg.problem.moments import exact_moments
+from certreg.problem.problem import RegistrationProblem
+from certreg.problem.random_instances import PAPER_DAMPING
 from certreg.results import Ruling, Verdict
 
 if TYPE_CHECKING:

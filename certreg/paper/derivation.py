@@ -15,17 +15,20 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from certreg import native  # asked for its generator where that is needed: it loads CasADi
-from certreg._loading import library
-from certreg.campaign import LocalWorkers
+from certreg._loading import late, library
+from certreg.campaign.workers import LocalWorkers
 from certreg.errors import CertregError
-from certreg.io import write_atomically, write_files
+from certreg.io.atomic import write_atomically, write_files
 
 if TYPE_CHECKING:
     from collections.abc import Generator, Iterator, Mapping, Sequence
     from concurrent.futures import Future
 
+    from certreg.native.codegen import emit as native_emit
     from certreg.results import Verdict
+else:
+    # it loads CasADi
+    native_emit = late("certreg.native.codegen.emit")
 
 PACKAGE = Path(__file__).resolve().parent.parent
 CHECKOUT = PACKAGE.parent / "derivations"
@@ -108,7 +111,7 @@ def write_code(folder: Path) -> None:
     """Write the C that the derived expressions become, generated anew."""
     library("casadi", "the generated C")
     emit = _module("emit")
-    files = native.generated_files(emit.definitions(), emit.records())
+    files = native_emit.generated_files(emit.definitions(), emit.records())
     write_files(folder / CODE_FOLDER, files)
 
 

@@ -11,19 +11,19 @@ import numpy as np
 
 from certreg import __version__
 from certreg.paper.equilibria import unstable_counts
+from certreg.paper.equilibrium_maps import spring_rows
 from certreg.paper.evidence import NEAR
 from certreg.paper.parameter_sweeps import sweep_rows
 from certreg.paper.scheme import STEP, STOP
-from certreg.paper.spring_maps import spring_rows
 from certreg.paper.terminal import plain
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from certreg.paper.counterexamples import CertifiedCloud
+    from certreg.paper.equilibrium_maps import SpringCounts
     from certreg.paper.observations import Observations
     from certreg.paper.parameter_sweeps import Sweep
-    from certreg.paper.spring_maps import SpringCounts
     from certreg.paper.style import Drawing
     from certreg.paper.verdicts import ClaimVerdict, Reproduction
 

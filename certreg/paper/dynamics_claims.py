@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.geometry import quaternion_from_matrix
+from certreg.geometry.so3 import quaternion_from_matrix
 from certreg.paper.equilibria import angle
 from certreg.paper.evidence import NEAR, SAME_SUM, Clouds, Evidence, rough, share, tally
 from certreg.paper.particles import parts
 from certreg.paper.scheme import STEP, descend
-from certreg.problem import RegistrationProblem
-from certreg.registration import equilibria
+from certreg.problem.problem import RegistrationProblem
+from certreg.registration.enumeration import equilibria
 
 if TYPE_CHECKING:
     from certreg.paper.observations import Observations

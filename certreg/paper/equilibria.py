@@ -14,20 +14,22 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.dynamics import rigid_body
-from certreg.equilibrium import method_named, rotation_double, unit_double
-from certreg.geometry import rotation_matrix
-from certreg.objective import Isotropic
+from certreg.dynamics.rigid import rigid_body
+from certreg.equilibrium.methods import FINDERS
+from certreg.equilibrium.presentation import rotation_double, unit_double
+from certreg.geometry.so3 import rotation_matrix
+from certreg.objective.isotropic import Isotropic
 from certreg.paper.particles import Particles, at_rest
 from certreg.paper.scheme import RAW_UNIT
-from certreg.problem import exact_moments
-from certreg.registration import horn
+from certreg.problem.moments import exact_moments
+from certreg.registration.closed_form import horn
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from certreg.dynamics import RigidBody
-    from certreg.problem import RegistrationProblem
+    from certreg.dynamics.rigid import RigidBody
+    from certreg.problem.problem import RegistrationProblem
+
 
 ZERO_EIGENVALUE = 1e-9  # of the largest: a computed zero is below, a true one far above
 
@@ -86,7 +88,7 @@ def equilibrium_run(problem: RegistrationProblem) -> EquilibriumRun:
     moving = rigid_body(moments, problem.damping, length_exponent=RAW_UNIT)
     particles = Particles.of(problem)
     objective = Isotropic(moments)
-    critical = method_named("groebner")(objective)
+    critical = FINDERS[objective.structure]["groebner"].method(objective)
     shape = objective.classified(critical.pattern)
     best = horn(moving.cross_covariance)
     poses = tuple(

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.geometry import quaternion_from_matrix, rotation_matrix
+from certreg.geometry.so3 import quaternion_from_matrix, rotation_matrix
 from certreg.paper.equilibria import angle, signs, unstable_counts
 from certreg.paper.evidence import (
     SAME_ANGLE,
@@ -26,8 +26,8 @@ from certreg.paper.evidence import (
 )
 from certreg.paper.observations import STATES
 from certreg.paper.particles import Particles, at_rest
-from certreg.problem import RegistrationProblem
-from certreg.registration import equilibria
+from certreg.problem.problem import RegistrationProblem
+from certreg.registration.enumeration import equilibria
 
 if TYPE_CHECKING:
     from certreg.paper.observations import Observations

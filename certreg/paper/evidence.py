@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from certreg.problem import RegistrationProblem
+from certreg.problem.problem import RegistrationProblem
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

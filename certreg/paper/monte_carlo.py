@@ -12,46 +12,40 @@ import io
 import json
 import math
 import time
+from abc import ABC, abstractmethod
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from certreg import __version__
-from certreg.campaign import (
-    CERTIFICATES,
-    Block,
-    Column,
-    Manifest,
-    Task,
-    TaskResult,
-    contents,
-    csv_bytes,
-    current_versions,
-    write_table,
-)
-from certreg.equilibrium import solve_many
+from certreg.campaign.runner import contents
+from certreg.campaign.store import CERTIFICATES, Manifest, current_versions
+from certreg.campaign.table import Block, Column, csv_bytes, write_table
+from certreg.campaign.workers import Task, TaskResult
+from certreg.equilibrium.batch import solve_many
 from certreg.errors import InvalidProblemError
-from certreg.geometry import rotation_matrix
-from certreg.io import write_atomically
-from certreg.problem import (
+from certreg.geometry.so3 import rotation_matrices
+from certreg.io.atomic import write_atomically
+from certreg.problem.problem import RegistrationProblem
+from certreg.problem.random_instances import (
     PAPER_DAMPING,
     PAPER_POINTS,
     PAPER_SIGMA,
-    RegistrationProblem,
     gaussian_instances,
 )
-from certreg.registration import certify
+from certreg.registration.certification import certify
 
 if TYPE_CHECKING:
-    from collections.abc import Container, Iterator
+    from collections.abc import Callable, Container, Iterator
     from pathlib import Path
 
     from numpy.typing import NDArray
 
-    from certreg.equilibrium import Solutions
-    from certreg.problem import Instances
-    from certreg.registration import Registration
+    from certreg.equilibrium.batch import Solutions
+    from certreg.problem.random_instances import Instances
+    from certreg.registration.result import Registration
+
 
 Arrays = dict[str, "NDArray[Any]"]
 
@@ -77,8 +71,56 @@ EXTREMES = ("margin", "rotation_error_rad", "translation_error", "half_turn_erro
 EXCEPTION_COLUMNS = ("instance", "pattern", "unstable", "certificate")
 
 
+class RandomCampaign(ABC):
+    """A campaign over random instances, which are made of its manifest alone.
+
+    So whatever a shard says, it would say again. Shards are archives of arrays.
+    """
+
+    suffix = ".npz"
+
+    @abstractmethod
+    def manifest(self) -> Manifest:
+        """All of it. Raises InvalidProblemError where it is no campaign."""
+
+    @property
+    @abstractmethod
+    def work(self) -> Callable[..., TaskResult]:
+        """What computes a shard, of `manifest` and `shard`."""
+
+    def tasks(self, done: Container[int]) -> Iterator[Task]:
+        """Each shard that is not done."""
+        manifest = self.manifest()
+        for shard in range(manifest.shards):
+            if shard not in done:
+                arguments = {"manifest": manifest, "shard": shard}
+                yield Task(shard=shard, function=self.work, arguments=arguments)
+
+    def files(self, content: bytes) -> dict[str, str]:
+        """The certificates of a shard; none where nothing is proved."""
+        del content
+        return {}
+
+    def final(self, content: bytes) -> bool:
+        """Always."""
+        del content
+        return True
+
+    def changed(self, content: bytes) -> tuple[str, ...]:
+        """Nothing."""
+        del content
+        return ()
+
+    def _least(self, words: str, **least: int) -> None:
+        """Raises InvalidProblemError where one of the numbers is below its least."""
+        for name, limit in least.items():
+            given = getattr(self, name)
+            if given < limit:
+                raise InvalidProblemError(words, array=name, value=given, limit=limit)
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
-class MonteCarlo:
+class MonteCarlo(RandomCampaign):
     """Random instances of the paper's experiments: N points, noise sigma, damping mu; a seed."""
 
     count: int
@@ -87,20 +129,10 @@ class MonteCarlo:
     damping: float = PAPER_DAMPING
     seed: int = 0
 
-    @property
-    def suffix(self) -> str:
-        """Shards are archives of arrays."""
-        return ".npz"
-
     def manifest(self) -> Manifest:
         """All of it. Raises InvalidProblemError where it is no campaign."""
-        if self.count < 1 or self.points < 1 or self.seed < 0:
-            message = "give at least one instance of at least one point, and a seed >= 0"
-            least = {"count": 1, "points": 1, "seed": 0}
-            wrong = next(name for name in least if getattr(self, name) < least[name])
-            raise InvalidProblemError(
-                message, array=wrong, value=getattr(self, wrong), limit=least[wrong]
-            )
+        words = "give at least one instance of at least one point, and a seed >= 0"
+        self._least(words, count=1, points=1, seed=0)
         given = asdict(self)
         fair = max(LEAST_INSTANCES, self.count // SHARDS)
         most = min(SHARD_INSTANCES, SHARD_POINTS // self.points)
@@ -112,13 +144,10 @@ class MonteCarlo:
             versions=current_versions(),
         )
 
-    def tasks(self, done: Container[int]) -> Iterator[Task]:
-        """Each shard that is not done."""
-        manifest = self.manifest()
-        for shard in range(manifest.shards):
-            if shard not in done:
-                arguments = {"manifest": manifest, "shard": shard}
-                yield Task(shard=shard, function=solved, arguments=arguments)
+    @property
+    def work(self) -> Callable[..., TaskResult]:
+        """Instances solved, those that are exceptions certified."""
+        return solved
 
     def files(self, content: bytes) -> dict[str, str]:
         """The certificates of a shard's exceptions."""
@@ -129,16 +158,6 @@ class MonteCarlo:
             for k, digest in zip(arrays["exception"].tolist(), digests, strict=True)
             if digest.any()
         }
-
-    def final(self, content: bytes) -> bool:
-        """Whatever a shard says, it would say again."""
-        del content
-        return True
-
-    def changed(self, content: bytes) -> tuple[str, ...]:
-        """Random instances are made of the manifest alone."""
-        del content
-        return ()
 
 
 def pieces(manifest: Manifest, shard: int) -> Iterator[tuple[int, Instances]]:
@@ -275,7 +294,7 @@ def _listed(arrays: Arrays) -> Iterator[list[Any]]:
 def _measured(solutions: Solutions, made: Instances, first: int) -> Arrays:
     """What is kept of each instance, by doubles."""
     best, count = solutions.quaternions[:, 0], len(made.sources)
-    rotations = np.moveaxis(np.array(rotation_matrix(list(best.T))), -1, 0)
+    rotations = rotation_matrices(best)
     chords = np.sqrt(((rotations - made.rotations) ** 2).sum(axis=(1, 2))) / np.sqrt(8.0)
     shifts = solutions.translations[:, 0] - made.translations
     cosines = np.abs((best[:, np.newaxis] * solutions.quaternions[:, 1:]).sum(axis=2)).max(axis=1)

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
-from certreg.dynamics import rigid_body
-from certreg.geometry import rotation_matrix
+from certreg.dynamics.rigid import rigid_body
+from certreg.geometry.so3 import rotation_matrix
 from certreg.paper.construction import Scene, scene
 from certreg.paper.equilibria import EquilibriumRun, equilibrium_run
 from certreg.paper.particles import Particles, parts
@@ -16,13 +16,13 @@ from certreg.paper.polygons import SQUARE, TRIANGLE, Turn, exact_sums, turn
 from certreg.paper.poses import Gallery, gallery
 from certreg.paper.scheme import RAW_UNIT
 from certreg.paper.simulations import SimulationRun, simulation_run
-from certreg.problem import (
+from certreg.problem.moments import exact_moments
+from certreg.problem.problem import RegistrationProblem
+from certreg.problem.random_instances import (
     PAPER_DAMPING,
     PAPER_POINTS,
     PAPER_SIGMA,
     Instances,
-    RegistrationProblem,
-    exact_moments,
     gaussian_instances,
 )
 

@@ -6,8 +6,9 @@ import base64
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from certreg.campaign.table import records_bytes
 from certreg.errors import InvalidFileError
-from certreg.io import remedy_of, write_atomically
+from certreg.io.atomic import remedy_of, write_atomically
 from certreg.paper.documents import (
     CERTIFICATES,
     CERTIFICATES_EXPLAINED,
@@ -21,19 +22,20 @@ from certreg.paper.documents import (
     setup_words,
     verdict_word,
 )
-from certreg.paper.parameter_sweeps import SWEEPS_FILE, sweep_table
-from certreg.paper.spring_maps import SPRINGS_FILE, spring_table
+from certreg.paper.equilibrium_maps import SPRINGS_FILE, spring_rows
+from certreg.paper.parameter_sweeps import SWEEPS_FILE, sweep_rows
 from certreg.paper.style import written
 from certreg.paper.terminal import plain
-from certreg.report import dumps, rendered
+from certreg.report.document import dumps
+from certreg.report.markup import rendered
 
 if TYPE_CHECKING:
     import os
     from collections.abc import Sequence
 
     from certreg.paper.counterexamples import CertifiedCloud
+    from certreg.paper.equilibrium_maps import SpringCounts
     from certreg.paper.parameter_sweeps import Sweep
-    from certreg.paper.spring_maps import SpringCounts
     from certreg.paper.style import Drawing
     from certreg.paper.verdicts import ClaimVerdict, Reproduction
 
@@ -93,9 +95,9 @@ def write_reproduction(
         contents |= {f"{stem}.{kind}": written(drawing, kind) for kind in KINDS}
         contents[f"{stem}.txt"] = f"{drawing.title}. {drawing.caption}\n".encode()
     if sweeps:
-        contents[SWEEPS_FILE] = sweep_table(sweeps)
+        contents[SWEEPS_FILE] = records_bytes(sweep_rows(sweeps))
     if springs:
-        contents[SPRINGS_FILE] = spring_table(springs)
+        contents[SPRINGS_FILE] = records_bytes(spring_rows(springs))
     for claim in reproduction.claims:
         for cloud in claim.certified:
             files = cloud.files.items()

@@ -16,9 +16,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.geometry import davenport_matrix, rotation_matrix
-from certreg.problem import PAPER_DAMPING, PAPER_POINTS, PAPER_SIGMA
-from certreg.problem import gaussian_instances as gaussian
+from certreg.geometry.so3 import davenport_matrix, rotation_matrices
+from certreg.problem.random_instances import PAPER_DAMPING, PAPER_POINTS, PAPER_SIGMA
+from certreg.problem.random_instances import gaussian_instances as gaussian
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -177,8 +177,7 @@ def _constant(value: float, count: int) -> NDArray[np.float64]:
 
 def _rotations(rng: np.random.Generator, count: int) -> NDArray[np.float64]:
     q = rng.standard_normal((count, 4))
-    unit = q / np.linalg.norm(q, axis=1, keepdims=True)
-    return np.moveaxis(np.array(rotation_matrix(list(unit.T))), -1, 0)
+    return rotation_matrices(q / np.linalg.norm(q, axis=1, keepdims=True))
 
 
 def _decades(first: int, last: int, per_decade: int = 1) -> tuple[float, ...]:

@@ -6,18 +6,18 @@ from the best saddle, and the margin of the eigenvalues, with what the linearise
 
 from __future__ import annotations
 
-import csv
-import io
 import math
 from dataclasses import dataclass, fields, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.dynamics import Bodies, SimulationSettings, bodies_of, simulate_many
-from certreg.equilibrium import exactly, solve_many
-from certreg.geometry import rotation_matrix
-from certreg.native import BASIN_SHARE, QUATERNION_STATE, Integrator
+from certreg.dynamics.batch import Bodies, bodies_of, simulate_many
+from certreg.dynamics.integrators import SimulationSettings
+from certreg.equilibrium.batch import exactly, solve_many
+from certreg.geometry.so3 import rotation_matrices
+from certreg.native.layout import QUATERNION_STATE
+from certreg.native.loops import BASIN_SHARE, Integrator
 from certreg.paper.parameter_families import FAMILIES
 from certreg.paper.scheme import NO_BASIN
 
@@ -26,8 +26,8 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from certreg.equilibrium import Solutions
-    from certreg.native import Records
+    from certreg.equilibrium.batch import Solutions
+    from certreg.native.layout import Records
     from certreg.paper.observations import StageProgress
     from certreg.paper.parameter_families import Family, Sample
 
@@ -213,7 +213,7 @@ def _lost(bodies: Bodies, solutions: Solutions) -> NDArray[np.bool_]:
     """Whether the paper's rule, slow is enough, stops further than 90 degrees from the optimum."""
     anywhere = replace(bodies, basins=np.repeat(NO_BASIN, len(bodies.records)))
     ends = simulate_many(anywhere, Integrator.EULER, settings=SIMULATION)
-    traces = np.einsum("kij,kij->k", ends.rotations, _rotations(solutions.quaternions[:, 0]))
+    traces = np.einsum("kij,kij->k", ends.rotations, rotation_matrices(solutions.quaternions[:, 0]))
     return np.asarray(traces < 1.0, dtype=np.bool_)
 
 
@@ -261,10 +261,6 @@ def _predicted_steps(
     return time / step
 
 
-def _rotations(quaternions: NDArray[np.float64]) -> NDArray[np.float64]:
-    return np.moveaxis(np.array(rotation_matrix(list(quaternions.T))), -1, 0)
-
-
 def sweep_rows(sweeps: Sequence[Sweep]) -> Iterator[dict[str, Any]]:
     """A row for each value of each sweep, of a CSV file or the JSON document.
 
@@ -289,16 +285,6 @@ def sweep_rows(sweeps: Sequence[Sweep]) -> Iterator[dict[str, Any]]:
             row["lost_by_the_papers_rule"] = int(each.lost.sum())
             row["four_equilibria"] = int(each.four.sum())
             yield row
-
-
-def sweep_table(sweeps: Sequence[Sweep]) -> bytes:
-    """The rows as CSV with a header; nothing where a number is None."""
-    text = io.StringIO()
-    listed = list(sweep_rows(sweeps))
-    writer = csv.DictWriter(text, list(listed[0]), lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(listed)
-    return text.getvalue().encode()
 
 
 def _finite(value: float) -> float | None:

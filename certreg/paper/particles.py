@@ -12,13 +12,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from certreg._loading import cached_property
-from certreg.dynamics import state_at_rest
-from certreg.native import MATRIX_STATE, named
+from certreg.dynamics.states import state_at_rest
+from certreg.native.layout import MATRIX_STATE, named
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from certreg.problem import RegistrationProblem
+    from certreg.problem.problem import RegistrationProblem
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

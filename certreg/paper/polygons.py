@@ -14,11 +14,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from certreg._loading import library
-from certreg.dynamics import rigid_body
+from certreg.dynamics.rigid import rigid_body
 from certreg.paper.equilibria import signs
 from certreg.paper.particles import Particles, at_rest
 from certreg.paper.scheme import RAW_UNIT
-from certreg.problem import RegistrationProblem, exact_moments
+from certreg.problem.moments import exact_moments
+from certreg.problem.problem import RegistrationProblem
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

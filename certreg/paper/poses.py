@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from certreg.paper.particles import Particles
-from certreg.registration import STORIES, equilibria, stated
+from certreg.registration.enumeration import equilibria
+from certreg.registration.examples import STORIES, stated
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -12,24 +12,18 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.dynamics import SimulationSettings, rigid_body, start_at_rest
-from certreg.native import (
-    BASIN,
-    MATRIX_STATE,
-    Batch,
-    Ending,
-    Integrator,
-    Log,
-    current_engine,
-    named,
-    plain,
-)
-from certreg.problem import exact_moments
+from certreg.dynamics.integrators import SimulationSettings
+from certreg.dynamics.rigid import rigid_body
+from certreg.dynamics.states import start_at_rest
+from certreg.native.engine import current_engine
+from certreg.native.layout import BASIN, MATRIX_STATE, named, plain
+from certreg.native.loops import Batch, Ending, Integrator, Log
+from certreg.problem.moments import exact_moments
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from certreg.problem import RegistrationProblem
+    from certreg.problem.problem import RegistrationProblem
 
 STEP = 0.01  # [Yang2020]
 STOP = 1e-4  # [Yang2020]: norm of the 18 rates of change, lengths in the user's unit

@@ -11,22 +11,23 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.dynamics import rigid_body, simulate
-from certreg.geometry import quaternion_from_matrix, rotation_matrix
-from certreg.native import Integrator
-from certreg.objective import Isotropic
+from certreg.dynamics.rigid import rigid_body
+from certreg.dynamics.simulation import simulate
+from certreg.geometry.so3 import quaternion_from_matrix, rotation_matrix
+from certreg.native.loops import Integrator
+from certreg.objective.isotropic import Isotropic
 from certreg.paper.equilibria import angle
 from certreg.paper.evidence import SAME_SUM
 from certreg.paper.particles import Particles, at_rest, parts
 from certreg.paper.scheme import RAW_UNIT, STEP, STOP, descend
-from certreg.problem import exact_moments
-from certreg.registration import horn
+from certreg.problem.moments import exact_moments
+from certreg.registration.closed_form import horn
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.paper.scheme import Descent
-    from certreg.problem import RegistrationProblem
+    from certreg.problem.problem import RegistrationProblem
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from certreg._loading import library
-from certreg.dynamics import SimulationSettings
+from certreg.dynamics.integrators import SimulationSettings
 from certreg.paper.evidence import rough
 from certreg.paper.parameter_sweeps import QUANTITIES, Curves
 from certreg.paper.style import (
@@ -21,7 +21,7 @@ from certreg.paper.style import (
     finished,
     house_style,
 )
-from certreg.problem import DEFAULT_DAMPING
+from certreg.problem.motion import DEFAULT_DAMPING
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

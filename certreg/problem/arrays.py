@@ -13,13 +13,16 @@ import numpy as np
 from certreg.errors import InvalidProblemError
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
 
     from numpy.typing import NDArray
+
+    Reals = NDArray[np.float64]
 
 BLOCK_POINTS = 1 << 16  # read at a time: 3.5 MB; a share of a second, for Ctrl-C
 ATTRIBUTES = ("xyz", "points", "vertices")  # in this order: `points` of laspy are raw records
 AXES = ("x", "y", "z")
+CHANGED = "the file of a mapped array was changed while it was read: state the problem anew"
 WORDS = 160  # of another library's error: its first line, and not all of a long one
 
 
@@ -177,3 +180,58 @@ def row_blocks(n: int) -> Iterator[slice]:
     """The rows 0 to n in blocks of a size that is read at a time."""
     starts = range(0, n, BLOCK_POINTS)
     return (slice(first, min(first + BLOCK_POINTS, n)) for first in starts)
+
+
+def contiguous(
+    array: NDArray[np.float64], rows: slice, name: str | None = None
+) -> NDArray[np.float64]:
+    """Rows of an array of a problem as contiguous doubles, -0.0 as 0.0; `name` is for errors.
+
+    A copy where the array is mapped from a file. Raises InvalidProblemError where the file holds a
+    number that is not finite: it did not, once.
+    """
+    if mapped_file(array) is None:
+        return np.ascontiguousarray(array[rows])
+    copied = array[rows].astype(np.float64, order="C")
+    copied += 0.0  # -0.0 + 0.0 is 0.0: one point, one digest
+    finite = np.isfinite(copied)
+    if not finite.all():
+        row = rows.start + int(np.argwhere(~finite)[0][0])
+        raise InvalidProblemError(
+            CHANGED, array=name, row=row, value=copied[row - rows.start].tolist()
+        )
+    return copied
+
+
+def first_row(
+    array: NDArray[np.float64], wrong: Callable[[NDArray[np.float64]], NDArray[np.bool_]]
+) -> int | None:
+    """The first row where something is wrong, None if nowhere."""
+    for rows in row_blocks(len(array)):
+        faults = wrong(contiguous(array, rows))
+        if faults.any():
+            return rows.start + int(np.argmax(faults))
+    return None
+
+
+def lengths(rows: Reals) -> Reals:
+    """(N,) of (N, k): infinite only where a length is beyond the doubles.
+
+    Each row is divided by a power of two first, which changes no bit of its length.
+    """
+    exponents = np.frexp(np.abs(rows).max(axis=1))[1]
+    with np.errstate(over="ignore", under="ignore", invalid="ignore"):
+        return np.ldexp(
+            np.linalg.norm(np.ldexp(rows, -exponents[:, np.newaxis]), axis=1), exponents
+        )
+
+
+def apart(rows: Reals, others: Reals) -> Reals:
+    """(N,), how far each row is from the other; infinite only beyond the doubles."""
+    with np.errstate(over="ignore"):
+        return lengths(others - rows)
+
+
+def diameter(points: Reals) -> float:
+    """The diagonal of the box around points, at least their diameter; infinite as above."""
+    return float(apart(points.min(axis=0)[np.newaxis], points.max(axis=0)[np.newaxis])[0])

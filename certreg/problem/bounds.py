@@ -1,4 +1,4 @@
-"""How far apart the two points of a pair may be, for the pair to count as right; by the loss."""
+"""How far apart the points of a right pair may be, and which pairs somebody labelled as right."""
 
 from __future__ import annotations
 
@@ -7,11 +7,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from certreg.errors import InvalidProblemError
-from certreg.exact import as_given, at_least, at_most
-from certreg.problem.arrays import finite_doubles, real_numbers
-from certreg.problem.blocks import first_row
+from certreg.exact.decimals import as_given, at_least, at_most
+from certreg.problem.arrays import diameter, finite_doubles, first_row, lengths, real_numbers
 from certreg.problem.losses import Breaking, Consensus, Truncated
-from certreg.problem.row_lengths import diameter, lengths
 from certreg.problem.support import Loss, require_supported
 
 if TYPE_CHECKING:
@@ -205,3 +203,34 @@ def _breaking(problem: RegistrationProblem, max_residual: Any) -> Breaking:
 
 
 STATED = {Loss.CONSENSUS: _consensus, Loss.TRUNCATED: _truncated, Loss.BREAKING: _breaking}
+
+LABELS = "labels"  # of the argument, as users know it
+LEAST_DIRECTIONS = 2  # that one rotation may meet: a single one is met by infinitely many
+INLIER_WORDS = {"1": True, "0": False, "inlier": True, "outlier": False}
+
+
+def checked_inliers(labels: Any, n: int, least: int = LEAST_PAIRS) -> tuple[int, ...]:
+    """The rows labelled as inliers, of n labels: booleans, 0 and 1, or the words.
+
+    Raises InvalidProblemError for another number of labels, for others, and where fewer than the
+    least number are inliers.
+    """
+    texts = np.asarray(labels)
+    if texts.shape != (n,):
+        message = f"{LABELS} has shape {texts.shape}: give ({n},), one for each pair"
+        raise InvalidProblemError(message, array=LABELS, value=texts.shape, limit=(n,))
+    rows: list[int] = []
+    for row, value in enumerate(texts.tolist()):
+        word = str(int(value)) if isinstance(value, bool) else str(value)
+        if word not in INLIER_WORDS:
+            message = f"{LABELS}[{row}] is {value!r}: give 0 or 1, outlier or inlier"
+            raise InvalidProblemError(message, array=LABELS, row=row, value=value)
+        if INLIER_WORDS[word]:
+            rows.append(row)
+    if len(rows) < least:
+        two = least == LEAST_DIRECTIONS
+        always = "a single pair of equal lengths" if two else "two of equal lengths"
+        named = f"{len(rows)} inlier{'s' * (len(rows) != 1)}"
+        message = f"{LABELS} name {named}: give at least {least}, as {always} always fit{'s' * two}"
+        raise InvalidProblemError(message, array=LABELS, value=len(rows), limit=least)
+    return tuple(rows)

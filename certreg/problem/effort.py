@@ -7,7 +7,7 @@ import operator
 from typing import Any
 
 from certreg.errors import InvalidProblemError
-from certreg.exact import as_given
+from certreg.exact.decimals import as_given
 
 MOST_EFFORT = 1e6
 

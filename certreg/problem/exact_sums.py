@@ -19,22 +19,27 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import cache
 from operator import mul
-from typing import TYPE_CHECKING, ClassVar, Self, TypeVar
+from typing import TYPE_CHECKING, ClassVar, Self
 
 import numpy as np
 
-from certreg.native import MissingLibraryError, loaded_library
+from certreg._loading import found_late
+from certreg.native.kernels import MissingLibraryError
+from certreg.native.library import loaded_library
+from certreg.native.sums import fixed_point_fits, sums_by_exponent, sums_in_fixed_point
 from certreg.problem.arrays import row_blocks
 from certreg.problem.lifting import lift
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Sequence
+    from collections.abc import Callable, Iterable, Mapping, Sequence
 
     from numpy.typing import NDArray
 
-    from certreg.native import FixedSums, Library
-    from certreg.problem.blocks import Block
+    from certreg.native.library import Library
+    from certreg.native.sums import IntegerSums
     from certreg.problem.problem import RegistrationProblem
+    from certreg.problem.terms import Pairs
+
 
 FIXED_POINTS = 512  # from here on fixed point: below, its own set-up takes longer
 FEW_POINTS = 16  # below, Python's own integers take no longer than a call of compiled code
@@ -53,9 +58,6 @@ PRODUCTS = (
     *UPPER,
     *((3 + i, 3 + j) for i, j in UPPER),
 )
-
-
-S = TypeVar("S", bound="Sums")
 
 
 class SumMethod(enum.Enum):
@@ -132,56 +134,61 @@ EMPTY = Sums(
 )
 
 
-def sums(problem: RegistrationProblem) -> Sums:
-    """The sums over all points, by the fastest method here."""
-    return sums_by(fastest_method(problem), problem)
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Summation:
+    """How the sums over pairs with one kind of springs are taken.
+
+    methods: each makes the sums of some pairs. fastest: of them, on this machine. opinions: two
+    that share no step, each a second opinion on the other. empty: the sums over no pairs.
+    """
+
+    methods: Mapping[SumMethod, Callable[[Pairs], Sums]]
+    fastest: Callable[[RegistrationProblem], SumMethod]
+    opinions: tuple[SumMethod, SumMethod]
+    empty: Sums
+
+    def by(self, method: SumMethod, problem: RegistrationProblem, threads: int) -> Sums:
+        """The sums over all pairs by one method; Python's integers are added by one thread."""
+        summed, count = self.methods[method], 1 if method is SumMethod.INTEGERS else threads
+        return over_blocks(lambda rows: summed(problem.block(rows)), problem.n, count, self.empty)
+
+    def of(self, problem: RegistrationProblem) -> Sums:
+        """The sums over all pairs, by the fastest method here."""
+        return self.by(self.fastest(problem), problem, THREADS)
+
+
+def summation_of(problem: RegistrationProblem) -> Summation:
+    """How the sums are taken of such springs."""
+    return SUMMATIONS[problem.cell.springs]()
 
 
 def fastest_method(problem: RegistrationProblem) -> SumMethod:
-    """The fastest method on this machine for such points."""
-    compiled = _compiled() if problem.n >= FEW_POINTS else None
-    if compiled is None:
-        return SumMethod.INTEGERS if problem.n < MANY_POINTS else SumMethod.LIMBS
-    fixed = problem.n >= FIXED_POINTS and compiled.multiplies_digits and _fits(compiled, problem)
-    return SumMethod.FIXED_POINT if fixed else SumMethod.BY_EXPONENT
+    """The fastest method on this machine for such pairs."""
+    return summation_of(problem).fastest(problem)
 
 
 def second_method(problem: RegistrationProblem) -> SumMethod:
     """Another method than the fastest one, for a second opinion; the two share no step."""
-    second = {
-        SumMethod.FIXED_POINT: SumMethod.BY_EXPONENT,
-        SumMethod.BY_EXPONENT: SumMethod.FIXED_POINT,
-    }
-    return second.get(fastest_method(problem), SumMethod.INTEGERS)
+    one, other = summation_of(problem).opinions
+    return {one: other, other: one}.get(fastest_method(problem), SumMethod.INTEGERS)
 
 
 def sums_by(method: SumMethod, problem: RegistrationProblem, *, threads: int = THREADS) -> Sums:
-    """The sums over all points by one method. Raises MissingLibraryError.
+    """The sums over all pairs by one method. Raises MissingLibraryError.
 
-    Blocks with numbers of too many sizes for fixed point go by limbs, and where these would be too
-    many, by Python's integers: never by exponents.
-    threads: how many may work at once; Python's integers are added by one.
+    Blocks with numbers of too many sizes for it go by limbs or integers, never by exponents.
     """
-    summed = _METHODS[method]
-    return over_blocks(
-        lambda rows: summed(problem.block(rows)),
-        problem.n,
-        1 if method is SumMethod.INTEGERS else threads,
-        EMPTY,
-    )
+    return summation_of(problem).by(method, problem, threads)
 
 
-def over_blocks(summed: Callable[[slice], S], n: int, threads: int, empty: S) -> S:
-    """The sums over n rows: of k threads each takes every k-th block.
-
-    All end when one fails, or at Ctrl-C.
-    """
+def over_blocks(summed: Callable[[slice], Sums], n: int, threads: int, empty: Sums) -> Sums:
+    """The sums over n rows: each of k threads takes every k-th; all end when one fails."""
     blocks = list(row_blocks(n))
     if len(blocks) == 1:
         return summed(blocks[0])
     count, end = min(threads, len(blocks)), threading.Event()
 
-    def share(first: int) -> S:
+    def share(first: int) -> Sums:
         total = empty
         for rows in blocks[first::count]:
             if end.is_set():
@@ -204,7 +211,7 @@ def _compiled() -> Library | None:
     """The compiled library; None where there is none, or it has no integers of 128 bits."""
     try:
         compiled = loaded_library()
-        compiled.exact_sums(np.ones((1, 3)), np.ones((1, 3)), np.ones(1))
+        sums_by_exponent(compiled, np.ones((1, 3)), np.ones((1, 3)), np.ones(1))
     except MissingLibraryError:
         return None
     return compiled
@@ -213,7 +220,7 @@ def _compiled() -> Library | None:
 def _fits(compiled: Library, problem: RegistrationProblem) -> bool:
     """Whether the first block fits into fixed point."""
     block = problem.block(next(iter(row_blocks(problem.n))))
-    return compiled.fixed_point_fits(block.source, block.target, _unequal(block.weights))
+    return fixed_point_fits(compiled, block.source, block.target, _unequal(block.weights))
 
 
 def _unequal(weights: NDArray[np.float64]) -> NDArray[np.float64] | None:
@@ -221,31 +228,27 @@ def _unequal(weights: NDArray[np.float64]) -> NDArray[np.float64] | None:
     return None if (weights == weights[0]).all() else weights
 
 
-def _by_exponent(compiled: Library, block: Block) -> Sums:
-    raw = compiled.exact_sums(block.source, block.target, block.weights)
-    return Sums.stated(raw.integers, raw.places, raw.lowest)
+def _by_exponent(compiled: Library, block: Pairs) -> Sums:
+    raw = sums_by_exponent(compiled, block.source, block.target, block.weights)
+    return Sums.stated(raw.integers, raw.units, raw.lowest)
 
 
-def _by_fixed_point(compiled: Library, block: Block) -> Sums:
+def _by_fixed_point(compiled: Library, block: Pairs) -> Sums:
     weights = _unequal(block.weights)
-    raw = compiled.fixed_sums(block.source, block.target, weights)
+    raw = sums_in_fixed_point(compiled, block.source, block.target, weights)
     if raw is None:
         return _by_limbs(block)
-    a, b, c = (
-        None if bit is None else unit + bit for unit, bit in zip(raw.units, raw.lowest, strict=True)
-    )
     integers = _without_biases(raw)
     if weights is not None:
-        return Sums.stated(integers, raw.units, (a, b, c))
+        return Sums.stated(integers, raw.units, raw.lowest)
     one = lift(block.weights[:1])
     (weight,), unit = one.integers, one.exponent
     many = (len(block.weights), *integers[1:])
-    return Sums.stated(
-        [weight * k for k in many], (*raw.units[:2], unit), (a, b, unit if weight else None)
-    )
+    lowest = (*raw.lowest[:2], unit if weight else None)
+    return Sums.stated([weight * k for k in many], (*raw.units[:2], unit), lowest)
 
 
-def _without_biases(raw: FixedSums) -> list[int]:
+def _without_biases(raw: IntegerSums) -> list[int]:
     """Sums of W, W X, ... from those of W, W (X + p), ...
 
     With P = 2^p and Q = 2^q, sum W X = sum W (X + P) - P sum W, and for the products
@@ -262,7 +265,7 @@ def _without_biases(raw: FixedSums) -> list[int]:
     return [mass, *single, *products]
 
 
-def _by_integers(block: Block) -> Sums:
+def _by_integers(block: Pairs) -> Sums:
     source, target = lift(block.source.ravel()), lift(block.target.ravel())
     one = len(block.weights) if (block.weights == block.weights[0]).all() else 1
     weights = lift(block.weights[::one])
@@ -285,13 +288,13 @@ def _by_integers(block: Block) -> Sums:
     )
 
 
-def _by_limbs(block: Block) -> Sums:
+def _by_limbs(block: Pairs) -> Sums:
     starts = range(0, len(block.weights), LIMB_POINTS)
     parts = (slice(first, first + LIMB_POINTS) for first in starts)
-    return sum((_by_few_limbs(block.part(rows)) for rows in parts), start=EMPTY)
+    return sum((_by_few_limbs(block.rows(rows)) for rows in parts), start=EMPTY)
 
 
-def _by_few_limbs(block: Block) -> Sums:
+def _by_few_limbs(block: Pairs) -> Sums:
     """The sums of at most 2^13 points; by integers where they take too many limbs."""
     weights = block.weights[:1] if (block.weights == block.weights[0]).all() else block.weights
     sides = (block.source, block.target, weights[:, None])
@@ -420,9 +423,26 @@ def _dot(a: list[int], b: list[int]) -> int:
     return sum(map(mul, a, b))
 
 
-_METHODS: dict[SumMethod, Callable[[Block], Sums]] = {
-    SumMethod.INTEGERS: _by_integers,
-    SumMethod.LIMBS: _by_limbs,
-    SumMethod.BY_EXPONENT: lambda block: _by_exponent(loaded_library(), block),
-    SumMethod.FIXED_POINT: lambda block: _by_fixed_point(loaded_library(), block),
+def _fastest(problem: RegistrationProblem) -> SumMethod:
+    compiled = _compiled() if problem.n >= FEW_POINTS else None
+    if compiled is None:
+        return SumMethod.INTEGERS if problem.n < MANY_POINTS else SumMethod.LIMBS
+    fixed = problem.n >= FIXED_POINTS and compiled.multiplies_digits and _fits(compiled, problem)
+    return SumMethod.FIXED_POINT if fixed else SumMethod.BY_EXPONENT
+
+
+WEIGHTED = Summation(
+    methods={
+        SumMethod.INTEGERS: _by_integers,
+        SumMethod.LIMBS: _by_limbs,
+        SumMethod.BY_EXPONENT: lambda pairs: _by_exponent(loaded_library(), pairs),
+        SumMethod.FIXED_POINT: lambda pairs: _by_fixed_point(loaded_library(), pairs),
+    },
+    fastest=_fastest,
+    opinions=(SumMethod.FIXED_POINT, SumMethod.BY_EXPONENT),
+    empty=EMPTY,
+)
+SUMMATIONS = {  # by whether springs are matrices
+    False: lambda: WEIGHTED,
+    True: found_late("certreg.problem.stiffness", "SPRUNG"),
 }

@@ -19,22 +19,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.native import (
-    MEANS,
-    SUMS,
-    MissingLibraryError,
-    loaded_library,
-    named,
-    symmetric,
-    width,
-)
+from certreg.native.kernels import MissingLibraryError
+from certreg.native.layout import MEANS, SUMS, named, symmetric, width
+from certreg.native.library import loaded_library
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
 
     from numpy.typing import NDArray
 
-    from certreg.native import Records
+    from certreg.native.layout import Records
 
 BLOCK = 256  # points that are summed plainly
 COMPILED_POINTS = 4096  # from here on in C: below, NumPy takes a millisecond at most

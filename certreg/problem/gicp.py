@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from certreg.errors import InvalidProblemError
-from certreg.geometry import given_pose, why_no_rotation
-from certreg.problem.spring_factors import covariance_factors
+from certreg.geometry.given import given_pose
+from certreg.geometry.pose_matrix import why_no_rotation
+from certreg.problem.factors import covariance_factors
 from certreg.problem.spring_rows import SIX_OF_NINE, checked_rows, held_rows, require
 from certreg.results import Brief
 

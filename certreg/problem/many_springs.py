@@ -13,8 +13,8 @@ import numpy as np
 
 from certreg._loading import cached_property
 from certreg.errors import InvalidProblemError
-from certreg.native import library_if_any
-from certreg.problem.floating_springs import (
+from certreg.native.library import library_if_any
+from certreg.problem.floating_stiffness import (
     LEAST_STIFFNESS,
     FloatingSpringMoments,
     floating_spring_moments,
@@ -30,7 +30,7 @@ from certreg.results import Brief
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from certreg.native import Library
+    from certreg.native.library import Library
 
 Array = Any  # NDArray[np.float64]
 SUMS = 73
@@ -207,7 +207,7 @@ def _compiled(given: ManySprings, origins: Array, library: Library) -> Array:
 
 
 def _plain(given: ManySprings, origins: Array) -> Array:
-    problems = (given.problem(k).spring_block(slice(0, given.points)) for k in range(given.count))
+    problems = (given.problem(k).block(slice(0, given.points)) for k in range(given.count))
     return np.array([summed_in_numpy(block, o) for block, o in zip(problems, origins, strict=True)])
 
 

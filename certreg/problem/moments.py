@@ -19,9 +19,9 @@ import numpy as np
 
 from certreg._loading import cached_property
 from certreg.errors import InvalidProblemError
-from certreg.exact import power_of_two
-from certreg.native import MEANS, named
-from certreg.problem.exact_sums import sums as exact_sums
+from certreg.exact.dyadic import power_of_two
+from certreg.native.layout import MEANS, named
+from certreg.problem.exact_sums import WEIGHTED
 from certreg.problem.floating_sums import CloudPair, chunks, floating_sums
 from certreg.results import Brief
 
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from certreg.geometry import Matrix3, Vector3
+    from certreg.geometry.so3 import Matrix3, Vector3
     from certreg.problem.exact_sums import Sums
     from certreg.problem.floating_sums import FloatingSums
     from certreg.problem.problem import RegistrationProblem
@@ -139,7 +139,7 @@ class Moments(Brief):
 
 def exact_moments(problem: RegistrationProblem) -> ExactMoments:
     """The moments of a problem in integer arithmetic: no rounding anywhere."""
-    return moments_of(exact_sums(problem), problem.n, about_origin=problem.rotation_only)
+    return moments_of(WEIGHTED.of(problem), problem.n, about_origin=problem.rotation_only)
 
 
 def moments_of(sums: Sums, n: int, *, about_origin: bool = False) -> ExactMoments:

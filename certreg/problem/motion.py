@@ -5,10 +5,11 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import Any
+from typing import Any, TypeVar
 
 from certreg.errors import InvalidProblemError
 
+Count = TypeVar("Count", int, float)  # floats: of rows of unequal weights
 DEFAULT_DAMPING = math.sqrt(8.0)  # critical damping of every mode of noise-free data: 2 sqrt(2)
 MIN_DAMPING, MAX_DAMPING = 1e-150, 1e150  # their squares, in the spectrum, are doubles
 
@@ -50,6 +51,19 @@ class Motion:
     def parameters(self) -> int:
         """How many numbers of a pose are found: the only place where they are counted."""
         return 3 + self.translations + self.scaled
+
+    @property
+    def rigid(self) -> bool:
+        """Whether it turns and shifts, and no more: a rigid body in space."""
+        return self == Motion()
+
+    def degrees(self, observations: Count) -> Count:
+        """Of freedom of so many residuals, all parameters counted; below zero of too few."""
+        return observations - self.parameters
+
+    def parameters_given(self, *, translation: bool) -> int:
+        """Of a pose that is judged: those of the best translation for it do not count."""
+        return self.parameters - (0 if translation else self.translations)
 
     @property
     def options(self) -> str:

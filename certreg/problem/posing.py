@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.geometry import Pose
-from certreg.native import library_if_any
+from certreg.geometry.pose import Pose
+from certreg.native.library import library_if_any
 from certreg.problem.floating_sums import CHUNK_POINTS, TAKEN, CloudPoints, columns_of
 from certreg.problem.moments import (
     LARGEST_LEVER,

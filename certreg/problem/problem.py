@@ -9,8 +9,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from certreg.errors import InvalidProblemError
-from certreg.problem.arrays import cloud_array, finite_doubles, mapped_file, row_blocks
-from certreg.problem.blocks import CHANGED, Block, PointBlock, SpringBlock, contiguous
+from certreg.problem.arrays import (
+    CHANGED,
+    cloud_array,
+    contiguous,
+    finite_doubles,
+    mapped_file,
+    row_blocks,
+)
 from certreg.problem.losses import SQUARES
 from certreg.problem.motion import (
     DEFAULT_DAMPING,
@@ -22,9 +28,9 @@ from certreg.problem.motion import (
 )
 from certreg.problem.row_labels import require_same_labels
 from certreg.problem.spring_rows import warn_of_unused
-from certreg.problem.springs import GivenSprings
+from certreg.problem.springs import GivenSprings, masses, weighed_springs
 from certreg.problem.support import PREFIXES, Cell, Loss, require_supported
-from certreg.problem.weighing import masses, weighed_springs
+from certreg.problem.terms import NO_WEIGHTS, Pairs
 from certreg.results import Brief
 
 if TYPE_CHECKING:
@@ -34,12 +40,6 @@ if TYPE_CHECKING:
 
     from certreg.problem.losses import PairLoss
     from certreg.problem.springs import SpringSummary
-
-NO_WEIGHTS = (
-    "this problem has general springs, a matrix for every pair and not a weight: what was asked is "
-    "for weights only"
-)
-NO_SPRINGS = "this problem has one weight for each pair, not general springs"
 
 
 @dataclass(frozen=True, slots=True, eq=False, init=False)
@@ -96,14 +96,13 @@ class RegistrationProblem(Brief):
 
     source: NDArray[np.float64]
     target: NDArray[np.float64]
-    factors: NDArray[np.float64] | None  # (N, 6), of general springs; None where there are weights
     springs: SpringSummary | None  # of general springs
     damping: float
     motion: Motion
     loss: PairLoss  # `bounded` makes others than the least squares
     noise_given: bool  # whether sigma was given: weights alone may be relative
     damping_given: bool
-    _weights: NDArray[np.float64] | None
+    _springs: NDArray[np.float64]  # (N,) weights, or (N, 6) factors
     _digest: list[str]  # once it was asked for; of arrays in memory, which nobody changes
 
     def __init__(  # noqa: PLR0913 - each kind of springs has a name of its own, a published contract
@@ -142,11 +141,11 @@ class RegistrationProblem(Brief):
         )
         if springs is None:
             warn_of_unused(target, n, depth=1)
+        own = masses(sigma, weights, n) if springs is None else springs.factors
         for name, fact in (
             ("source", _read_only(source_points)),
             ("target", _read_only(target_points)),
-            ("_weights", _read_only(masses(sigma, weights, n)) if springs is None else None),
-            ("factors", None if springs is None else _read_only(springs.factors)),
+            ("_springs", _read_only(own)),
             ("springs", None if springs is None else springs.summary),
             ("damping", checked_damping(DEFAULT_DAMPING if damping is None else damping)),
             ("damping_given", damping is not None),
@@ -214,7 +213,7 @@ class RegistrationProblem(Brief):
     def cell(self) -> Cell:
         """What was declared, for the table of what is supported."""
         return Cell(
-            springs=self.factors is not None,
+            springs=self.springs is not None,
             scale=self.scale,
             rotation_only=self.rotation_only,
             loss=self.loss.kind,
@@ -246,7 +245,7 @@ class RegistrationProblem(Brief):
     @property
     def degrees_of_freedom(self) -> int:
         """Of the residuals, all parameters of the pose counted; below zero of too few pairs."""
-        return self.observations - self.motion.parameters
+        return self.motion.degrees(self.observations)
 
     def damped(self, damping: float) -> RegistrationProblem:
         """The same problem with another damping.
@@ -290,8 +289,7 @@ class RegistrationProblem(Brief):
         other = RegistrationProblem(
             self.source[kept],
             self.target[kept],
-            weights=None if self._weights is None else self._weights[kept],
-            factors=None if self.factors is None else self.factors[kept],
+            **{self._springs_are: self._springs[kept]},
             damping=self.damping if self.damping_given else None,
             scale=self.scale,
             rotation_only=self.rotation_only,
@@ -310,9 +308,18 @@ class RegistrationProblem(Brief):
 
         Raises InvalidProblemError where there are general springs: nobody takes them for weights.
         """
-        if self._weights is None:
+        if self.springs is not None:
             raise InvalidProblemError(NO_WEIGHTS, array="weights")
-        return self._weights
+        return self._springs
+
+    @property
+    def factors(self) -> NDArray[np.float64] | None:
+        """(N, 6), of general springs; None where there are weights."""
+        return None if self.springs is None else self._springs
+
+    @property
+    def _springs_are(self) -> str:
+        return "weights" if self.springs is None else "factors"
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -337,15 +344,12 @@ class RegistrationProblem(Brief):
         return all((block == one).all() for block in blocks)
 
     @property
-    def points(self) -> PointBlock:
-        """Both clouds in doubles, contiguous: of those that are mapped from a file a copy."""
-        return PointBlock(
-            source=contiguous(self.source, slice(None), "source"),
-            target=contiguous(self.target, slice(None), "target"),
-        )
+    def points(self) -> Pairs:
+        """All pairs in doubles, contiguous: of those that are mapped from a file a copy."""
+        return self.block(slice(0, self.n))
 
-    def block(self, rows: slice) -> Block:
-        """Some of the points in doubles, contiguous.
+    def block(self, rows: slice) -> Pairs:
+        """Some of the pairs in doubles, contiguous.
 
         Parameters
         ----------
@@ -354,48 +358,23 @@ class RegistrationProblem(Brief):
 
         Returns
         -------
-        Block
-            Source, target and weights of these rows.
+        Pairs
+            Source, target and springs of these rows.
 
         Raises
         ------
         InvalidProblemError
             Where a file holds no proper points any more.
         """
-        weights = contiguous(self.weights, rows, "weights")
-        if mapped_file(self.weights) is not None and not (weights >= 0).all():
-            row = rows.start + int(np.argmin(weights >= 0))
-            raise InvalidProblemError(CHANGED, array="weights", row=row, limit=0.0)
-        return Block(
+        name = self._springs_are
+        springs = contiguous(self._springs, rows, name)
+        if name == "weights" and mapped_file(self._springs) is not None and (springs < 0.0).any():
+            row = (rows.start or 0) + int(np.argmax(springs < 0.0))
+            raise InvalidProblemError(CHANGED, array=name, row=row, limit=0.0)
+        return Pairs(
             source=contiguous(self.source, rows, "source"),
             target=contiguous(self.target, rows, "target"),
-            weights=weights,
-        )
-
-    def spring_block(self, rows: slice) -> SpringBlock:
-        """Some of the points of general springs in doubles, contiguous.
-
-        Parameters
-        ----------
-        rows
-            Of the points.
-
-        Returns
-        -------
-        SpringBlock
-            Source, target and factors of these rows.
-
-        Raises
-        ------
-        InvalidProblemError
-            For a problem with weights; where a file holds no proper points any more.
-        """
-        if self.factors is None:
-            raise InvalidProblemError(NO_SPRINGS, array="factors")
-        return SpringBlock(
-            source=contiguous(self.source, rows, "source"),
-            target=contiguous(self.target, rows, "target"),
-            factors=contiguous(self.factors, rows, "factors"),
+            springs=springs,
         )
 
     def data_bytes(self) -> bytes:
@@ -422,11 +401,10 @@ class RegistrationProblem(Brief):
 
     def _stated(self) -> list[tuple[str, NDArray[np.float64]]]:
         """The arrays that state the problem, in the order of its digest, by name."""
-        bounds = None if self.loss.kind is Loss.SQUARES else self.bounds
-        arrays = (self.source, self.target, self._weights, bounds, self.factors)
-        names = ("source", "target", "weights", "max_residual", "factors")
-        pairs = zip(names, arrays, strict=True)
-        return [(name, array) for name, array in pairs if array is not None]
+        bounds = [] if self.loss.kind is Loss.SQUARES else [("max_residual", self.bounds)]
+        points = [("source", self.source), ("target", self.target)]
+        springs = [(self._springs_are, self._springs)]
+        return [*points, *(springs + bounds if self.springs is None else bounds + springs)]
 
 
 def _require_as_many(n: int, m: int) -> None:

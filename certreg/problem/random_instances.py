@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from certreg.errors import InvalidProblemError
-from certreg.geometry import rotation_matrix
+from certreg.geometry.so3 import rotation_matrices
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -145,5 +145,4 @@ def _uniform_rotations(gaussian: NDArray[np.float64]) -> NDArray[np.float64]:
     """Rotations (count, 3, 3) of quaternions whose directions are uniform on the 3-sphere."""
     squares = gaussian * gaussian
     norms = np.sqrt(squares[:, 0] + squares[:, 1] + squares[:, 2] + squares[:, 3])
-    unit = gaussian / norms[:, np.newaxis]
-    return np.moveaxis(np.array(rotation_matrix(list(unit.T))), -1, 0)
+    return rotation_matrices(gaussian / norms[:, np.newaxis])

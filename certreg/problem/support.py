@@ -177,6 +177,7 @@ PREFIXES = {  # of the bytes that state a problem: no digest stands for two of t
     Cell(scale=Scale.SYMMETRIC): b"certreg-similarity-symmetric/1\0",
     Cell(scale=Scale.SYMMETRIC, rotation_only=True): b"certreg-similarity-symmetric-rotation/1\0",
     Cell(springs=True): b"certreg-springs/1\0",
+    Cell(springs=True, rotation_only=True): b"certreg-springs-rotation/1\0",
     Cell(loss=Loss.CONSENSUS): b"certreg-consensus/1\0",
     Cell(loss=Loss.CONSENSUS, springs=True): b"certreg-consensus-springs/1\0",
     Cell(loss=Loss.CONSENSUS, scale=Scale.ASYMMETRIC): b"certreg-consensus-similarity/1\0",
@@ -204,15 +205,14 @@ TABLE = (
         leave=("scale", "rotation_only", "loss"),
     ),
     Rule(
-        applies=lambda cell: cell.springs and (cell.scaled or cell.rotation_only),
-        reason="normals, directions and matrices go with rotation and translation, not yet with a "
-        "free scale or rotation only",
+        applies=lambda cell: cell.springs and cell.scaled,
+        reason="normals, directions and matrices go with scale 1, not yet with a free scale",
         leave=("scale", "rotation_only", "loss"),
     ),
     Rule(
         applies=lambda cell: cell.springs and cell.loss is Loss.TRUNCATED,
         reason="truncated squares go with one weight per pair",
-        leave=("loss",),
+        leave=("rotation_only", "loss"),
     ),
     Rule(
         applies=lambda cell: cell.loss is Loss.CONSENSUS and cell.rotation_only,

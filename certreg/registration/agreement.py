@@ -9,24 +9,30 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg import equilibrium
-from certreg.certificate import IsotropicBody
-from certreg.dynamics import SimulationStatus
+from certreg._loading import late
+from certreg.certificate.isotropic import IsotropicBody
+from certreg.dynamics.body import SimulationStatus
 from certreg.errors import ContradictionError
-from certreg.exact import power_of_two
-from certreg.native import MATRIX_STATE, named
-from certreg.problem import floating_moments, floating_pose, lift
+from certreg.exact.dyadic import power_of_two
+from certreg.native.layout import MATRIX_STATE, named
+from certreg.problem.lifting import lift
+from certreg.problem.moments import floating_moments
+from certreg.problem.posing import floating_pose
 from certreg.registration.closed_form import arun, horn
 from certreg.results import Absent, Explained
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from certreg.certificate import SimilarityBody
-    from certreg.dynamics import Trajectory
-    from certreg.objective import Isotropic
-    from certreg.problem import RegistrationProblem
-    from certreg.relaxation import Relaxation
+    from certreg.certificate.isotropic import SimilarityBody
+    from certreg.dynamics.trajectory import Trajectory
+    from certreg.equilibrium import breathing
+    from certreg.objective.isotropic import Isotropic
+    from certreg.problem.problem import RegistrationProblem
+    from certreg.relaxation.shor import Relaxation
+else:
+    breathing = late("certreg.equilibrium.breathing")
+
 
 # A floating-point method whose loss is larger contradicts the certificate. Losses are relative to
 # the alignment between the best and the worst rotation.
@@ -111,7 +117,7 @@ def _squares(objective: Isotropic, trajectory: Trajectory) -> Fraction:
     spread = objective.moments.spread
     if trajectory.scales is not None:
         largest = Fraction(float(trajectory.scales.max())) ** 2
-        spread += (largest - 1) * equilibrium.source_size(objective)
+        spread += (largest - 1) * breathing.source_size(objective)
     return spread
 
 

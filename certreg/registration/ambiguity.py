@@ -15,7 +15,7 @@ import math
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from certreg.equilibrium import equilibrium_set
+from certreg.equilibrium.presentation import equilibrium_set
 from certreg.registration.misfits import LEVEL, FitCode, FitSums
 from certreg.registration.outlying import independent_rows
 from certreg.registration.tails import log_ratio_below
@@ -23,9 +23,10 @@ from certreg.registration.tails import log_ratio_below
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from certreg.equilibrium import CriticalSet, EquilibriumSet
-    from certreg.objective import Isotropic
-    from certreg.problem import RegistrationProblem
+    from certreg.equilibrium.critical_set import CriticalSet
+    from certreg.equilibrium.presentation import EquilibriumSet
+    from certreg.objective.isotropic import Isotropic
+    from certreg.problem.problem import RegistrationProblem
     from certreg.registration.fit import Fit
 
 DISTINGUISHABLE = 25  # twice the log-likelihood ratio of five standard deviations
@@ -47,7 +48,7 @@ def equilibria_at(
     fit: gives that of the optimum; asked only where the noise of right pairs decides.
     """
     found = equilibrium_set(critical, objective, problem.damping)
-    tested = not (problem.scaled or problem.rotation_only)  # of these no fit is, either
+    tested = problem.motion.rigid  # of others no fit is, either
     if not (tested and found.narrow) or not _rules_out_next(problem, objective):
         return found
     doubted = any(code is not FitCode.CHI2 for code in fit().codes)
@@ -83,7 +84,7 @@ def _rules_out_next(problem: RegistrationProblem, objective: Isotropic) -> bool:
 
     The noise is the given sigma, or what the residuals are; False means not ruled out.
     """
-    sums, degrees = FitSums(objective), 3 * independent_rows(problem) - problem.motion.parameters
+    sums, degrees = FitSums(objective), problem.motion.degrees(3 * independent_rows(problem))
     least, more = sums.energy, 2 * objective.eigenvalue_difference(0, 1)
     if degrees <= 0 or least + more <= sums.rounding:
         return False

@@ -10,7 +10,8 @@ from certreg.registration.findings import GOOD
 from certreg.results import Absent, Explained, PoseVerdict, Presented
 
 if TYPE_CHECKING:
-    from certreg.geometry import Pose, Similarity
+    from certreg.geometry.pose import Pose
+    from certreg.geometry.similarity import Similarity
     from certreg.registration.findings import JudgedEnergies, SigmaDistance
     from certreg.registration.fit import Fit
     from certreg.registration.scaled_poses import GapParts

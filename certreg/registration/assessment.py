@@ -5,13 +5,16 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, Unpack, cast
 
 from certreg.errors import InvalidProblemError
-from certreg.exact import double_above, nearest_double, nearest_root
-from certreg.geometry import given_pose, why_no_rotation
-from certreg.problem import Loss, RegistrationProblem, bounded
-from certreg.registration.any_certification import certify
-from certreg.registration.any_registration import AnyRegistration
+from certreg.exact.dyadic import double_above, nearest_double, nearest_root
+from certreg.geometry.given import given_pose
+from certreg.geometry.pose_matrix import why_no_rotation
+from certreg.objective.structure import Structure
+from certreg.problem.bounds import bounded
+from certreg.problem.problem import RegistrationProblem
+from certreg.problem.support import Loss
 from certreg.registration.assessed import Assessment
 from certreg.registration.assessment_words import headline_of_pose, note_on, words_of_pose
+from certreg.registration.certification import certify
 from certreg.registration.findings import (
     GOOD,
     AssessmentSettings,
@@ -24,26 +27,22 @@ from certreg.registration.findings import (
 )
 from certreg.registration.headlines import NO_ROTATION
 from certreg.registration.kept_pairs import judged_labels
+from certreg.registration.result import Registration
 from certreg.registration.scaled_poses import NOT_SCALED, read_for, scale_note
 from certreg.registration.slips import slip_of
 from certreg.registration.spring_assessment import judged_on_springs
-from certreg.registration.spring_result import SpringRegistration
-from certreg.registration.stating import (
-    ProblemOptions,
-    stated_in_clouds,
-    stated_problem_of,
-)
+from certreg.registration.stating import ProblemOptions, stated_in_clouds, stated_problem_of
 from certreg.registration.truncated_labels import judged_truncated_labels
 from certreg.results import OUT_OF_RANGE, Absent, PoseVerdict, present
 
 if TYPE_CHECKING:
-    from certreg.certificate import PoseBounds
-    from certreg.geometry import GivenPose
+    from certreg.certificate.bounds import PoseBounds
+    from certreg.geometry.given import GivenPose
     from certreg.registration.findings import Findings
     from certreg.registration.kept_pairs import KeptPairs
-    from certreg.registration.result import Registration
     from certreg.registration.slips import Slip
     from certreg.registration.truncated_labels import TruncatedLabels
+
 
 NUMBERS = (
     *("objective", "rmse", "gap_lower", "gap_upper", "gap_share", "rounding_cost", "angle_upper"),
@@ -139,8 +138,8 @@ def assess(  # noqa: PLR0913 - each is one question, and has its usual answer
         sought = {"objective": objective, "effort": effort}
         judged_pairs = _judged_pairs(problem, pose, translation, given, sought, statement)
         return cast("Assessment", judged_pairs)
-    if not isinstance(problem, RegistrationProblem | AnyRegistration):
-        if translation is None or isinstance(pose, RegistrationProblem | AnyRegistration):
+    if not isinstance(problem, RegistrationProblem | Registration):
+        if translation is None or isinstance(pose, RegistrationProblem | Registration):
             raise InvalidProblemError(_unstated(problem, pose), array="problem")
         stated, _ = stated_in_clouds(problem, pose, statement, depth=3)
         problem, pose, translation = stated, translation, None
@@ -151,10 +150,9 @@ def assess(  # noqa: PLR0913 - each is one question, and has its usual answer
         message = "pose is a RegistrationProblem: that comes first, and then the pose"
         raise InvalidProblemError(message, array="pose")
     given = given_pose(pose, translation)
-    known: Any = problem
     if isinstance(problem, RegistrationProblem):
-        known = certify(problem, relaxation=False, simulation=False)
-    return judged(known, given, settings)
+        problem = certify(problem, relaxation=False, simulation=False)
+    return judged(cast("Registration", problem), given, settings)
 
 
 def _judged_pairs(
@@ -180,7 +178,7 @@ def _judged_pairs(
 
 def _unstated(problem: Any, pose: Any) -> str:
     """What was given where a problem is expected, in words."""
-    swapped = isinstance(pose, RegistrationProblem | AnyRegistration)
+    swapped = isinstance(pose, RegistrationProblem | Registration)
     found = "the two the other way round" if swapped else f"a {type(problem).__name__}"
     return (
         "assess takes a RegistrationProblem, or what certify returned, and then the pose: "
@@ -190,16 +188,15 @@ def _unstated(problem: Any, pose: Any) -> str:
 
 
 def judged(
-    registration: Registration | SpringRegistration,
+    registration: Registration,
     given: GivenPose,
     settings: AssessmentSettings | None = None,
 ) -> Assessment:
     """As `assess`, of a problem that is certified already."""
-    settings = settings or AssessmentSettings()
-    if isinstance(registration, SpringRegistration):
-        return judged_on_springs(registration, given, settings)
-    problem = registration.problem
+    settings, problem = settings or AssessmentSettings(), registration.problem
     given = read_for(problem, given)
+    if registration.structure is Structure.QUARTIC:
+        return judged_on_springs(registration, given, settings)
     turn = given.scaled_apart().turn if problem.scaled else given.turn
     fault = why_no_rotation(turn, settings.rotation_tolerance)
     if fault is not None:
@@ -285,7 +282,7 @@ def _notes(facts: Findings, verdict: PoseVerdict, given: GivenPose) -> str:
     if parts is not None:
         costs = "" if verdict is PoseVerdict.OPTIMAL else parts.words
         return costs + scale_note(problem, given)
-    return "" if problem.rotation_only else note_on(given)
+    return note_on(problem, given)
 
 
 def _beside(registration: Registration) -> dict[str, Any]:

@@ -6,8 +6,9 @@ import math
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from certreg.exact import at_most, nearest_root
-from certreg.geometry import UNNOTED_DEFECT, rotation_defect
+from certreg.exact.decimals import at_most
+from certreg.exact.dyadic import nearest_root
+from certreg.geometry.pose_matrix import UNNOTED_DEFECT, rotation_defect
 from certreg.registration.ambiguity import DISTINGUISHABLE, ambiguous_words, narrow_words
 from certreg.registration.findings import GOOD, rules_out
 from certreg.registration.headlines import (
@@ -27,9 +28,11 @@ from certreg.registration.rounding import rounding_remedy
 from certreg.results import Absent, ComponentKind, Limits, PoseVerdict
 
 if TYPE_CHECKING:
-    from certreg.geometry import GivenPose
+    from certreg.geometry.given import GivenPose
+    from certreg.problem.problem import RegistrationProblem
     from certreg.registration.findings import Findings, SigmaDistance
     from certreg.registration.headlines import Headline
+
 
 UNNOTED_SHIFT = Fraction(1, 10**9)  # of the clouds' size
 ROTATION_ALONE = " Only a rotation was given: it was judged with the best translation for it."
@@ -181,8 +184,10 @@ def _apart(facts: Findings) -> float | None:
     return nearest_root(facts.translation_energy / moments.total_weight)
 
 
-def note_on(given: GivenPose) -> str:
+def note_on(problem: RegistrationProblem, given: GivenPose) -> str:
     """What was judged, where that is not just the pose as it was given."""
+    if not problem.motion.translations:
+        return ""
     note = "" if given.translation is not None else ROTATION_ALONE
     defect = rotation_defect(given.turn) if given.is_matrix else 0.0
     if defect > UNNOTED_DEFECT:

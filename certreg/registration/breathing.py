@@ -12,10 +12,10 @@ from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
 from certreg._loading import cached_property
-from certreg.dynamics import Trajectory
-from certreg.equilibrium import breathing_equilibria, source_size
-from certreg.exact import nearest_double
-from certreg.problem import lift
+from certreg.dynamics.trajectory import Trajectory
+from certreg.equilibrium.breathing import breathing_equilibria, source_size
+from certreg.exact.dyadic import nearest_double
+from certreg.problem.lifting import lift
 from certreg.registration.simulation import SimulatedMotion
 from certreg.results import OUT_OF_RANGE, Absent, Explained, Presented
 
@@ -25,9 +25,10 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from certreg.dynamics import BreathingBody
-    from certreg.equilibrium import BreathingEquilibria, Component, EquilibriumSet
-    from certreg.objective import Isotropic
+    from certreg.dynamics.breathing import BreathingBody
+    from certreg.equilibrium.breathing import BreathingEquilibria
+    from certreg.equilibrium.presentation import Component, EquilibriumSet
+    from certreg.objective.isotropic import Isotropic
 
 CONTINUUM = Absent("the equilibria form a continuum: there are infinitely many")
 

@@ -4,17 +4,20 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from certreg.dynamics import EULER_STEP, SimulationSettings, rigid_body, start_at_rest
+from certreg.dynamics.integrators import EULER_STEP, SimulationSettings
+from certreg.dynamics.rigid import rigid_body
+from certreg.dynamics.states import start_at_rest
 from certreg.errors import InvalidFileError
-from certreg.io import remedy_of, write_atomically
-from certreg.native import C_FILE, GENERATED, HEADER_FILE, HERE
-from certreg.problem import exact_moments
+from certreg.io.atomic import remedy_of, write_atomically
+from certreg.native.codegen.emit import C_FILE, HEADER_FILE
+from certreg.native.kernels import GENERATED, HERE
+from certreg.problem.moments import exact_moments
 from certreg.registration.examples import STORIES, stated
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from certreg.problem import RegistrationProblem
+    from certreg.problem.problem import RegistrationProblem
 
 EXAMPLE_FILE, DATA_FILE = "example.c", "survey.txt"
 

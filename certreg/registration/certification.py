@@ -1,293 +1,146 @@
-"""The main job: register, enumerate, certify, check."""
+"""`certify`, whatever the problem asks for: one weight per pair, general springs, wrong pairs."""
 
 from __future__ import annotations
 
-import logging
-import time
-from dataclasses import replace
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any
 
-from certreg.certificate import (
-    check_own,
-    pose_bounds,
-    pose_energy,
-    produce,
-    produce_similarity,
-    require_accepted,
-)
-from certreg.dynamics import DEFAULT_SETTINGS, SimulationSettings, optimal_damping
-from certreg.errors import (
-    DegenerateProblemError,
-    InvalidProblemError,
-)
-from certreg.exact import (
-    nearest_double,
-    nearest_root,
-)
-from certreg.native import Integrator
-from certreg.objective import Isotropic
-from certreg.problem import RegistrationProblem, Verb, refusal, require_supported
-from certreg.registration.agreement import agreement, require_sound_trajectory
-from certreg.registration.optimum import exact_pose, optimal_pose
-from certreg.registration.parts import logged
-from certreg.registration.result import Registration, Solution
-from certreg.registration.simulation import final_state, objective_of, simulated_motion
-from certreg.registration.stating import require_problem
-from certreg.relaxation import relax
-from certreg.results import OUT_OF_RANGE, Absent, Limits
+from certreg._loading import found_late, late
+from certreg.dynamics.integrators import SimulationSettings
+from certreg.native.loops import Integrator
+from certreg.objective.structure import Structure
+from certreg.problem.support import Loss
+from certreg.registration.parts import counted
+from certreg.registration.pipeline import Asked, Work, accepting
+from certreg.registration.robustness import ROBUSTNESS_ANGLE, checked_angle
+from certreg.registration.squares import SQUARES
+from certreg.registration.stating import stated_problem_of
+from certreg.results import MAX_ANGLE, MAX_GAP, Limits
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Mapping
+    from typing import Unpack
 
-    from certreg.certificate import Certificate, IsotropicBody, SimilarityBody
-    from certreg.registration.simulation import SimulatedMotion
-    from certreg.relaxation import Relaxation
-    from certreg.results import Verdict
-
-LOG = logging.getLogger(__name__)
-PARTS = 3  # of certify, besides relaxation and simulation: sums, certificate, checker
-NOT_ASKED = Absent("not asked for")
-NOT_CERTIFIED = Absent("not certified")
-NO_SCALE_THERE = Absent("the relaxation is of scale 1, not of a free one")
-CROSS_CHECK = Integrator.SPLITTING  # a few large steps, however stiff the springs
+    from certreg.problem import bounds
+    from certreg.problem.support import Cell
+    from certreg.registration.parts import Progress
+    from certreg.registration.pipeline import Prover, Provers
+    from certreg.registration.result import Registration
+    from certreg.registration.stating import ProblemOptions
+else:
+    # of whose names most calls need none
+    bounds = late("certreg.problem.bounds")
 
 
-def certified(  # noqa: PLR0913 - as above
-    problem: RegistrationProblem,
+PROVERS: Mapping[Structure | Loss, Provers] = {
+    **SQUARES,
+    Loss.CONSENSUS: (found_late("certreg.registration.consensus", "PROVER"),),
+    Loss.TRUNCATED: (found_late("certreg.registration.truncated", "PROVER"),),
+}
+
+
+def certify(  # noqa: PLR0913 - each is one question, and has its usual answer
+    problem: Any,
+    target: Any = None,
     *,
-    relaxation: bool | str,
-    integrator: str | None,
-    settings: SimulationSettings | None = None,
-    robustness_angle: float | None = None,
+    relaxation: bool | str = True,
+    simulation: bool | str | SimulationSettings = True,
     about: dict[str, Any] | None = None,
-    limits: Limits | None = None,
-    done: Callable[[str], None] = logged,
-    not_taken: Absent = NOT_ASKED,
+    max_gap: float = MAX_GAP,
+    max_angle: float = MAX_ANGLE,
+    robustness_angle: float | None = ROBUSTNESS_ANGLE,
+    max_residual: Any = None,
+    objective: str | None = None,
+    effort: float = 1.0,
+    progress: Progress | None = None,
+    **statement: Unpack[ProblemOptions],
 ) -> Registration:
-    """As `certify`, the simulation by an integrator of `simulate`; None for no simulation.
+    """Register, enumerate all equilibria, cross-check, certify, and run the checker.
 
-    done: called with the name of each part. not_taken: why relaxation or simulation is left out.
-    """
-    start = time.perf_counter()
-    solution = solve(
-        problem,
-        relaxation=relaxation,
-        integrator=integrator,
-        settings=settings,
-        robustness_angle=robustness_angle,
-        about=about,
-        done=done,
-        not_taken=not_taken,
-    )
-    solved = time.perf_counter()
-    timings = {"compute": solved - start}
-    certificate = solution.certificate
-    verdict = None
-    if certificate is not None:
-        verdict = check_own(certificate, solution.problem)
-        timings["check"] = time.perf_counter() - solved
-        require_accepted(verdict)
-        if not isinstance(solution.trajectory, Absent):
-            require_sound_trajectory(solution.objective, certificate.body, solution.trajectory)
-    done("checker")
-    if problem.mapped:
-        solution.complete()
-    return _registration(solution, verdict, timings, limits or Limits())
-
-
-def simulate(
-    problem: RegistrationProblem,
-    integrator: str | None = None,
-    *,
-    step: float | None = None,
-    settings: SimulationSettings | None = None,
-) -> SimulatedMotion:
-    """The trajectory of the damped body, released at rest where the source was given.
+    Which equilibria there are is decided here; their numbers, the covariance and the fit are
+    computed when they are first asked for, of clouds that are mapped from a file at once.
 
     Parameters
     ----------
-    problem
-        Its damping is that of the body.
-    integrator
-        "euler", explicit with projection; "midpoint", whose energy never rises; "splitting", a few
-        large steps. None: "euler", and "midpoint" on general springs, where that is not there, and
-        with a free scale, where no other is.
-    step
-        In the time unit of the springs, None for the integrator's own; less is taken, and noted in
-        the trajectory, where this is not stable or gains nothing.
-    settings
-        What else may be set; a step given beside them comes before theirs.
+    problem, target
+        A `RegistrationProblem`; or source and target, as `certreg.pair` takes them: files, arrays,
+        data frames, paired by label where both have labels.
+    relaxation
+        Whether to take the relaxation, too; all else is the same. Instead of True, its solver by
+        CVXPY's name for it.
+    simulation
+        Whether to simulate, too; instead of True, settings, or the name of the integrator. Where
+        the problem names no damping, that of the fastest decay is taken.
+    about
+        What else the certificate is to hold, unproved, besides damping and integrator.
+    max_gap, max_angle
+        What must be proved of the pose to call it certified, see `Limits`.
+    robustness_angle
+        Degrees, at most 90: how far the points may be off with the optimum proved to stay within
+        that angle; None to leave it out.
+    max_residual
+        Where pairs may be wrong: how far apart the two points of a right one are at most, one
+        number or (N,), in the unit of length, whatever their springs. Then the most pairs that one
+        motion brings within are sought, and what is proved of each; the pose is that of the least
+        squares over these, to which damping and `robustness_angle` go. Relaxation and simulation
+        are of these, too, and only taken where they are named: a solver, an integrator or settings.
+    objective
+        With `max_residual`: "consensus", the number of pairs within, or "truncated", the sum of
+        min((residual / max_residual)^2, 1), of rotations alone; None is "consensus".
+    effort
+        A factor on the budgets of that search and its proof.
+    progress
+        Called with the number of parts that are done and that of all: exact sums, relaxation,
+        simulation, certificate and checker; with `max_residual` consensus, fit and checker.
+    **statement
+        `sigma`, `weights`, `damping`, `scale` and `rotation_only`, as for a problem, beside source
+        and target; what is noted of the pairs goes to the logger.
 
     Returns
     -------
-    SimulatedMotion
-        A `Trajectory` with its problem; how it ended is in its `status`. On general springs the
-        body may come to rest elsewhere than at the optimum; with a free scale its size moves, too.
+    Registration
+        The pose, what is proved of it, all equilibria, and the certificate. Of general springs it
+        has no equilibria and no simulation; their relaxation is a part of the search, and always
+        taken. With `max_residual` a `ConsensusRegistration`,
+        or a `TruncatedRegistration`.
 
     Raises
     ------
-    ValueError
-        For other steps.
-    InvalidProblemError
-        For other integrators; for "euler" on general springs; for all but "midpoint" with a free
-        scale; for the symmetric scale, which no springs have; for what is no problem.
-    DegenerateProblemError
-        Where the dynamics is not defined or too stiff.
+    InvalidProblemError, InvalidFileError
+        For what states no problem.
+    ContradictionError, RefusedCertificateError
+        Where certreg contradicts itself.
+    OutOfRangeError
+        Where no double can hold the pose.
     """
-    require_problem(problem, "simulate")
-    settings = _with_step(settings, step)
-    return simulated_motion(problem, objective_of(problem), integrator, settings=settings)
-
-
-def solve(  # noqa: PLR0913 - as above
-    problem: RegistrationProblem,
-    *,
-    relaxation: bool | str = False,
-    integrator: str | None = None,
-    settings: SimulationSettings | None = None,
-    robustness_angle: float | None = None,
-    about: dict[str, Any] | None = None,
-    done: Callable[[str], None] = logged,
-    not_taken: Absent = NOT_ASKED,
-) -> Solution:
-    """Everything that is computed, nothing yet checked. integrator: None for no simulation."""
-    objective = Isotropic.of(problem)
-    done("exact sums")
-    problem = _best_damped(problem, objective)
-    relaxed = trajectory = not_taken
-    if relaxation:
-        relaxed = NO_SCALE_THERE if problem.scaled else _relaxation(objective, relaxation)
-        done("relaxation")
-    if integrator is not None:
-        settings = settings or DEFAULT_SETTINGS
-        trajectory = _simulation(objective, problem, integrator, settings)
-        done("simulation")
-    about = {**(about or {}), "damping": problem.damping, "integrator": integrator}
-    certificate = _certificate(
-        problem,
-        objective,
-        relaxed,
-        trajectory,
-        robustness_angle=robustness_angle,
-        about=about,
+    loss = Loss.of(objective, max_residual)
+    stated, named = stated_problem_of(problem, target, statement, loss)
+    bounded = max_residual is not None
+    asked = Asked(
+        relaxation=_by_name(relaxation) if bounded else relaxation,
+        simulation=_simulated(_by_name(simulation) if bounded else simulation),
+        settings=simulation if isinstance(simulation, SimulationSettings) else None,
+        robustness_angle=checked_angle(robustness_angle),
+        limits=Limits(max_gap=max_gap, max_angle=max_angle),
+        effort=effort,
+        about={**named, **(about or {})},
     )
-    done("certificate")
-    return Solution(
-        problem=problem,
-        objective=objective,
-        pose=optimal_pose(objective),
-        relaxation=relaxed,
-        trajectory=trajectory,
-        agreement=agreement(problem, objective, relaxation=relaxed, trajectory=trajectory),
-        certificate=certificate,
-        absent={"certificate": NOT_CERTIFIED},
-    )
+    if bounded:
+        stated = bounds.bounded(stated, max_residual, loss)
+    prover = prover_of(stated.cell)
+    done = counted(progress, prover.parts(asked))
+    return prover.certified(stated, asked, Work(done))
 
 
-def _certificate(
-    problem: RegistrationProblem,
-    objective: Isotropic,
-    relaxed: Relaxation | Absent,
-    trajectory: SimulatedMotion | Absent,
-    *,
-    robustness_angle: float | None,
-    about: dict[str, Any],
-) -> Certificate[IsotropicBody] | Certificate[SimilarityBody] | None:
-    """Of the kind that proves of such a problem."""
-    if objective.scaling is not None:
-        return produce_similarity(
-            problem, objective, objective.scaling, robustness_angle=robustness_angle, about=about
-        )
-    return produce(
-        problem,
-        objective,
-        proposal=None if isinstance(relaxed, Absent) else relaxed.proposal,
-        state=None if isinstance(trajectory, Absent) else final_state(trajectory),
-        robustness_angle=robustness_angle,
-        about=about,
-    )
+def prover_of(cell: Cell) -> Prover[Any, Any, Any]:
+    """What proves a declared problem: by its loss, of least squares by the structure."""
+    return accepting(PROVERS.get(cell.loss) or PROVERS[Structure.of(cell)], cell)
 
 
-def _best_damped(problem: RegistrationProblem, objective: Isotropic) -> RegistrationProblem:
-    """The problem with the damping of the fastest decay, where it names none and there is one."""
-    if problem.damping_given or problem.scaled:
-        return problem
-    try:
-        damped = problem.damped(optimal_damping(objective))
-    except (DegenerateProblemError, InvalidProblemError) as error:
-        LOG.info("damping %g: there is no best one: %s", problem.damping, error)
-        return problem
-    LOG.info("damping %g, of the fastest decay", damped.damping)
-    return damped
+def _by_name(asked: Any) -> Any:
+    """What is asked for by more than True: by a name, or settings."""
+    return False if isinstance(asked, bool) else asked
 
 
-def _relaxation(objective: Isotropic, solver: str | Literal[True]) -> Relaxation | Absent:
-    """The relaxation, or why there is none; solver: by CVXPY's name, True for Clarabel."""
-    relaxed = relax(objective, solver=solver if isinstance(solver, str) else None)
-    LOG.info("relaxation %s by %s: %s", relaxed.form.value, relaxed.solver, relaxed.status.name)
-    if relaxed.value is None:
-        return Absent(relaxed.reason)
-    return relaxed
-
-
-def _simulation(
-    objective: Isotropic,
-    problem: RegistrationProblem,
-    integrator: str,
-    settings: SimulationSettings,
-) -> SimulatedMotion | Absent:
-    """The simulated registration, or why there is none."""
-    unmoved = refusal(problem.cell, Verb.MIDPOINT)  # the integrator that takes most
-    if unmoved is not None:
-        return Absent(unmoved.sentence)
-    try:
-        return simulated_motion(problem, objective, integrator, settings=settings)
-    except DegenerateProblemError as error:
-        return Absent(str(error))
-
-
-def _with_step(settings: SimulationSettings | None, step: float | None) -> SimulationSettings:
-    settings = settings or DEFAULT_SETTINGS
-    return settings if step is None else replace(settings, step=step)
-
-
-def optimally_damped(problem: RegistrationProblem) -> RegistrationProblem:
-    """The same problem with the damping under which the slowest mode decays fastest.
-
-    Raises DegenerateProblemError where the dynamics is not defined or the optimum is not unique.
-    """
-    require_supported(problem.cell, Verb.DAMPING)
-    return problem.damped(optimal_damping(Isotropic.of(problem)))
-
-
-def _registration(
-    solution: Solution,
-    verdict: Verdict | None,
-    timings: dict[str, float],
-    limits: Limits,
-) -> Registration:
-    pose, moments, certificate = solution.pose, solution.moments, solution.certificate
-    objective, place = solution.objective, exact_pose(pose)
-    shifted = objective.translation_energy(place.quaternion, place.translation, place.scale)
-    energy = pose_energy(objective, place, shifted)
-    squares = objective.squares(energy, place.scale)
-    return Registration(
-        problem=solution.problem,
-        solution=solution,
-        objective=nearest_double(energy),
-        rmse=nearest_root(squares / moments.total_weight),
-        bounds=(
-            None
-            if certificate is None
-            else pose_bounds(objective, certificate.body, place, shifted=shifted, energy=energy)
-        ),
-        limits=limits,
-        verdict=verdict,
-        timings=timings,
-        absent={
-            **solution.absent,
-            "objective": OUT_OF_RANGE,
-            "rmse": OUT_OF_RANGE,
-            "bounds": NOT_CERTIFIED,
-        },
-    )
+def _simulated(simulation: Any) -> bool | Integrator:
+    """Whether to simulate; by which integrator, where one is named."""
+    return Integrator(simulation) if isinstance(simulation, str) else bool(simulation)

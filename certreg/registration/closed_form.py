@@ -13,41 +13,34 @@ import numpy as np
 
 from certreg._loading import late
 from certreg.errors import DegenerateProblemError, InvalidProblemError, OutOfRangeError
-from certreg.exact import at_most
-from certreg.geometry import (
-    Pose,
-    Similarity,
+from certreg.exact.decimals import at_most
+from certreg.geometry.pose import Pose
+from certreg.geometry.similarity import Similarity
+from certreg.geometry.so3 import (
     canonical,
     davenport_matrix,
     is_reflection,
     quaternion_of_rotation,
     rotation_matrix,
 )
-from certreg.problem import (
-    Cell,
-    RegistrationProblem,
-    Scale,
-    checked_rotation_only,
-    checked_scale,
-    checked_threads,
-    cloud_array,
-    davenport_error,
-    finite_doubles,
-    floating_pose,
-    moments_of_clouds,
-    real_numbers,
-    require_same_labels,
-    require_supported,
-    warn_of_unused,
-)
+from certreg.problem.arrays import cloud_array, finite_doubles, real_numbers
+from certreg.problem.effort import checked_threads
+from certreg.problem.moments import davenport_error, moments_of_clouds
+from certreg.problem.motion import Scale, checked_rotation_only, checked_scale
+from certreg.problem.posing import floating_pose
+from certreg.problem.problem import RegistrationProblem
+from certreg.problem.row_labels import require_same_labels
+from certreg.problem.spring_rows import warn_of_unused
+from certreg.problem.support import Cell, require_supported
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    from certreg.problem import FloatingPose, Moments
-    from certreg.registration import spring_certification
-else:  # not of one weight per pair
-    spring_certification = late("certreg.registration.spring_certification")
+    from certreg.problem.moments import Moments
+    from certreg.problem.posing import FloatingPose
+    from certreg.registration import spring_equilibria
+else:
+    spring_equilibria = late("certreg.registration.spring_equilibria")
 
 
 class SpringArguments(TypedDict, total=False):
@@ -106,7 +99,7 @@ def register(
     ------
     InvalidProblemError
         For arrays that are no clouds in correspondence, a number of threads below 1, another word
-        for the scale, and a scale or a rotation alone beside springs.
+        for the scale, and a free scale beside springs.
     DegenerateProblemError
         Where rounding may turn the pose by more than 1e-3 rad: above all where the best rotation is
         not unique, as for points on one line. Of springs where a shift or a turn is undetermined,
@@ -128,8 +121,10 @@ def register(
     kind, about_origin = checked_scale(scale), checked_rotation_only(rotation_only)
     require_supported(Cell(springs=on_springs, scale=kind, rotation_only=about_origin))
     if on_springs:
-        problem = RegistrationProblem(source, target, weights=weights, **springs)
-        return spring_certification.spring_pose(problem)
+        problem = RegistrationProblem(
+            source, target, weights=weights, rotation_only=about_origin, **springs
+        )
+        return spring_equilibria.spring_pose(problem)
     x = _readable(cloud_array(source, "source"), "source")
     y = _readable(cloud_array(target, "target"), "target")
     if len(x) != len(y):

@@ -7,29 +7,28 @@ better candidate is sought: the proof is the stopping rule.
 from __future__ import annotations
 
 import logging
-import time
+import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
-from certreg.certificate import (
+from certreg.certificate.checking import check_own_consensus, require_accepted
+from certreg.certificate.producing_consensus import (
     ConsensusProver,
     ProvedConsensus,
-    check_own_consensus,
     consensus_certificate,
     consensus_of,
     pose_of,
-    require_accepted,
 )
 from certreg.errors import InvalidProblemError, UndecidedError
-from certreg.problem import LEAST_PAIRS, apart, checked_effort
-from certreg.registration.consensus_words import (
-    PairLabels,
-    headline,
-    repeated_rows,
-    repeated_words,
-)
+from certreg.exact.dyadic import double_above, double_below
+from certreg.geometry.similarity import Similarity
+from certreg.problem.arrays import apart
+from certreg.problem.bounds import LEAST_PAIRS
+from certreg.problem.effort import checked_effort
+from certreg.problem.motion import Scale
+from certreg.registration.consensus_words import PairLabels, headline, ranges_words, repeated_rows
 from certreg.registration.exit_codes import (
     DONE,
     NOT_CERTIFIED,
@@ -37,40 +36,35 @@ from certreg.registration.exit_codes import (
     code_of_registration,
     worst,
 )
-from certreg.registration.fit_of_pairs import USUAL, FitSettings, fitted
+from certreg.registration.labelled import LabelledRegistration
 from certreg.registration.nothing_met import nothing_met
-from certreg.registration.pair_warnings import (
-    few_warning,
-    poor_warning,
-    reason_against,
-    wide_warning,
-)
+from certreg.registration.pair_warnings import few_warning, poor_warning, wide_warning
+from certreg.registration.pipeline import USUAL, Asked, Prover, Work
 from certreg.registration.row_names import RowNames
-from certreg.relaxation import candidates
-from certreg.results import Saved
+from certreg.registration.squares import fitted
+from certreg.relaxation.consensus_search import candidates
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator
+    from collections.abc import Iterable
 
     from numpy.typing import NDArray
 
-    from certreg.certificate import Certificate, ConsensusBody, ConsensusSimilarityBody
-    from certreg.geometry import Pose, Similarity
-    from certreg.problem import RegistrationProblem
+    from certreg.certificate.consensus import ConsensusBody, ConsensusSimilarityBody
+    from certreg.certificate.envelope import Certificate
+    from certreg.geometry.pose import Pose
+    from certreg.problem.problem import RegistrationProblem
+    from certreg.problem.support import Cell
     from certreg.registration.misfits import FitWarning
     from certreg.registration.result import Registration
-    from certreg.registration.spring_result import SpringRegistration
-    from certreg.relaxation import Candidate, ScaledCandidate
     from certreg.results import Verdict
 
+
 LOG = logging.getLogger(__name__)
-Proved = TypeVar("Proved", bound=ProvedConsensus)
-CONSENSUS_PARTS = 3  # of certify: consensus, fit, checker
 SECOND_EFFORT = 0.3  # of the search among the other pairs: a hint, nothing of it is proved
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class ConsensusRegistration(Saved):
+class ConsensusRegistration(LabelledRegistration):
     """The pose of the pairs that are met, and what is proved of every pair.
 
     Attributes
@@ -80,8 +74,8 @@ class ConsensusRegistration(Saved):
     found
         The witness, the rows that it meets and their labels.
     fit
-        The least squares over these rows, a registration with its own proof; of general springs a
-        `SpringRegistration`. Its row k is `inliers[k]`, and is called so in words.
+        The least squares over these rows, a registration with its own proof. Its row k is
+        `inliers[k]`, and is called so in words.
     certificate
         Of kind "consensus", of a free scale "consensus-similarity", the proof of the fit inside;
         the checker has accepted it.
@@ -96,7 +90,7 @@ class ConsensusRegistration(Saved):
 
     problem: RegistrationProblem
     found: ProvedConsensus
-    fit: Registration | SpringRegistration
+    fit: Registration
     certificate: Certificate[ConsensusBody | ConsensusSimilarityBody]
     verdict: Verdict
     second: int | None
@@ -115,7 +109,36 @@ class ConsensusRegistration(Saved):
     @property
     def witness(self) -> Pose | Similarity:
         """A motion that meets all of them, exactly before it is rounded to doubles."""
-        return pose_of(self.found.witness)
+        rigid = pose_of(self.found.witness)
+        if self.scale_interval is None:
+            return rigid
+        return Similarity(
+            rotation=rigid.rotation,
+            translation=rigid.translation,
+            quaternion_wxyz=rigid.quaternion_wxyz,
+            scale=float(self.found.witness.scale),
+        )
+
+    @property
+    def scale_interval(self) -> tuple[float, float] | None:
+        """Between which scales all motions are that meet these pairs, proved; rounded outwards.
+
+        None where the scale is not free.
+        """
+        scales = self.certificate.body.scales
+        return None if scales is None else (double_below(scales[0]), double_above(scales[1]))
+
+    @property
+    def undecided_scales(self) -> tuple[tuple[float, float], ...]:
+        """With which scales motions may meet as many pairs, or more, but others than these.
+
+        Rounded outwards; an end may be 0 or infinite. None of them where the scale is not free.
+        """
+        some = [] if self.scale_interval is None else self.found.open_scales
+        return tuple(
+            (double_below(one.low), math.inf if one.high is None else double_above(one.high))
+            for one in some
+        )
 
     @property
     def lower(self) -> int:
@@ -142,6 +165,11 @@ class ConsensusRegistration(Saved):
         return PairLabels(self.found.labels)
 
     @property
+    def met_rows(self) -> tuple[int, ...]:
+        """Rows of the pairs that the witness meets."""
+        return self.found.met
+
+    @property
     def inliers(self) -> NDArray[np.intp]:
         """Rows of the pairs that the witness meets."""
         return np.array(self.found.met, dtype=np.intp)
@@ -159,19 +187,18 @@ class ConsensusRegistration(Saved):
         return tuple(row for row in self.found.met if off[row])
 
     @property
-    def names(self) -> RowNames:
-        """Of the rows."""
-        return RowNames.of(self.certificate.about, self.problem.n)
-
-    @property
     def headline(self) -> str:
-        """What is proved, in words."""
-        return headline(self.problem, self.found, self.names, self.against)
-
-    @property
-    def against(self) -> str | None:
-        """What is to be said in the headline against pairs and pose; None where nothing is."""
-        return reason_against(self.fit, self.pair_warnings)
+        """What is proved, in words; where it is not proved of all scales, of which it is."""
+        told = headline(self.problem, self.found, self.names, self.against)
+        some = self.undecided_scales
+        if not some:
+            return told
+        met, where = self.lower, ranges_words(some)
+        others = f"{'any other ' * self.certificate.body.met_elsewhere}{met}"
+        return (
+            f"{told} With scales {where} it is not proved which {met} are met; with all others "
+            f"no motion brings {others} within."
+        )
 
     @property
     def good(self) -> bool:
@@ -189,17 +216,6 @@ class ConsensusRegistration(Saved):
         return tuple(one for one in told if one is not None)
 
     @property
-    def warnings(self) -> tuple[FitWarning, ...]:
-        """The same, and those of the least squares."""
-        return (*self.pair_warnings, *self.fit.fit.warnings)
-
-    @property
-    def notes(self) -> tuple[str, ...]:
-        """What the user should know of the pairs."""
-        again = repeated_rows(self.problem, self.found.met)
-        return (repeated_words(again, self.names),) if again else ()
-
-    @property
     def exit_code(self) -> int:
         """0: all labels proved; 3: the maximum, but not the labels; 4: less; or that of the fit."""
         own = NOT_UNIQUE if self.upper == self.lower else NOT_CERTIFIED
@@ -207,120 +223,135 @@ class ConsensusRegistration(Saved):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Ways:
-    """How pairs are labelled by motions of one kind.
+class Counted:
+    """Pairs that one motion meets, with their least squares, and the proof of both."""
 
-    motion: in words. search: what is proved of a problem, with an effort; None: nothing.
-    certificate: of a problem, what was found, the certificate of the fit, about. candidates: of
-    points and bounds, with an effort: motions with their inliers. result: its class.
-    """
-
-    motion: str
-    search: Callable[[RegistrationProblem, float], ProvedConsensus | None]
-    certificate: Callable[..., Certificate[Any]]
-    candidates: Callable[..., Iterator[Candidate | ScaledCandidate]]
-    result: type[ConsensusRegistration]
+    problem: RegistrationProblem
+    found: ProvedConsensus
+    fit: Registration
+    certificate: Certificate[Any]
 
 
-def certified_consensus(
-    problem: RegistrationProblem,
-    ways: Ways,
-    *,
-    effort: float = 1.0,
-    settings: FitSettings = USUAL,
-    about: dict[str, Any] | None = None,
-    done: Callable[[str], None],
-) -> ConsensusRegistration:
-    """Find, prove, fit, and run the checker; done: called with the name of each part.
+class InlierProver(Prover[ProvedConsensus, Counted, ConsensusRegistration]):
+    """Of the most pairs that one motion meets."""
 
-    Raises UndecidedError where no motion was found that meets three pairs, and InvalidProblemError
-    where all pairs that were met have weight 0.
-    """
-    timings: dict[str, float] = {}
-    start = time.perf_counter()
-    found = ways.search(problem, checked_effort(effort))
-    timings["consensus"] = time.perf_counter() - start
-    done("consensus")
-    if found is None:
-        raise UndecidedError(nothing_met(problem, ways.motion))
-    start = time.perf_counter()
-    fit = _fit(problem, found, settings, RowNames.of(about or {}, problem.n))
-    certificate = ways.certificate(problem, found, fit.certificate, about)
-    timings["fit"] = time.perf_counter() - start
-    done("fit")
-    start = time.perf_counter()
-    verdict = check_own_consensus(certificate)
-    require_accepted(verdict)
-    timings["check"] = time.perf_counter() - start
-    done("checker")
-    return ways.result(
-        problem=problem,
-        found=found,
-        fit=fit,
-        certificate=certificate,
-        verdict=verdict,
-        second=_second(problem, found, ways, effort),
-        timings=timings,
-    )
+    PARTS = 3  # consensus, fit, checker
+
+    def accepts(self, cell: Cell) -> bool:
+        """All that there are."""
+        del cell
+        return True
+
+    def propose(self, problem: RegistrationProblem, asked: Asked, work: Work) -> ProvedConsensus:
+        """The pairs that are met: each candidate is tried by its proof.
+
+        Raises UndecidedError where no motion was found that meets three pairs.
+        """
+        prover = ConsensusProver(problem, effort=checked_effort(asked.effort))
+        found = proved_consensus(problem, prover, asked.effort)
+        work.lap("consensus")
+        work.done("consensus")
+        if found is None:
+            raise UndecidedError(nothing_met(problem))
+        return found
+
+    def prove(
+        self, problem: RegistrationProblem, proposal: ProvedConsensus, asked: Asked, work: Work
+    ) -> Counted:
+        """With the least squares, whose proof is inside.
+
+        Raises InvalidProblemError where all pairs that were met have weight 0.
+        """
+        fit = _fit(problem, proposal, asked, RowNames.of(asked.about, problem.n))
+        certificate = consensus_certificate(problem, proposal, fit.certificate, asked.about)
+        work.lap("fit")
+        work.done("fit")
+        return Counted(problem=problem, found=proposal, fit=fit, certificate=certificate)
+
+    def check(self, proved: Counted, work: Work) -> Verdict:
+        """The checker's answer."""
+        verdict = check_own_consensus(proved.certificate)
+        require_accepted(verdict)
+        work.lap("check")
+        work.done("checker")
+        return verdict
+
+    def judge(
+        self, proved: Counted, verdict: Verdict | None, asked: Asked, timings: dict[str, float]
+    ) -> ConsensusRegistration:
+        """With what another motion was seen to meet."""
+        return ConsensusRegistration(
+            problem=proved.problem,
+            found=proved.found,
+            fit=proved.fit,
+            certificate=proved.certificate,
+            verdict=cast("Verdict", verdict),  # there is a certificate
+            second=_second(proved.problem, proved.found, asked.effort),
+            timings=timings,
+        )
+
+
+PROVER = InlierProver()
 
 
 def restated_consensus(
-    problem: RegistrationProblem, certificate: Certificate[ConsensusBody], verdict: Verdict
+    problem: RegistrationProblem,
+    certificate: Certificate[ConsensusBody | ConsensusSimilarityBody],
+    verdict: Verdict,
 ) -> ConsensusRegistration:
     """As a certificate says that the checker has accepted for the problem.
 
     The least squares, and what another motion fits, are computed anew.
     """
     found = consensus_of(problem, certificate.body)
-    return restated(problem, RIGID, found, certificate, verdict)
-
-
-def restated(
-    problem: RegistrationProblem,
-    ways: Ways,
-    found: ProvedConsensus,
-    certificate: Certificate[Any],
-    verdict: Verdict,
-) -> ConsensusRegistration:
-    """The same of what was found, by motions of any kind."""
-    return ways.result(
+    return ConsensusRegistration(
         problem=problem,
         found=found,
         fit=_fit(problem, found, USUAL, RowNames.of(certificate.about, problem.n)),
         certificate=certificate,
         verdict=verdict,
-        second=_second(problem, found, ways, 1.0),
+        second=_second(problem, found, 1.0),
         timings={},
     )
-
-
-def _search(problem: RegistrationProblem, effort: float) -> ProvedConsensus | None:
-    return proved_consensus(problem, ConsensusProver(problem, effort=effort), effort)
-
-
-RIGID = Ways(
-    motion="rigid motion",
-    search=_search,
-    certificate=consensus_certificate,
-    candidates=candidates,
-    result=ConsensusRegistration,
-)
 
 
 def proved_consensus(
     problem: RegistrationProblem, prover: ConsensusProver, effort: float
 ) -> ProvedConsensus | None:
-    """Of all candidates the one of which most is proved, by rigid motions."""
-    block, graph = problem.points, prover.consistent
-    x, y = block.source, block.target
-    best = most_proved(
-        prover.prove(one.rotation, one.translation, whole=False)
-        for one in candidates(x, y, problem.bounds, effort=effort, consistent=graph)
+    """Of all candidates the one of which most is proved."""
+    block, rigid = problem.points, prover.pairs.rigid
+    motions = candidates(
+        block.source,
+        block.target,
+        problem.bounds,
+        free_scale=not rigid,
+        effort=effort,
+        consistent=prover.graph.near if rigid else None,
     )
+    best = most_proved(
+        prover.prove(one.rotation, one.translation, one.scale, whole=False) for one in motions
+    )
+    if best is not None and not rigid:
+        _require_spread(problem, best)
     return best if best is None or best.decided else prover.witnessed(best.witness)
 
 
-def most_proved(tried: Iterable[Proved | None]) -> Proved | None:
+def _require_spread(problem: RegistrationProblem, found: ProvedConsensus) -> None:
+    """Refuses pairs that most motions meet and that have no best scale."""
+    block, rows = problem.block(slice(None)), list(found.met)
+    symmetric = problem.scale is Scale.SYMMETRIC
+    clouds = {"source": block.source, **({"target": block.target} if symmetric else {})}
+    weighty = [row for row in rows if block.weights[row] > 0.0] or rows
+    for name, points in clouds.items():
+        if (points[weighty] == points[weighty[0]]).all():
+            message = (
+                f"most pairs, {len(weighty)} that weigh, are met where all {name} points are one: "
+                "they have no scale; leave pairs that repeat a point out"
+            )
+            raise InvalidProblemError(message, array=name, row=weighty[0])
+
+
+def most_proved(tried: Iterable[ProvedConsensus | None]) -> ProvedConsensus | None:
     """Of all that is proved with candidates the most; none is tried once none can have more."""
     best = None
     for found in tried:
@@ -338,8 +369,8 @@ def most_proved(tried: Iterable[Proved | None]) -> Proved | None:
 
 
 def _fit(
-    problem: RegistrationProblem, found: ProvedConsensus, settings: FitSettings, names: RowNames
-) -> Registration | SpringRegistration:
+    problem: RegistrationProblem, found: ProvedConsensus, asked: Asked, names: RowNames
+) -> Registration:
     """The least squares over the pairs that are met; its rows say which of all they are."""
     met, factors = list(found.met), problem.factors
     own = problem.weights if factors is None else factors
@@ -348,18 +379,16 @@ def _fit(
         one, array = ("weight", "weights") if factors is None else ("spring", "factors")
         message = f"{one}s are 0 for all pairs that were met ({rows}): give one of them a {one}"
         raise InvalidProblemError(message, array=array, value=0.0, row=found.met[0])
-    return fitted(problem.of_rows(met), met, names, settings)
+    return fitted(problem.of_rows(met), met, names, asked)
 
 
-def _second(
-    problem: RegistrationProblem, found: ProvedConsensus, ways: Ways, effort: float
-) -> int | None:
+def _second(problem: RegistrationProblem, found: ProvedConsensus, effort: float) -> int | None:
     """The most of the other pairs that a motion was seen to meet."""
     others = sorted(set(range(problem.n)) - set(found.met))
     if len(others) < LEAST_PAIRS:
         return None
     block = problem.points
     rest = block.source[others], block.target[others], problem.bounds[others]
-    motions = ways.candidates(*rest, effort=SECOND_EFFORT * effort)
+    motions = candidates(*rest, free_scale=problem.scaled, effort=SECOND_EFFORT * effort)
     most = max((len(one.inliers) for one in motions), default=0)
     return most if most >= LEAST_PAIRS else None

@@ -2,27 +2,31 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.exact import as_given
-from certreg.problem import RegistrationProblem, diameter
+from certreg.exact.decimals import as_given, at_least, at_most
+from certreg.problem.arrays import diameter
 from certreg.registration.headlines import is_loose
 from certreg.results import Optimality
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from certreg.certificate import ProvedConsensus
-    from certreg.problem import RegistrationProblem
+    from certreg.certificate.producing_consensus import ProvedConsensus
+    from certreg.problem.problem import RegistrationProblem
+    from certreg.registration.quartic import QuarticSolution
     from certreg.registration.result import Registration
     from certreg.registration.row_names import RowNames
-    from certreg.registration.spring_result import SpringRegistration
+
 
 WORDS = {"i": "inlier", "o": "outlier", "?": "undecided"}
 NAMED_ROWS = 5  # of the undecided ones, in a sentence
+DIGITS = 7  # of a scale, in words
+NAMED_RANGES = 3  # of scales, in a sentence
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,13 +90,13 @@ def headline(
     )
 
 
-def against_pose(fit: Registration | SpringRegistration) -> str | None:
+def against_pose(fit: Registration) -> str | None:
     """Why not to rely on the pose of pairs though their labels are proved; None where one may."""
     if fit.status in {Optimality.BOUNDED, Optimality.NOT_CERTIFIED}:
         return "THE POSE IS NOT CERTIFIED"
     if fit.problem.factors is not None:
-        return _against_sprung(cast("SpringRegistration", fit))
-    equilibria = cast("Registration", fit).equilibria
+        return _against_sprung(fit)
+    equilibria = fit.equilibria
     if not equilibria.classification.unique:
         return "THE POSE IS NOT UNIQUE"
     if equilibria.nearly_ambiguous:
@@ -100,13 +104,13 @@ def against_pose(fit: Registration | SpringRegistration) -> str | None:
     return _against_turn(fit)
 
 
-def _against_sprung(fit: SpringRegistration) -> str | None:
+def _against_sprung(fit: Registration[QuarticSolution]) -> str | None:
     if fit.unique is False:
         return "A SHIFT IS FREE" if fit.solution.unique_rotation else "THE POSE IS NOT UNIQUE"
     return "A SHIFT IS HARDLY RESISTED" if fit.solution.weak_shifts else _against_turn(fit)
 
 
-def _against_turn(fit: Registration | SpringRegistration) -> str | None:
+def _against_turn(fit: Registration) -> str | None:
     return "THE ROTATION IS HARDLY DETERMINED" if is_loose(fit) else None
 
 
@@ -178,3 +182,15 @@ def bound_share(problem: RegistrationProblem) -> float:
     if not problem.scaled:
         size = min(size, diameter(problem.source))
     return float(problem.bounds.max()) / size if size else 0.0
+
+
+def ranges_words(some: Sequence[tuple[float, float]]) -> str:
+    """For example: from 0.5 to 0.75 and from 2 on; rounded outwards."""
+    told: list[str] = []
+    for low, high in some:
+        begin = f"from {at_least(low, DIGITS)}"
+        end = "on" if math.isinf(high) else f"to {at_most(high, DIGITS)}"
+        told.append(f"{begin} {end}")
+    if len(told) > NAMED_RANGES:
+        told = [*told[: NAMED_RANGES - 1], f"in {len(told) - NAMED_RANGES + 1} other ranges"]
+    return " and ".join([", ".join(told[:-1]), told[-1]] if len(told) > 1 else told)

@@ -28,16 +28,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from certreg._loading import cached_property
-from certreg.equilibrium import rotation_double
-from certreg.exact import (
+from certreg.equilibrium.presentation import rotation_double
+from certreg.exact.dyadic import (
     dyadic_below,
     nearest_double,
     nearest_or_zero,
     power_of_two,
     root_of_quotient,
 )
-from certreg.objective import Neighbourhood
-from certreg.problem import Scale, contiguous, row_blocks
+from certreg.objective.neighbourhood import Neighbourhood
+from certreg.problem.arrays import contiguous, row_blocks
+from certreg.problem.motion import Scale
 from certreg.results import OUT_OF_RANGE, Absent, Explained, present
 
 if TYPE_CHECKING:
@@ -45,9 +46,11 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from certreg.geometry import Pose, Similarity
-    from certreg.objective import Isotropic
-    from certreg.problem import Block, RegistrationProblem
+    from certreg.geometry.pose import Pose
+    from certreg.geometry.similarity import Similarity
+    from certreg.objective.isotropic import Isotropic
+    from certreg.problem.problem import RegistrationProblem
+    from certreg.problem.terms import Pairs
 
 PARAMETERS = 6  # of a pose in a matrix: a translation that is given has rows of 0 there
 TURN = 3  # where its rotation begins
@@ -369,7 +372,7 @@ def least_correlation(matrix: NDArray[np.float64]) -> float:
 
 
 def residual_distances(
-    points: RegistrationProblem | Block, pose: Pose | Similarity
+    points: RegistrationProblem | Pairs, pose: Pose | Similarity
 ) -> NDArray[np.float64]:
     """(N,), |y_i - R x_i - t|, in the unit of length; no square of a length is formed."""
     with np.errstate(over="ignore", invalid="ignore"):

@@ -6,16 +6,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.exact import quotient_or_zero
-from certreg.objective import Neighbourhood
-from certreg.problem import Motion
+from certreg.exact.dyadic import quotient_or_zero
+from certreg.objective.neighbourhood import Neighbourhood
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from numpy.typing import NDArray
 
-    from certreg.objective import Springs
+    from certreg.objective.springs import Springs
+
 
 SOFT = 1e-6  # of the oscillation: a curvature that is told from zero is larger
 
@@ -29,7 +29,7 @@ def slope_and_curvature(
     """
     if not objective.oscillation:
         return np.zeros(3), np.zeros((3, 3))
-    near = Neighbourhood(objective.reduced, q, Motion())
+    near = Neighbourhood(objective.reduced, q, objective.motion)
     above, below = (near.unit / objective.oscillation).as_integer_ratio()
     rows = [near.gradient, *near.hessian]
     slope, *curved = [[quotient_or_zero(entry * above, below) for entry in row] for row in rows]

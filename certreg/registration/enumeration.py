@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
-from typing import TYPE_CHECKING, Any, cast
+from dataclasses import dataclass, field, fields
+from typing import TYPE_CHECKING, Any, Generic, TypeVar, cast
 
 from certreg._loading import late
-from certreg.certificate import check_own, count_certificate, require_accepted
-from certreg.equilibrium import METHODS, EquilibriumSet, compare, search
+from certreg.certificate.checking import check_own, require_accepted
+from certreg.equilibrium.methods import FINDERS, compare, search
+from certreg.equilibrium.presentation import EquilibriumSet
 from certreg.errors import UndecidedError
-from certreg.objective import Isotropic
+from certreg.objective.isotropic import Isotropic
+from certreg.objective.objective import objective_of
+from certreg.objective.structure import Structure
 from certreg.registration.ambiguity import equilibria_at
 from certreg.registration.covariance import pose_covariance
 from certreg.registration.fit import fit_of
@@ -19,51 +22,68 @@ from certreg.registration.stating import require_method, require_problem
 from certreg.results import Brief
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Mapping
 
-    from certreg.certificate import Certificate, CountBody
-    from certreg.equilibrium import Comparison, Search
-    from certreg.geometry import Pose, Similarity
-    from certreg.problem import RegistrationProblem
-    from certreg.registration import breathing, spring_enumeration
+    from certreg.certificate import producing, producing_springs
+    from certreg.certificate.count import CountBody
+    from certreg.certificate.envelope import Certificate
+    from certreg.certificate.springs_list import SpringsListBody
+    from certreg.equilibrium import paths
+    from certreg.equilibrium.critical_set import CriticalSet
+    from certreg.equilibrium.line_set import LineSet
+    from certreg.equilibrium.methods import Comparison, Search
+    from certreg.geometry.pose import Pose
+    from certreg.geometry.similarity import Similarity
+    from certreg.objective.isotropic import Isotropic
+    from certreg.objective.springs import Springs
+    from certreg.problem.problem import RegistrationProblem
+    from certreg.registration import breathing, spring_equilibria
     from certreg.registration.fit import Fit
     from certreg.registration.parts import Progress
-    from certreg.registration.spring_enumeration import SpringEnumeration
-else:  # of a free scale, and of general springs
+    from certreg.registration.spring_equilibria import SpringEquilibria
+else:
     breathing = late("certreg.registration.breathing")
-    spring_enumeration = late("certreg.registration.spring_enumeration")
+    spring_equilibria = late("certreg.registration.spring_equilibria")
+    paths = late("certreg.equilibrium.paths")
+    # which of them is made depends on the problem
+    producing = late("certreg.certificate.producing")
+    producing_springs = late("certreg.certificate.producing_springs")
+
 
 ALL = "all"  # methods
 
 
+Listed_co = TypeVar("Listed_co", covariant=True)
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Enumeration(Brief):
+class Enumeration(Brief, Generic[Listed_co]):
     """All equilibria, and the searches for them.
 
-    equilibria: at the end of the first search. comparison: of several; None if there was one.
+    critical, equilibria: of the first search whose list is complete, else of the first that came to
+    one.
+    comparison: of those that are complete; None if there was one search, or none is complete.
     """
 
-    objective: Isotropic
+    objective: Any
     searches: tuple[Search, ...]
-    equilibria: EquilibriumSet
+    equilibria: Listed_co
     comparison: Comparison | None
+    critical: CriticalSet = field(repr=False)
+
+    def kept(self) -> dict[str, Any]:
+        """The fields of the equilibria, for the same beside their searches."""
+        found: Any = self.equilibria
+        return {one.name: getattr(found, one.name) for one in fields(found)}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ListedEquilibria(EquilibriumSet):
     """An equilibrium set with the searches for it."""
 
-    enumeration: Enumeration
+    enumeration: Enumeration[EquilibriumSet]
 
-    def __repr__(self) -> str:
-        return EquilibriumSet.__repr__(self)
-
-    @classmethod
-    def of(cls, enumeration: Enumeration) -> ListedEquilibria:
-        """The set that an enumeration found."""
-        found = enumeration.equilibria
-        kept: dict[str, Any] = {one.name: getattr(found, one.name) for one in fields(found)}
-        return cls(**kept, enumeration=enumeration)
+    __repr__ = EquilibriumSet.__repr__
 
 
 def equilibria(
@@ -106,38 +126,70 @@ def equilibria(
         Where two methods disagree.
     """
     require_problem(problem, "equilibria")
-    if problem.factors is not None:
-        found = spring_enumeration.enumerated_springs(problem, method, progress=progress)
-        listed = spring_enumeration.ListedSpringEquilibria.of(found)
-        return cast("EquilibriumSet", listed)
     enumeration = enumerated(problem, method, progress=progress)
-    if problem.scaled:
-        scaled = breathing.scaled_equilibria(enumeration.objective, enumeration.equilibria)
-        return cast("EquilibriumSet", scaled)
-    return ListedEquilibria.of(enumeration)
+    return cast("EquilibriumSet", SHOWN[enumeration.objective.structure](enumeration))
+
+
+def _shown_lines(enumeration: Enumeration[EquilibriumSet]) -> Any:
+    """Eigenlines, each with its scale where that is free."""
+    objective: Isotropic = enumeration.objective
+    if objective.scaling is not None:
+        return breathing.scaled_equilibria(objective, enumeration.equilibria)
+    return ListedEquilibria(**enumeration.kept(), enumeration=enumeration)
+
+
+def _shown_springs(enumeration: Enumeration[Any]) -> Any:
+    kind = spring_equilibria.ListedSpringEquilibria
+    return kind(**enumeration.kept(), enumeration=enumeration)
+
+
+SHOWN: Mapping[Structure, Callable[[Enumeration[Any]], Any]] = {
+    Structure.LINEAR: _shown_lines,
+    Structure.QUARTIC: _shown_springs,
+}
 
 
 def enumerated(
     problem: RegistrationProblem, method: str | None = None, *, progress: Progress | None = None
-) -> Enumeration:
+) -> Enumeration[Any]:
     """All equilibria, with every search that was made; arguments and errors as `equilibria`."""
-    first, *_ = METHODS
-    method = method or first
-    require_method(method, (*METHODS, ALL), problem.cell)
-    objective = Isotropic.of(problem)
-    names = tuple(METHODS) if method == ALL else (method,)
+    finders = FINDERS[Structure.of(problem.cell)]
+    method = method or next(iter(finders))
+    require_method(method, (*finders, ALL), problem.cell)
+    objective = objective_of(problem)
+    names = tuple(finders) if method == ALL else (method,)
     done = counted(progress, len(names))
     searches = tuple(_searched(objective, name, done) for name in names)
     sets = [each.critical for each in searches if each.critical is not None]
     if not sets:
-        (reason,) = (each.reason for each in searches)
-        raise UndecidedError(reason or "", method=method)
+        raise UndecidedError(searches[0].reason or "", method=method)
+    sets.sort(key=lambda each: not each.complete)
+    compared = method == ALL and sets[0].complete
     return Enumeration(
         objective=objective,
         searches=searches,
-        equilibria=equilibria_at(sets[0], objective, problem, lambda: _fit(problem, objective)),
-        comparison=compare(sets) if method == ALL else None,
+        equilibria=DESCRIBED[objective.structure](sets[0], objective, problem),
+        comparison=compare(sets) if compared else None,
+        critical=sets[0],
     )
+
+
+def _described_lines(
+    critical: CriticalSet, objective: Isotropic, problem: RegistrationProblem
+) -> EquilibriumSet:
+    return equilibria_at(critical, objective, problem, lambda: _fit(problem, objective))
+
+
+def _described_springs(
+    critical: LineSet, objective: Springs, problem: RegistrationProblem
+) -> SpringEquilibria:
+    return spring_equilibria.spring_equilibria(critical, objective, problem)
+
+
+DESCRIBED: Mapping[Structure, Callable[[Any, Any, RegistrationProblem], Any]] = {
+    Structure.LINEAR: _described_lines,
+    Structure.QUARTIC: _described_springs,
+}
 
 
 def _fit(problem: RegistrationProblem, objective: Isotropic) -> Fit:
@@ -146,24 +198,20 @@ def _fit(problem: RegistrationProblem, objective: Isotropic) -> Fit:
     return fit_of(problem, objective, optimal_pose(objective), covariance)
 
 
-def _searched(objective: Isotropic, name: str, done: Callable[[str], None]) -> Search:
+def _searched(objective: Isotropic | Springs, name: str, done: Callable[[str], None]) -> Search:
     made = search(objective, name)
     done(name)
     return made
 
 
-def equilibrium_poses(enumeration: Enumeration | SpringEnumeration) -> list[Pose | Similarity]:
+def equilibrium_poses(enumeration: Enumeration[Any]) -> list[Pose | Similarity]:
     """The pose of each equilibrium, in the order of the list; of a continuum one of them.
 
     Raises OutOfRangeError where no double can hold a translation.
     """
-    if not isinstance(enumeration, Enumeration):
-        return [part.pose for part in enumeration.equilibria.components]
-    critical = next(each.critical for each in enumeration.searches if each.critical is not None)
-    objective, kept = enumeration.objective, len(critical.components)
-    if objective.scaling is not None:
-        kept = len(breathing.scaled_equilibria(objective, enumeration.equilibria).components)
-    return [pose_at(objective, part.quaternion) for part in critical.components[:kept]]
+    objective, found = enumeration.objective, enumeration.critical.components
+    listed = SHOWN[objective.structure](enumeration).components
+    return [pose_at(objective, part.quaternion) for part in found[: len(listed)]]
 
 
 def certified_count(problem: RegistrationProblem) -> Certificate[CountBody] | None:
@@ -172,7 +220,22 @@ def certified_count(problem: RegistrationProblem) -> Certificate[CountBody] | No
     None means not proved, not disproved. Raises RefusedCertificateError where certreg contradicts
     itself.
     """
-    certificate = count_certificate(problem)
-    if certificate is not None:
-        require_accepted(check_own(certificate, problem))
-    return certificate
+    return _accepted(producing.count_certificate(problem), problem)
+
+
+def certified_list(
+    problem: RegistrationProblem, objective: Springs
+) -> Certificate[SpringsListBody] | None:
+    """A certificate of all equilibria that the checker accepted; None: not proved, not disproved.
+
+    Raises RefusedCertificateError where certreg contradicts itself.
+    """
+    lines = paths.critical_lines(objective.floating_quartic()[0])
+    return _accepted(producing_springs.springs_list_certificate(problem, objective, lines), problem)
+
+
+def _accepted(made: Any, problem: RegistrationProblem) -> Any:
+    """What was made, if anything was, once the checker has accepted it."""
+    if made is not None:
+        require_accepted(check_own(made, problem))
+    return made

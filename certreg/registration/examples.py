@@ -6,16 +6,17 @@ from dataclasses import dataclass
 from importlib.resources import as_file, files
 from typing import TYPE_CHECKING
 
-from certreg.io import read_problem
-from certreg.registration.any_certification import certify
+from certreg.io.problems import read_problem
+from certreg.registration.certification import certify
 from certreg.results import Optimality
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from certreg.io import Pair
-    from certreg.problem import RegistrationProblem
+    from certreg.io.pairing import Pair
+    from certreg.problem.problem import RegistrationProblem
     from certreg.registration.result import Registration
+
 
 RMSE_DIGITS = 6  # as the figures below are printed
 
@@ -93,30 +94,3 @@ def differences(story: Story, registration: Registration) -> Iterator[str]:
     for component, index in zip(components, range(4), strict=False):
         if component.morse_index != index or component.unstable_eigenvalues != index:
             yield f"equilibrium {index} has Morse index {component.morse_index}"
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class TwinMotions:
-    """An exact instance of springs that break with two stable equilibria, in whole numbers.
-
-    Four points stay where they are, three are shifted, each by its own motion without an error. So
-    the body hangs on the first four, with the energy 3 of the three broken springs, or on the last
-    three, with the energy 4. Claim: `springs_that_break`.
-    """
-
-    source: tuple[tuple[int, int, int], ...] = (
-        *((0, 0, 0), (3, 0, 0), (0, 3, 0), (0, 0, 3)),
-        *((20, 0, 0), (20, 3, 0), (20, 0, 3)),
-    )
-    target: tuple[tuple[int, int, int], ...] = (
-        *((0, 0, 0), (3, 0, 0), (0, 3, 0), (0, 0, 3)),
-        *((24, 0, 0), (24, 3, 0), (24, 0, 3)),
-    )
-    max_residual: float = 1.0
-    stable: tuple[tuple[tuple[int, ...], float], ...] = (
-        ((0, 1, 2, 3), 3.0),
-        ((4, 5, 6), 4.0),
-    )
-
-
-TWIN_MOTIONS = TwinMotions()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 from certreg.errors import ContradictionError, RefusedCertificateError, UndecidedError
 from certreg.results import Optimality
@@ -11,13 +11,32 @@ from certreg.results import Optimality
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from certreg.registration.any_registration import AnyRegistration
+    from certreg.registration.fit import Fit
 
 DONE, REFUSED, MISUSED, NOT_UNIQUE, NOT_CERTIFIED = 0, 1, 2, 3, 4
 DIGITS = 6  # of an RMSE, in words
 DEFECT = 70  # of certreg's own, with a traceback; sysexits.h calls it so
 INTERRUPTED = 130  # as shells have it: 128 and the number of the signal, 2
 PRECEDENCE = (MISUSED, REFUSED, NOT_CERTIFIED, NOT_UNIQUE, DONE)
+
+
+class Judged(Protocol):
+    """A registration, as far as its exit code needs it."""
+
+    @property
+    def status(self) -> Optimality:
+        """Of its proof."""
+        ...
+
+    @property
+    def rmse(self) -> float | None:
+        """None beyond the doubles."""
+        ...
+
+    @property
+    def fit(self) -> Fit:
+        """With its warnings."""
+        ...
 
 
 def worst(codes: Iterable[int]) -> int:
@@ -43,7 +62,7 @@ class FitDemands:
     require_fit: bool = False
     max_rmse: float | None = None
 
-    def unmet(self, registration: AnyRegistration) -> list[str]:
+    def unmet(self, registration: Judged) -> list[str]:
         """In words, what a registration does not meet."""
         return self.unmet_by(registration.rmse, warned=bool(registration.fit.warnings))
 
@@ -67,12 +86,14 @@ def _told_above(value: float, limit: float) -> str:
 NOTHING_ASKED = FitDemands()
 
 
-def code_of_registration(registration: AnyRegistration, demands: FitDemands = NOTHING_ASKED) -> int:
+def code_of_status(status: Optimality) -> int:
+    """What `certify` ends with for what is proved of a pose."""
+    if status is Optimality.CERTIFIED:
+        return DONE
+    return NOT_UNIQUE if status is Optimality.CERTIFIED_NOT_UNIQUE else NOT_CERTIFIED
+
+
+def code_of_registration(registration: Judged, demands: FitDemands = NOTHING_ASKED) -> int:
     """What `certify` ends with: the code of the proof, and 4 where a demand is not met."""
-    proof = {
-        Optimality.CERTIFIED: DONE,
-        Optimality.CERTIFIED_NOT_UNIQUE: NOT_UNIQUE,
-        Optimality.BOUNDED: NOT_CERTIFIED,
-        Optimality.NOT_CERTIFIED: NOT_CERTIFIED,
-    }[registration.status]
+    proof = code_of_status(registration.status)
     return worst([proof, NOT_CERTIFIED] if demands.unmet(registration) else [proof])

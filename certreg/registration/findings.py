@@ -7,17 +7,14 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from certreg.certificate import ExactPose, flat_energy, pose_bounds, pose_energy
+from certreg.certificate.bounds import ExactPose, flat_energy, pose_bounds, pose_energy
 from certreg.errors import UndecidedError
-from certreg.exact import integer_eigenbasis, nearest_double, nearest_root
-from certreg.geometry import (
-    ROTATION_TOLERANCE,
-    Similarity,
-    davenport_matrix,
-    rotation_matrix,
-    squared_norm,
-)
-from certreg.problem import lift
+from certreg.exact.dyadic import nearest_double, nearest_root
+from certreg.exact.eigenbasis import integer_eigenbasis
+from certreg.geometry.pose_matrix import ROTATION_TOLERANCE
+from certreg.geometry.similarity import Similarity
+from certreg.geometry.so3 import davenport_matrix, rotation_matrix, squared_norm
+from certreg.problem.lifting import lift
 from certreg.registration.loose_turns import LOOSE_SIGMA, TURNED_FAR, beyond_first_order
 from certreg.registration.misfits import LEVEL
 from certreg.registration.rounding import rounding_cost
@@ -31,15 +28,15 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from certreg.certificate import PoseBounds
-    from certreg.geometry import GivenPose
-    from certreg.objective import Isotropic
-    from certreg.registration.any_registration import AnyRegistration
-    from certreg.registration.result import Registration, Solution
+    from certreg.certificate.bounds import PoseBounds
+    from certreg.geometry.given import GivenPose
+    from certreg.objective.isotropic import Isotropic
+    from certreg.registration.linear import LinearSolution
+    from certreg.registration.result import Registration
+
 
 GOOD = (PoseVerdict.OPTIMAL, PoseVerdict.NEAR_OPTIMAL)
 PROJECTION_BITS = 160  # of a nearest rotation: thrice a double's
-TURNS, MOTIONS = 3, 6  # degrees of freedom of a rotation, of a pose
 SURELY = 100.0  # standard deviations: a probability below 1e-1000
 UNDECIDED = "the optimum could not be certified: nothing is proved of any pose"
 NO_NOISE = Absent("no noise was given: give sigma")
@@ -172,7 +169,7 @@ def findings(registration: Registration, pose: ExactPose, cost: Fraction) -> Fin
     )
 
 
-def _energy_range(solution: Solution) -> Fraction:
+def _energy_range(solution: LinearSolution) -> Fraction:
     """Energy between the best and the worst rotation; the clouds' own where all are equal."""
     objective, moments = solution.objective, solution.moments
     spaces = len(objective.classification.pattern)
@@ -237,13 +234,15 @@ def sigma_distance(facts: Findings, given: GivenPose) -> SigmaDistance | Absent:
     value, squared = nearest_root(square), nearest_double(square)
     if value is None:
         return OUT_OF_RANGE
-    dof = TURNS if given.translation is None else MOTIONS
+    dof = facts.registration.problem.motion.parameters_given(
+        translation=given.translation is not None
+    )
     p = 0.0 if squared is None else math.exp(log_chi2_above(squared, dof))
     distance, loose = SigmaDistance(value=value, dof=dof, p=p), beyond_first_order(covariance)
     return loose if loose is not None and not rules_out(facts.registration, distance) else distance
 
 
-def rules_out(registration: AnyRegistration, distance: SigmaDistance) -> bool:
+def rules_out(registration: Registration, distance: SigmaDistance) -> bool:
     """Whether the noise rules a pose out: the true one is as far with a probability below LEVEL.
 
     Of a fit without a warning, as the distance is.

@@ -9,14 +9,12 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from certreg.exact import nearest_double, power_of_two
-from certreg.geometry import squared_norm
-from certreg.problem import Scale
-from certreg.registration.covariance import (
-    worst_residuals,
-)
+from certreg.exact.dyadic import nearest_double, power_of_two
+from certreg.geometry.so3 import squared_norm
+from certreg.problem.motion import Scale
+from certreg.registration.covariance import NO_FREEDOM, worst_residuals
 from certreg.registration.loose_turns import LOOSE_SIGMA, beyond_first_order
 from certreg.registration.misfits import (
     LEVEL,
@@ -32,17 +30,22 @@ from certreg.registration.misfits import (
     log_scale_p,
     misfits,
 )
-from certreg.registration.outlying import independent_rows, row_fit
+from certreg.registration.outlying import LISTED, independent_rows, row_fit
 from certreg.registration.row_names import RowNames
 from certreg.registration.tails import log_chi2_above, log_ratio_below
 from certreg.results import OUT_OF_RANGE, Absent, Explained, present
 
 if TYPE_CHECKING:
-    from certreg.geometry import Pose, Similarity
-    from certreg.objective import Isotropic
-    from certreg.problem import RegistrationProblem
-    from certreg.registration.covariance import PoseCovariance
+    from collections.abc import Sequence
+
+    from certreg.geometry.pose import Pose
+    from certreg.geometry.similarity import Similarity
+    from certreg.objective.isotropic import Isotropic
+    from certreg.problem.problem import RegistrationProblem
+    from certreg.registration.covariance import PoseCovariance, Residual
     from certreg.registration.outlying import RowFit
+    from certreg.registration.spring_rows import ResidualSums
+
 
 COINCIDENT = Absent("all points with weight of a cloud coincide: there is nothing to explain")
 NO_SOURCE = Absent("all source points with weight coincide: no scale changes anything")
@@ -51,13 +54,13 @@ ZERO_MEDIAN = Absent("at least half of the residuals are zero")
 ROUNDED = Absent("the residuals are at rounding: there is nothing to test")
 NO_NOISE = Absent("no noise was given: the residuals are compared with nothing")
 UNTESTED = Absent("with a free scale, or without a translation, no rows and no scale are tested")
+OF_SPRINGS = Absent("scale and share of the spread are told of springs alike in every way alone")
 NOT_LOOKED_FOR = (
     "not tested for wrong rows, another order of the rows, or a mirror image: only fits of scale 1 "
     "with a translation are"
 )
 NO_CHI2 = Absent("the symmetric scale is not the one of the least squares, which are tested")
 UNNAMED = RowNames(None)
-MOST_ROWS = 10  # that are listed
 LEAST_ROWS = 3  # with 3 n - 6 > 0 degrees of freedom there are more
 
 
@@ -121,7 +124,7 @@ def fit_of(
     pose: the optimum in doubles, as it is reported. covariance: its own.
     """
     sums = FitSums(objective)
-    if problem.scaled or problem.rotation_only:
+    if not problem.motion.rigid:
         return _of_model(problem, sums, pose, covariance, names)
     rows = row_fit(problem, objective, pose)
     chi2 = _chi2(problem, sums, covariance)
@@ -135,20 +138,38 @@ def fit_of(
     worst = () if rows is None else rows.worst
     warnings = () if rows is None or sums.rounded else misfits(sums, rows, present(chi2), names)
     outlying = any(one.code is FitCode.OUTLIER_ROWS for one in warnings)
+    far = rows.far if rows is not None and outlying and not rows.tied else ()
+    return _fit(values, chi2, worst, names, warnings, outlier_rows=far)
+
+
+def _fit(
+    values: dict[str, float | Absent],
+    chi2: ChiSquared | Absent,
+    worst: Sequence[Residual],
+    names: RowNames,
+    warnings: tuple[FitWarning, ...],
+    **others: Any,
+) -> Fit:
+    """A fit of its values, or of why there are none."""
+    told: dict[str, Any] = {**values, "chi2": chi2}
+    rest: dict[str, Any] = {"outlier_rows": (), "untested": None, **others}
     return Fit(
-        **{name: present(value) for name, value in values.items()},
+        **{name: present(value) for name, value in told.items()},
         worst=tuple(
             FitRow(row=one.row, label=names.label(one.row), residual=one.distance) for one in worst
         ),
-        chi2=present(chi2),
-        outlier_rows=rows.far if rows is not None and outlying and not rows.tied else (),
         warnings=warnings,
-        untested=None,
-        absent={
-            **{name: value for name, value in values.items() if isinstance(value, Absent)},
-            **({"chi2": chi2} if isinstance(chi2, Absent) else {}),
-        },
+        **rest,
+        absent={name: value for name, value in told.items() if isinstance(value, Absent)},
     )
+
+
+def _of_size(chi2: ChiSquared | Absent) -> tuple[FitWarning, ...]:
+    """What the test of a given sigma warns of."""
+    words = chi2_words(present(chi2))
+    if words is None or isinstance(chi2, Absent):
+        return ()
+    return (FitWarning(code=FitCode.CHI2, text=words, remedy=chi2_remedy(chi2)),)
 
 
 def _of_model(
@@ -166,24 +187,52 @@ def _of_model(
         "scale_p": UNTESTED,
         "largest_over_median_residual": ROUNDED if _at_rounding(sums) else UNTESTED,
     }
-    words = chi2_words(present(chi2))
-    return Fit(
-        **{name: present(value) for name, value in values.items()},
-        chi2=present(chi2),
-        worst=tuple(
-            FitRow(row=one.row, label=names.label(one.row), residual=one.distance)
-            for one in worst_residuals(problem, pose, MOST_ROWS)
-        ),
-        outlier_rows=(),
-        warnings=()
-        if words is None or isinstance(chi2, Absent)
-        else (FitWarning(code=FitCode.CHI2, text=words, remedy=chi2_remedy(chi2)),),
-        untested=NOT_LOOKED_FOR,
-        absent={
-            **{name: value for name, value in values.items() if isinstance(value, Absent)},
-            **({"chi2": chi2} if isinstance(chi2, Absent) else {}),
-        },
-    )
+    worst = worst_residuals(problem, pose, LISTED)
+    return _fit(values, chi2, worst, names, _of_size(chi2), untested=NOT_LOOKED_FOR)
+
+
+def spring_fit(
+    problem: RegistrationProblem,
+    sums: ResidualSums,
+    *,
+    least: Fraction,
+    determined: bool,
+    names: RowNames,
+) -> Fit:
+    """Of general springs; least: the objective at the optimum. determined: no turn is left open."""
+    ratio: float | Absent = ZERO_MEDIAN
+    if rounded(problem, sums):
+        ratio = ROUNDED
+    elif sums.median and sums.worst:
+        ratio = sums.worst[0].distance / sums.median
+    values: dict[str, float | Absent] = {
+        **dict.fromkeys(("explained", "best_scale", "scale_p"), OF_SPRINGS),
+        "largest_over_median_residual": ratio,
+    }
+    degrees = problem.degrees_of_freedom if determined else problem.observations
+    chi2: ChiSquared | Absent = NO_NOISE
+    if problem.noise_given:
+        free = degrees > 0
+        chi2 = _tested(least, degrees, bound=not determined) if free else NO_FREEDOM
+    warnings = () if ratio is ROUNDED else _of_size(chi2)
+    return _fit(values, chi2, sums.worst[:LISTED], names, warnings)
+
+
+def rounded(problem: RegistrationProblem, sums: ResidualSums) -> bool:
+    """Whether all pairs are off by no more than the rounding of the clouds' numbers."""
+    clouds = problem.source, problem.target
+    largest = max(abs(float(end)) for array in clouds for end in (array.min(), array.max()))
+    worst = sums.worst[0].distance if sums.worst else 0.0
+    return worst <= ROUNDING * largest
+
+
+def _tested(least: Fraction, degrees: int, *, bound: bool) -> ChiSquared | Absent:
+    """The test of a given noise, with degrees of freedom; bound: whether these may be fewer."""
+    value = nearest_double(least)
+    if value is None:
+        return OUT_OF_RANGE
+    p = math.exp(log_chi2_above(value, degrees))
+    return ChiSquared(value=value, dof=degrees, p=p, bound=bound)
 
 
 def _least(sums: FitSums) -> Fraction:
@@ -215,7 +264,7 @@ def silent_tests(problem: RegistrationProblem, objective: Isotropic) -> tuple[Fi
     left = float(min(share, 1 / share)) if share else 0.0
     best = max(sums.explained or 0, sums.mirrored_explained or 0)
     told = left <= MOST_LEFT and best >= MIRROR_EXPLAINED
-    degrees = 3 * rows - problem.motion.parameters
+    degrees = problem.motion.degrees(3 * rows)
     told = told and log_ratio_below(left, degrees) <= math.log(LEVEL)
     silent = {FitCode.OUTLIER_ROWS: rows <= LEAST_ROWS, FitCode.MIRRORED: not told}
     return tuple(code for code, is_silent in silent.items() if is_silent)
@@ -249,8 +298,8 @@ def _chi2(
         return NO_NOISE
     if problem.scale is Scale.SYMMETRIC:
         return NO_CHI2
-    value = nearest_double(_least(sums))
-    if value is None:
+    least = _least(sums)
+    if nearest_double(least) is None:
         return OUT_OF_RANGE
     if isinstance(covariance, Absent):  # of a line, which turns by 1 / (s sqrt(Sxx))
         across = _scaled_source(sums)
@@ -260,10 +309,7 @@ def _chi2(
     motion = problem.motion
     found = motion.translations if loose else motion.parameters - sums.free_turns
     dof = problem.observations - found
-    if dof <= 0:
-        return TOO_FEW
-    p = math.exp(log_chi2_above(value, dof))
-    return ChiSquared(value=value, dof=dof, p=p, bound=loose)
+    return TOO_FEW if dof <= 0 else _tested(least, dof, bound=loose)
 
 
 def _scaled_source(sums: FitSums) -> Fraction:

@@ -15,15 +15,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.exact import nullspace
-from certreg.geometry import dot
+from certreg.exact.elimination import nullspace
+from certreg.geometry.so3 import dot
 from certreg.registration.loose_turns import axes_words, axis_words
 from certreg.results import Brief
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from certreg.objective import Springs
+    from certreg.objective.springs import Springs
 
 AXIS = "target's axis"
 GROUP = 6  # the dimension of the symmetries of an energy that is the same at every rotation

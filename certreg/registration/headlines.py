@@ -10,16 +10,18 @@ import math
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from certreg.exact import at_least, at_most, degrees_above
+from certreg.exact.decimals import at_least, at_most
+from certreg.exact.dyadic import degrees_above
 from certreg.registration.loose_turns import LOOSE_SIGMA, axis_words
 from certreg.registration.misfits import FitCode
 from certreg.registration.weak_shifts import weak_shift_words
 from certreg.results import Absent, Limits, Optimality
 
 if TYPE_CHECKING:
-    from certreg.certificate import PoseBounds
-    from certreg.registration.any_registration import AnyRegistration
+    from certreg.certificate.bounds import PoseBounds
     from certreg.registration.fit import Fit
+    from certreg.registration.result import Registration
+
 
 SMALL_SCALE = 0.1  # off one: what the pose leaves without it is a hundredth of the cloud's spread
 GOOD_EXPLAINED = 0.99  # with the scale; so the pose alone explains about 0.98
@@ -295,7 +297,7 @@ HEADLINES = (
 )
 
 
-def headline_of(registration: AnyRegistration) -> Headline:
+def headline_of(registration: Registration) -> Headline:
     """Which headline a registration has."""
     status = registration.status
     if status is Optimality.NOT_CERTIFIED:
@@ -313,18 +315,18 @@ def headline_of(registration: AnyRegistration) -> Headline:
     return WITHIN_LIMITS_FLAT if _is_flat(registration) else WITHIN_LIMITS_NOT_UNIQUE
 
 
-def _meets_usual(registration: AnyRegistration) -> bool:
+def _meets_usual(registration: Registration) -> bool:
     """Whether what is proved is within the usual limits, whatever others were asked for."""
     turned = registration.solution.unique_rotation is True
     return registration.bounds is not None and registration.bounds.meet(Limits(), unique=turned)
 
 
-def _is_flat(registration: AnyRegistration) -> bool:
+def _is_flat(registration: Registration) -> bool:
     """Whether every rotation fits equally."""
     return registration.bounds is not None and not registration.bounds.least_range_squared
 
 
-def headline_of_data(registration: AnyRegistration) -> Headline:
+def headline_of_data(registration: Registration) -> Headline:
     """Of a certified and unique optimum: what its data make of the first line."""
     if registration.equilibria is not None and registration.equilibria.nearly_ambiguous:
         return NEARLY_AMBIGUOUS
@@ -333,12 +335,12 @@ def headline_of_data(registration: AnyRegistration) -> Headline:
     return HARDLY_DETERMINED if is_loose(registration) else _headline_of_fit(registration.fit)
 
 
-def is_green(registration: AnyRegistration) -> bool:
+def is_green(registration: Registration) -> bool:
     """Whether its headline is good, and within the usual limits, whatever others were asked for."""
     return _meets_usual(registration) and headline_of(registration).good
 
 
-def is_loose(registration: AnyRegistration) -> bool:
+def is_loose(registration: Registration) -> bool:
     """Whether the noise, given or that of a good fit, leaves a turn about some axis open."""
     covariance, fit = registration.covariance, registration.fit
     if covariance is None or (covariance.estimated and (fit.warnings or fit.rounded)):
@@ -346,7 +348,7 @@ def is_loose(registration: AnyRegistration) -> bool:
     return covariance.loosest_sigma > LOOSE_SIGMA
 
 
-def loose_words(registration: AnyRegistration) -> str:
+def loose_words(registration: Registration) -> str:
     """That the noise leaves a turn open, and about which axis; empty where it does not."""
     covariance = registration.covariance
     if covariance is None or not is_loose(registration):
@@ -374,7 +376,7 @@ def _headline_of_fit(fit: Fit) -> Headline:
     return SCALE_FITS if alone and good else POOR_FIT
 
 
-def _bounded(registration: AnyRegistration) -> Headline:
+def _bounded(registration: Registration) -> Headline:
     listed, degrees = registration.equilibria is not None, proved_degrees(registration)
     if listed and _is_flat(registration):
         return BOUNDED_FLAT
@@ -385,7 +387,7 @@ def _bounded(registration: AnyRegistration) -> Headline:
     return BOUNDED_WITHOUT_ANGLE if degrees is None else BOUNDED
 
 
-def headline_words(registration: AnyRegistration) -> str:
+def headline_words(registration: Registration) -> str:
     """The first line of a registration, with its proved numbers."""
     bounds = registration.bounds
     gap, share = ("", "") if bounds is None else (at_most(bounds.greatest_gap), share_words(bounds))
@@ -400,7 +402,7 @@ def headline_words(registration: AnyRegistration) -> str:
     )
 
 
-def _free_words(registration: AnyRegistration) -> str:
+def _free_words(registration: Registration) -> str:
     """Why others are as good; where nothing is free, two poses tie."""
     free = registration.solution.freedom
     if isinstance(free, Absent):
@@ -410,7 +412,7 @@ def _free_words(registration: AnyRegistration) -> str:
     return free.words() or "another pose is exactly as good"
 
 
-def proved_degrees(registration: AnyRegistration) -> str | None:
+def proved_degrees(registration: Registration) -> str | None:
     """The proved bound on the angle to every optimum; None where nothing is said."""
     return None if registration.bounds is None else degrees_words(registration.bounds)
 

@@ -6,9 +6,11 @@ import enum
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from certreg.certificate import CommonMotion, ConsensusProver, common_motion, pose_of, sets_apart
+from certreg.certificate.producing_consensus import ConsensusProver, pose_of
+from certreg.certificate.shared_motion import CommonMotion, common_motion, sets_apart
 from certreg.errors import InvalidProblemError
-from certreg.problem import checked_effort, checked_inliers
+from certreg.problem.bounds import checked_inliers
+from certreg.problem.effort import checked_effort
 from certreg.registration.consensus import proved_consensus
 from certreg.registration.consensus_words import within_words
 from certreg.registration.exit_codes import DONE, NOT_CERTIFIED, REFUSED
@@ -16,9 +18,10 @@ from certreg.registration.row_names import RowNames
 from certreg.results import Presented
 
 if TYPE_CHECKING:
-    from certreg.certificate import ProvedConsensus
-    from certreg.geometry import Pose
-    from certreg.problem import RegistrationProblem
+    from certreg.certificate.producing_consensus import ProvedConsensus
+    from certreg.geometry.pose import Pose
+    from certreg.problem.problem import RegistrationProblem
+
 
 NAMED_ROWS = 8  # of the refuted ones, in a sentence
 
@@ -180,5 +183,5 @@ def judged_labels(
         motion=motion,
         most=most,
         names=RowNames.of(about or {}, problem.n),
-        sets=sets_apart(prover.consistent),
+        sets=sets_apart(prover.graph.near),
     )

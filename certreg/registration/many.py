@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Literal, cast, overload
 
-from certreg.certificate import certificates_of
+from certreg.certificate.many import certificates_of
 from certreg.errors import CertregError, InvalidProblemError
-from certreg.problem import ManyPairs
-from certreg.registration.any_certification import certify
+from certreg.problem.many import ManyPairs
+from certreg.registration.certification import certify
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
-    from certreg.certificate import Certificates
-    from certreg.problem import RegistrationProblem
+    from certreg.certificate.many import Certificates
+    from certreg.problem.problem import RegistrationProblem
     from certreg.registration.result import Registration
 
     Problem = RegistrationProblem | tuple[Any, Any]

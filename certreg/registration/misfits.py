@@ -38,18 +38,20 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg import problem as problems
 from certreg._loading import cached_property
-from certreg.exact import nearest_or_zero, power_of_two, rank
-from certreg.geometry import squared_norm
-from certreg.problem import trace
+from certreg.exact.dyadic import nearest_or_zero, power_of_two
+from certreg.exact.elimination import rank
+from certreg.geometry.so3 import squared_norm
+from certreg.problem.bounds import MOST_PAIRS
+from certreg.problem.moments import trace
 from certreg.registration.outlying import PAIRINGS, ROUNDING
 from certreg.registration.tails import log_beta_below, log_choices, log_ratio_below
 from certreg.registration.units import UNITS
 from certreg.results import Brief
 
 if TYPE_CHECKING:
-    from certreg.objective import Isotropic
+    from certreg.objective.isotropic import Isotropic
+    from certreg.problem.motion import Motion
     from certreg.registration.outlying import OtherPairing, RowFit
     from certreg.registration.row_names import RowNames
 
@@ -269,8 +271,7 @@ def _outlier_remedy(rows: RowFit, names: RowNames) -> str:
     which = names.words(rows.far, k) if k <= NAMED_AGAIN else "these rows"
     they, them = ("it is", "it") if k == 1 else ("they are", "them")
     remedy = f"check {which}; if {they} wrong, mend {them} or leave {them} out, and certify again"
-    # Asked of the face, which loads what few problems need.
-    return f"{remedy}{PROVE_WRONG}" if rows.rows <= problems.MOST_PAIRS else remedy
+    return f"{remedy}{PROVE_WRONG}" if rows.rows <= MOST_PAIRS else remedy
 
 
 def _likeliest(
@@ -368,7 +369,7 @@ def _mirrored_words(sums: FitSums, rows: RowFit) -> str | None:
 
 def _slip_words(rows: RowFit) -> str | None:
     other = rows.other_pairing
-    if other is None or not _fits_better(other, rows.parameters):
+    if other is None or not _fits_better(other, rows.motion):
         return None
     of = "" if other.first is None else f" of the first {other.first} rows"
     gone = _gone(other.left, of)
@@ -385,9 +386,9 @@ def _shuffled_words(sums: FitSums, rows: RowFit) -> str | None:
     )
 
 
-def _fits_better(other: OtherPairing, parameters: int) -> bool:
+def _fits_better(other: OtherPairing, motion: Motion) -> bool:
     """Whether another pairing fits better than chance allows if the given one is right."""
-    degrees = 3 * other.rows - parameters
+    degrees = motion.degrees(3 * other.rows)
     if degrees <= 0 or other.left > MOST_LEFT:
         return False
     return log_ratio_below(other.left, degrees) + math.log(PAIRINGS) <= math.log(LEVEL)

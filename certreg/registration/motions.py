@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from certreg._loading import cached_property
-from certreg.geometry import is_reflection
-from certreg.problem import PosedPairs
+from certreg.geometry.so3 import is_reflection
+from certreg.problem.posing import PosedPairs
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

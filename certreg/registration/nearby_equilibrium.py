@@ -13,16 +13,17 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.certificate import sin2_half_angle_between
-from certreg.exact import half_angle_bound
+from certreg.certificate.bounds import sin2_half_angle_between
+from certreg.exact.dyadic import half_angle_bound
 from certreg.registration.curvature import slope_and_curvature
-from certreg.relaxation import refined
+from certreg.relaxation.refining import refined
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
     from fractions import Fraction
 
-    from certreg.objective import LevelledExactly, Springs
+    from certreg.objective.levelling import LevelledExactly
+    from certreg.objective.springs import Springs
 
 # Of the oscillation. Doubles hold the data to 1e-16 of them: what is closer is a tie but for their
 # rounding, as the seven zeros of Choi and Lam's form are.

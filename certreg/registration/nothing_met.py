@@ -6,19 +6,22 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.certificate import consistent_pairs
-from certreg.exact import at_least
-from certreg.native import triangles
-from certreg.problem import LEAST_PAIRS, lengths
+from certreg.certificate.consistency import consistent_pairs
+from certreg.exact.decimals import at_least
+from certreg.native.cliques import triangles
+from certreg.problem.arrays import lengths
+from certreg.problem.bounds import LEAST_PAIRS
 
 if TYPE_CHECKING:
-    from certreg.problem import RegistrationProblem
+    from certreg.problem.problem import RegistrationProblem
+
 
 ROUNDING = 2.0**-48  # of the sum of two lengths: their difference errs by less
 
 
-def nothing_met(problem: RegistrationProblem, motion: str) -> str:
-    """Of a motion that shall meet three pairs; motion: in words."""
+def nothing_met(problem: RegistrationProblem) -> str:
+    """Of a motion that shall meet three pairs."""
+    motion = "motion with a scale" if problem.scaled else "rigid motion"
     if problem.scaled or triangles(consistent_pairs(problem), (1 << problem.n) - 1).any():
         return (
             f"no {motion} was found that brings {LEAST_PAIRS} pairs within their bounds: all may "

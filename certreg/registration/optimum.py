@@ -4,19 +4,21 @@ from __future__ import annotations
 
 import math
 from fractions import Fraction
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, overload
 
 import numpy as np
 
-from certreg.certificate import ExactPose
-from certreg.equilibrium import rotation_double, unit_double
+from certreg.certificate.bounds import ExactPose
+from certreg.equilibrium.presentation import rotation_double, unit_double
 from certreg.errors import OutOfRangeError
-from certreg.exact import nearest_double
-from certreg.geometry import Pose, Similarity
+from certreg.exact.dyadic import nearest_double
+from certreg.geometry.pose import Pose
+from certreg.geometry.similarity import Similarity
 
 if TYPE_CHECKING:
-    from certreg.exact import IntegerQuaternion
-    from certreg.objective import Isotropic
+    from certreg.exact.spaces import IntegerQuaternion
+    from certreg.objective.isotropic import Isotropic
+    from certreg.objective.springs import Springs
 
 
 def optimal_pose(objective: Isotropic) -> Pose | Similarity:
@@ -24,7 +26,15 @@ def optimal_pose(objective: Isotropic) -> Pose | Similarity:
     return pose_at(objective, objective.optimum)
 
 
-def pose_at(objective: Isotropic, q: IntegerQuaternion) -> Pose | Similarity:
+@overload
+def pose_at(objective: Springs, q: IntegerQuaternion) -> Pose: ...
+
+
+@overload
+def pose_at(objective: Isotropic | Springs, q: IntegerQuaternion) -> Pose | Similarity: ...
+
+
+def pose_at(objective: Isotropic | Springs, q: IntegerQuaternion) -> Pose | Similarity:
     """The pose of a rotation with its best translation, every number rounded once.
 
     Where the scale is free, with its best scale, and the best translation for that as rounded.

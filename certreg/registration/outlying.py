@@ -12,9 +12,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.equilibrium import rotation_double
-from certreg.exact import nearest_or_zero, power_of_two
-from certreg.problem import Block, row_blocks
+from certreg.equilibrium.presentation import rotation_double
+from certreg.exact.dyadic import nearest_or_zero, power_of_two
+from certreg.problem.arrays import row_blocks
+from certreg.problem.terms import Pairs
 from certreg.registration.covariance import (
     Residual,
     effective_rows,
@@ -28,9 +29,11 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from certreg.geometry import Pose, Similarity
-    from certreg.objective import Isotropic
-    from certreg.problem import RegistrationProblem
+    from certreg.geometry.pose import Pose
+    from certreg.geometry.similarity import Similarity
+    from certreg.objective.isotropic import Isotropic
+    from certreg.problem.motion import Motion
+    from certreg.problem.problem import RegistrationProblem
 
 SAMPLE_ROWS = 4096  # medians to two per cent; all rows where there are no more
 LISTED = 10  # rows named one by one
@@ -63,7 +66,7 @@ class RowFit:
 
     rows: how many have weight. effective_rows: (sum w)^2 / sum w^2; independent_rows: those that
         carry the objective, `rows` where their noise was given, else `effective_rows`.
-    parameters: of the motion. worst: the largest residuals at the optimum, largest first.
+    motion: that was fitted. worst: the largest residuals at the optimum, largest first.
     largest_over_median: of the residuals at the optimum; None where the median is zero.
     far: rows more than FAR medians away from a pose that most rows agree on, the worst first, at
         most LISTED; far_rows: how many there are. tied: whether as many rows agree on another pose,
@@ -76,7 +79,7 @@ class RowFit:
     rows: int
     effective_rows: float
     independent_rows: float
-    parameters: int
+    motion: Motion
     worst: tuple[Residual, ...]
     largest_over_median: float | None
     far: tuple[int, ...]
@@ -88,7 +91,7 @@ class RowFit:
 
     def degrees(self, more: int = 0) -> float:
         """Of freedom, with so many more parameters, or observations left out."""
-        return 3 * self.independent_rows - self.parameters - more
+        return self.motion.degrees(3 * self.independent_rows) - more
 
 
 def row_fit(
@@ -132,7 +135,7 @@ def _row_fit(
         rows=count.rows,
         effective_rows=effective_rows(problem),
         independent_rows=independent_rows(problem),
-        parameters=problem.motion.parameters,
+        motion=problem.motion,
         worst=_residuals(problem, pose, count.worst),
         largest_over_median=count.worst[0].distance / median if median > 0.0 else None,
         far=tuple(one.row for one in count.far),
@@ -183,7 +186,7 @@ class _Frame:
             optimum=RigidMotion(rotation=rotation, translation=np.zeros(3)),
         )
 
-    def pairs(self, points: Block) -> WeightedPairs:
+    def pairs(self, points: Pairs) -> WeightedPairs:
         """Points of the problem in this frame."""
         return WeightedPairs(
             source=self._moved(points.source, self.source_mean),
@@ -313,7 +316,7 @@ class _Count:
     far: list[Residual] = field(default_factory=list[Residual])
     worst: list[Residual] = field(default_factory=list[Residual])
 
-    def add(self, first: int, points: Block, frame: _Frame) -> None:
+    def add(self, first: int, points: Pairs, frame: _Frame) -> None:
         """Count a block, whose first row has this number."""
         present = np.flatnonzero(points.weights)
         if len(present) < len(points.weights):
@@ -344,16 +347,16 @@ def _largest(
     return sorted([*known, *more], key=lambda one: (-one.distance, one.row))[:LISTED]
 
 
-def _rows(points: RegistrationProblem | Block, rows: NDArray[np.int64]) -> Block:
+def _rows(points: RegistrationProblem | Pairs, rows: NDArray[np.int64]) -> Pairs:
     """Some of the points in doubles; those of a mapped file are copied."""
-    return Block(
+    return Pairs(
         source=points.source[rows].astype(np.float64),
         target=points.target[rows].astype(np.float64),
-        weights=points.weights[rows].astype(np.float64),
+        springs=points.weights[rows].astype(np.float64),
     )
 
 
-def _picked(problem: RegistrationProblem) -> Block:
+def _picked(problem: RegistrationProblem) -> Pairs:
     """The rows with weight: all, or of many rows a sample at random, always the same."""
     if problem.n <= SAMPLE_ROWS:
         points = problem.block(slice(0, problem.n))

@@ -10,17 +10,18 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from certreg.problem import LEAST_PAIRS, RegistrationProblem
+from certreg.objective.structure import Structure
+from certreg.problem.bounds import LEAST_PAIRS
 from certreg.registration.consensus_words import against_pose, bound_share, bound_words
 from certreg.registration.headlines import reason_of_fit
 from certreg.registration.misfits import FitCode, FitWarning
-from certreg.registration.result import Registration
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from certreg.problem import RegistrationProblem
-    from certreg.registration.spring_result import SpringRegistration
+    from certreg.problem.problem import RegistrationProblem
+    from certreg.registration.result import Registration
+
 
 WIDE = 0.25  # of a cloud's size: of directions a sixth or more are within it of any one
 FEW = 6  # pairs, where FEW_OF times as many are given: sets of five of 100 agree by chance
@@ -57,9 +58,9 @@ def wide_warning(problem: RegistrationProblem) -> FitWarning | None:
     )
 
 
-def poor_warning(fit: Registration | SpringRegistration) -> FitWarning | None:
+def poor_warning(fit: Registration) -> FitWarning | None:
     """Of a fit that explains little and that no test is for; None of others."""
-    if not isinstance(fit, Registration) or fit.fit.untested is None:
+    if fit.structure is Structure.QUARTIC or fit.fit.untested is None:
         return None
     share = fit.fit.explained
     if share is None or share >= LEAST_EXPLAINED:
@@ -72,9 +73,7 @@ def poor_warning(fit: Registration | SpringRegistration) -> FitWarning | None:
     )
 
 
-def reason_against(
-    fit: Registration | SpringRegistration, warnings: Sequence[FitWarning]
-) -> str | None:
+def reason_against(fit: Registration, warnings: Sequence[FitWarning]) -> str | None:
     """What the first line says against pairs whose labels are proved, and their pose; or None.
 
     warnings: of the pairs, without those of the fit.

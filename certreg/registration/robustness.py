@@ -6,15 +6,17 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from certreg.certificate import MOST_DEGREES
+from certreg.certificate.radius import MOST_DEGREES
 from certreg.errors import InvalidProblemError
-from certreg.exact import at_most, degrees_above, double_below, half_angle_bound
+from certreg.exact.decimals import at_most
+from certreg.exact.dyadic import degrees_above, double_below, half_angle_bound
 from certreg.registration.scale_range import proved_scales
 from certreg.results import Absent, Brief
 
 if TYPE_CHECKING:
-    from certreg.certificate import Radius, SimilarityBody
-    from certreg.problem import ExactMoments
+    from certreg.certificate.isotropic import SimilarityBody
+    from certreg.certificate.radius import Radius
+    from certreg.problem.moments import ExactMoments
 
 ROBUSTNESS_ANGLE = 5.0  # degrees, unless another is asked for
 NONE_PROVED = Absent("no error of the points is proved to be harmless, or that was not asked for")

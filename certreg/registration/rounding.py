@@ -14,8 +14,8 @@ import math
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from certreg.exact import nearest_root, power_of_two, rational_root_above
-from certreg.problem import trace
+from certreg.exact.dyadic import nearest_root, power_of_two, rational_root_above
+from certreg.problem.moments import trace
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -23,8 +23,8 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from certreg.objective import Isotropic
-    from certreg.problem import ExactMoments
+    from certreg.objective.isotropic import Isotropic
+    from certreg.problem.moments import ExactMoments
 
 MATRIX = (3, 3)
 SMALLEST_HALF = -1075  # exponent of half the smallest double

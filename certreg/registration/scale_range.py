@@ -13,12 +13,13 @@ import math
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from certreg.exact import double_above, double_below, power_of_two, rational_root_above
-from certreg.problem import Scale, trace
+from certreg.exact.dyadic import double_above, double_below, power_of_two, rational_root_above
+from certreg.problem.moments import trace
+from certreg.problem.motion import Scale
 
 if TYPE_CHECKING:
-    from certreg.certificate import SimilarityBody
-    from certreg.problem import ExactMoments
+    from certreg.certificate.isotropic import SimilarityBody
+    from certreg.problem.moments import ExactMoments
 
 Spreads = tuple[Fraction, Fraction, Fraction]  # M, Sxx, Syy
 

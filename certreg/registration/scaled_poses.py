@@ -17,7 +17,7 @@ from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from certreg.errors import InvalidProblemError
-from certreg.exact import double_above, rational_root_above
+from certreg.exact.dyadic import double_above, rational_root_above
 from certreg.registration.outlying import independent_rows
 from certreg.registration.rounding import rounding_errors
 from certreg.registration.units import unit_words
@@ -27,15 +27,16 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from certreg.certificate import ExactPose
-    from certreg.geometry import GivenPose, Similarity
-    from certreg.objective import Isotropic
-    from certreg.problem import RegistrationProblem
+    from certreg.certificate.bounds import ExactPose
+    from certreg.geometry.given import GivenPose
+    from certreg.geometry.similarity import Similarity
+    from certreg.objective.isotropic import Isotropic
+    from certreg.problem.problem import RegistrationProblem
     from certreg.registration.result import Registration
+
 
 UNIT = Fraction(1, 2**50)  # of a scale that is read from a matrix, or rounded once
 RANGE = 9  # the range over its lower bound: l1^2 <= 3/4 F^2 over F^2 / 12; symmetric: sqrt(2)
-TURNS, MOTIONS = 3, 6  # degrees of freedom of a rotation, of a pose
 UNSCALED = 1e-12  # off 1: what the rounding of a rotation makes of its scale
 RIGID = " It has no scale of its own and was judged with scale 1."
 NOT_SCALED = Absent("the scale is not free")
@@ -169,5 +170,5 @@ def unit_of(registration: Registration) -> str | None:
         return None
     alignment = objective.alignment(objective.optimum)
     explained = alignment**2 / (scaling.source * scaling.target)
-    degrees = 3 * independent_rows(problem) - problem.motion.parameters
+    degrees = problem.motion.degrees(3 * independent_rows(problem))
     return unit_words(alignment / scaling.source, explained, degrees)

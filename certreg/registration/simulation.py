@@ -2,27 +2,36 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from certreg import objective as objectives
-from certreg import problem as problems
 from certreg._loading import found_late
-from certreg.certificate import RotationState, check_own, produce, require_accepted
-from certreg.dynamics import Trajectory, simulate
-from certreg.exact import nearest_double, power_of_two
-from certreg.native import Integrator
-from certreg.objective import Isotropic
-from certreg.problem import Verb, lift, require_supported
+from certreg.certificate.checking import check_own, require_accepted
+from certreg.certificate.isotropic import RotationState
+from certreg.certificate.producing import produce
+from certreg.dynamics import simulation
+from certreg.dynamics.integrators import DEFAULT_SETTINGS
+from certreg.dynamics.simulation import optimal_damping
+from certreg.dynamics.trajectory import Trajectory
+from certreg.exact.dyadic import nearest_double, power_of_two
+from certreg.native.loops import Integrator, Kind
+from certreg.objective.isotropic import Isotropic
+from certreg.objective.objective import objective_of
+from certreg.problem.lifting import lift
+from certreg.problem.support import Verb, require_supported
 from certreg.registration.agreement import require_sound_trajectory
+from certreg.registration.stating import require_problem
 from certreg.results import OUT_OF_RANGE, Absent, Brief, Presented
 
 if TYPE_CHECKING:
-    from certreg.dynamics import Basin, SimulationSettings
-    from certreg.objective import Springs
-    from certreg.problem import RegistrationProblem
+    from collections.abc import Callable, Mapping
+
+    from certreg.dynamics.basin import Basin
+    from certreg.dynamics.integrators import SimulationSettings
+    from certreg.objective.springs import Springs
+    from certreg.problem.problem import RegistrationProblem
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -94,24 +103,75 @@ class SimulatedRegistration(Brief):
         return self.trajectory.energies
 
 
-KINDS = {  # by the name of the body
-    "RigidBody": lambda: ProblemTrajectory,
-    "SprungBody": found_late("certreg.registration.valley", "SimulatedSprings"),
-    "BreathingBody": found_late("certreg.registration.breathing", "SimulatedBreathing"),
+MOTIONS: Mapping[Kind, Callable[[], type[SimulatedMotion]]] = {  # by the kind of the body
+    Kind.RIGID: lambda: ProblemTrajectory,
+    Kind.SPRINGS: found_late("certreg.registration.valley", "SimulatedSprings"),
+    Kind.BREATHING: found_late("certreg.registration.breathing", "SimulatedBreathing"),
 }
 
 
-def objective_of(problem: RegistrationProblem) -> Isotropic | Springs:
-    """The energy of a problem as a function of the rotation."""
-    if problem.factors is None:
-        return Isotropic.of(problem)
-    return objectives.Springs(problems.spring_moments(problem))
+def simulate(
+    problem: RegistrationProblem,
+    integrator: str | None = None,
+    *,
+    step: float | None = None,
+    settings: SimulationSettings | None = None,
+) -> SimulatedMotion:
+    """The trajectory of the damped body, released at rest where the source was given.
+
+    Parameters
+    ----------
+    problem
+        Its damping is that of the body.
+    integrator
+        "euler", explicit with projection; "midpoint", whose energy never rises; "splitting", a few
+        large steps. None: "euler", and "midpoint" on general springs, where that is not there, and
+        with a free scale, where no other is.
+    step
+        In the time unit of the springs, None for the integrator's own; less is taken, and noted in
+        the trajectory, where this is not stable or gains nothing.
+    settings
+        What else may be set; a step given beside them comes before theirs.
+
+    Returns
+    -------
+    SimulatedMotion
+        A `Trajectory` with its problem; how it ended is in its `status`. On general springs the
+        body may come to rest elsewhere than at the optimum; with a free scale its size moves, too.
+
+    Raises
+    ------
+    ValueError
+        For other steps.
+    InvalidProblemError
+        For other integrators; for "euler" on general springs; for all but "midpoint" with a free
+        scale; for the symmetric scale, which no springs have; for what is no problem.
+    DegenerateProblemError
+        Where the dynamics is not defined or too stiff.
+    """
+    require_problem(problem, "simulate")
+    settings = _with_step(settings, step)
+    return simulated_motion(problem, objective_of(problem), integrator, settings=settings)
+
+
+def _with_step(settings: SimulationSettings | None, step: float | None) -> SimulationSettings:
+    settings = settings or DEFAULT_SETTINGS
+    return settings if step is None else replace(settings, step=step)
+
+
+def optimally_damped(problem: RegistrationProblem) -> RegistrationProblem:
+    """The same problem with the damping under which the slowest mode decays fastest.
+
+    Raises DegenerateProblemError where the dynamics is not defined or the optimum is not unique.
+    """
+    require_supported(problem.cell, Verb.DAMPING)
+    return problem.damped(optimal_damping(Isotropic.of(problem)))
 
 
 def simulated_motion(
     problem: RegistrationProblem,
     objective: Isotropic | Springs,
-    integrator: str | None = None,
+    integrator: Integrator | str | None = None,
     *,
     settings: SimulationSettings | None = None,
 ) -> SimulatedMotion:
@@ -124,11 +184,11 @@ def simulated_motion(
     if problem.scaled:
         require_supported(problem.cell, Verb((chosen or Integrator.MIDPOINT).value))
     made = partial(_of_its_kind, problem=problem, objective=objective)
-    return simulate(objective, problem.damping, chosen, settings=settings, kind=made)
+    return simulation.simulate(objective, problem.damping, chosen, settings=settings, kind=made)
 
 
 def _of_its_kind(**fields: Any) -> SimulatedMotion:
-    return KINDS[type(fields["moving"]).__name__]()(**fields)
+    return MOTIONS[fields["moving"].KIND]()(**fields)
 
 
 def proved_end(run: ProblemTrajectory) -> SimulatedRegistration:

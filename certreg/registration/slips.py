@@ -16,15 +16,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.certificate import ExactPose
-from certreg.exact import nearest_root
-from certreg.geometry import (
-    ROTATION_TOLERANCE,
-    GivenPose,
-    quaternion_from_matrix,
-    rotation_matrix,
-    why_no_rotation,
-)
+from certreg.certificate.bounds import ExactPose
+from certreg.exact.dyadic import nearest_root
+from certreg.geometry.pose_matrix import ROTATION_TOLERANCE, why_no_rotation
+from certreg.geometry.so3 import quaternion_from_matrix, rotation_matrix
 from certreg.registration.findings import (
     GOOD,
     added,
@@ -43,6 +38,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from certreg.geometry.given import GivenPose
     from certreg.registration.findings import AssessmentSettings, Findings
     from certreg.registration.result import Registration
 

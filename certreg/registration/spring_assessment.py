@@ -6,8 +6,9 @@ import math
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
-from certreg.exact import at_most, double_above, nearest_double, nearest_root
-from certreg.geometry import why_no_rotation
+from certreg.exact.decimals import at_most
+from certreg.exact.dyadic import double_above, nearest_double, nearest_root
+from certreg.geometry.pose_matrix import why_no_rotation
 from certreg.registration.assessed import Assessment
 from certreg.registration.assessment_words import note_on
 from certreg.registration.findings import GOOD, rules_out
@@ -28,22 +29,24 @@ from certreg.registration.headlines import (
     loose_words,
     share_words,
 )
+from certreg.registration.quartic import UNDECIDED
 from certreg.registration.scaled_poses import NOT_SCALED
 from certreg.registration.spring_findings import (
     spring_findings,
     spring_sigma_distance,
     spring_verdict_of,
 )
-from certreg.registration.spring_result import UNDECIDED
 from certreg.registration.weak_shifts import weak_shift_words
 from certreg.results import OUT_OF_RANGE, Absent, PoseVerdict, present
 
 if TYPE_CHECKING:
-    from certreg.geometry import GivenPose
+    from certreg.geometry.given import GivenPose
     from certreg.registration.findings import AssessmentSettings, SigmaDistance
     from certreg.registration.headlines import Headline
+    from certreg.registration.quartic import QuarticSolution
+    from certreg.registration.result import Registration
     from certreg.registration.spring_findings import SpringFindings
-    from certreg.registration.spring_result import SpringRegistration
+
 
 NUMBERS = (
     *("objective", "rmse", "gap_lower", "gap_upper", "gap_share", "rounding_cost", "angle_upper"),
@@ -63,7 +66,7 @@ NO_SLIPS = Absent(
 
 
 def judged_on_springs(
-    registration: SpringRegistration, given: GivenPose, settings: AssessmentSettings
+    registration: Registration[QuarticSolution], given: GivenPose, settings: AssessmentSettings
 ) -> Assessment:
     """As `judged`, of general springs."""
     fault = why_no_rotation(given.turn, settings.rotation_tolerance)
@@ -97,13 +100,13 @@ def judged_on_springs(
             "headline": headline,
             "green": chosen.good,
             "energies": facts.energies,
-            "words": _words(facts, verdict) + note_on(given),
+            "words": _words(facts, verdict) + note_on(registration.problem, given),
         },
         numbers,
     )
 
 
-def _no_rotation(registration: SpringRegistration, fault: str) -> Assessment:
+def _no_rotation(registration: Registration[QuarticSolution], fault: str) -> Assessment:
     said = {
         "verdict": PoseVerdict.NOT_A_ROTATION,
         "headline": NO_ROTATION.said(fault=fault),
@@ -114,7 +117,7 @@ def _no_rotation(registration: SpringRegistration, fault: str) -> Assessment:
 
 
 def _assessment(
-    registration: SpringRegistration, said: dict[str, Any], numbers: dict[str, Any]
+    registration: Registration[QuarticSolution], said: dict[str, Any], numbers: dict[str, Any]
 ) -> Assessment:
     """With the optimum beside the pose that is judged."""
     solution = registration.solution
@@ -218,7 +221,7 @@ def _nearest(facts: SpringFindings, verdict: PoseVerdict) -> tuple[Any, Any]:
     return NOT_MET, NOT_MET
 
 
-def _why_no_angle(registration: SpringRegistration) -> Absent:
+def _why_no_angle(registration: Registration[QuarticSolution]) -> Absent:
     return UNDECIDED if registration.solution.unique_rotation is None else NOT_UNIQUE
 
 

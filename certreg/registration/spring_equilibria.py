@@ -5,17 +5,22 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.equilibrium import Finiteness, unit_double
-from certreg.exact import nearest_double, nearest_root
-from certreg.geometry import canonical, dot, squared_norm
-from certreg.registration.curvature import slope_and_curvature
+from certreg._loading import late
+from certreg.equilibrium.line_set import Finiteness
+from certreg.equilibrium.presentation import unit_double
+from certreg.errors import DegenerateProblemError
+from certreg.exact.dyadic import nearest_double, nearest_root
+from certreg.geometry.so3 import canonical, dot, squared_norm
+from certreg.objective.springs import Springs
+from certreg.registration.curvature import slope_and_curvature, soft_axes
 from certreg.registration.freedom import Freedom
+from certreg.registration.loose_turns import axis_words
+from certreg.registration.optimum import pose_at
 from certreg.registration.outlying import LISTED
-from certreg.registration.spring_certification import rounded_spring_pose
 from certreg.registration.spring_rows import ResidualSums
 from certreg.registration.weak_shifts import weak_shift_words, weak_shifts
 from certreg.results import OUT_OF_RANGE, Absent, ComponentKind, Explained, Guarantee, Presented
@@ -23,10 +28,13 @@ from certreg.results import OUT_OF_RANGE, Absent, ComponentKind, Explained, Guar
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from certreg.equilibrium import LineSet
-    from certreg.geometry import Pose
-    from certreg.objective import Springs
-    from certreg.problem import RegistrationProblem
+    from certreg.equilibrium.line_set import LineSet
+    from certreg.geometry.pose import Pose
+    from certreg.problem.problem import RegistrationProblem
+    from certreg.relaxation import optimum
+else:
+    optimum = late("certreg.relaxation.optimum")
+
 
 LINES = 40
 SAME_ENERGY = Fraction(1, 1 << 90)  # of the oscillation
@@ -155,11 +163,20 @@ class SpringEquilibria(Explained, Presented):
         return sum(-1 if index % 2 else 1 for index in indices if index is not None)
 
 
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ListedSpringEquilibria(SpringEquilibria):
+    """The same with the searches for them, an `Enumeration`."""
+
+    enumeration: Any
+
+    __repr__ = SpringEquilibria.__repr__
+
+
 def spring_equilibria(
     critical: LineSet, objective: Springs, problem: RegistrationProblem
 ) -> SpringEquilibria:
     """The equilibria at the critical rotations of an objective."""
-    poses = [rounded_spring_pose(objective, part.quaternion) for part in critical.components]
+    poses = [pose_at(objective, part.quaternion) for part in critical.components]
     stiffness = ResidualSums.of(problem, poses[0], LISTED).stiffness if poses else 0.0
     parts = tuple(
         _equilibrium(critical, place, pose, objective, stiffness)
@@ -186,7 +203,7 @@ def _reasons(critical: LineSet) -> dict[str, Absent]:
 
 def _open_words(objective: Springs) -> str:
     """What the springs leave open, or hardly resist; empty where nothing is known to be."""
-    weak = weak_shift_words(weak_shifts(objective.joint_form))
+    weak = weak_shift_words(weak_shifts(objective))
     rounding = f"{weak}; the translations are of rounding as much as of the data" if weak else ""
     return "; ".join(filter(None, (Freedom.of(objective).words(), rounding)))
 
@@ -269,3 +286,20 @@ def _margin(critical: LineSet) -> float | None:
         return None
     apart = max(values[1] - values[0], Fraction(0))  # known to be positive, in more digits
     return float(apart / (values[-1] - values[0]))
+
+
+def spring_pose(problem: RegistrationProblem) -> Pose:
+    """The best pose of a problem with general springs, found and not proved.
+
+    Raises DegenerateProblemError where a shift or a turn is undetermined, or nearly so.
+    """
+    objective = Springs.of(problem)
+    found = optimum.find_optimum(objective)
+    open_ = Freedom.of(objective).words() or weak_shift_words(weak_shifts(objective))
+    if not open_ and len(soft := soft_axes(objective, found.quaternion)):
+        about = " and ".join(axis_words(axis) for axis in soft)
+        open_ = f"rotation about the source's axis {about} is undetermined to first order"
+    if open_:
+        message = f"{open_}; certreg.certify says what is proved of it"
+        raise DegenerateProblemError(message)
+    return pose_at(objective, found.quaternion)

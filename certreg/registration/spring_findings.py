@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.certificate import ExactPose, sin2_half_angle_between, spring_pose_bounds
+from certreg.certificate.bounds import ExactPose, sin2_half_angle_between
+from certreg.certificate.spring_bounds import spring_pose_bounds
 from certreg.errors import UndecidedError
-from certreg.exact import (
+from certreg.exact.dyadic import (
     half_angle_bound,
     nearest_double,
     nearest_or_zero,
@@ -20,9 +21,7 @@ from certreg.exact import (
 )
 from certreg.registration.findings import (
     FIT_WARNED,
-    MOTIONS,
     NO_NOISE,
-    TURNS,
     JudgedEnergies,
     SigmaDistance,
     added,
@@ -31,9 +30,7 @@ from certreg.registration.findings import (
     rules_out,
     turned,
 )
-from certreg.registration.findings import (
-    UNDECIDED as UNPROVED,
-)
+from certreg.registration.findings import UNDECIDED as UNPROVED
 from certreg.registration.loose_turns import LOOSE_SIGMA, TURNED_FAR, beyond_first_order
 from certreg.registration.nearby_equilibrium import equilibrium_near
 from certreg.registration.rounding import rounding_errors
@@ -41,11 +38,13 @@ from certreg.registration.tails import log_chi2_above
 from certreg.results import OUT_OF_RANGE, Absent, Limits, PoseVerdict
 
 if TYPE_CHECKING:
-    from certreg.certificate import PoseBounds
-    from certreg.geometry import GivenPose
+    from certreg.certificate.bounds import PoseBounds
+    from certreg.geometry.given import GivenPose
     from certreg.registration.findings import AssessmentSettings
     from certreg.registration.nearby_equilibrium import NearbyEquilibrium
-    from certreg.registration.spring_result import SpringRegistration
+    from certreg.registration.quartic import QuarticSolution
+    from certreg.registration.result import Registration
+
 
 SLACK = 1.01  # of a rounding cost: its parts are computed in doubles
 FINE_PROOF = 1e-24  # of the range of energies: what a turn by 1e-12 radians costs at most
@@ -60,7 +59,7 @@ class SpringFindings:
     equilibrium than the optimum, right at the pose.
     """
 
-    registration: SpringRegistration
+    registration: Registration[QuarticSolution]
     bounds: PoseBounds
     rounding_cost: Fraction
     energy: Fraction
@@ -101,7 +100,7 @@ class SpringFindings:
 
 
 def spring_findings(
-    registration: SpringRegistration, given: GivenPose, settings: AssessmentSettings
+    registration: Registration[QuarticSolution], given: GivenPose, settings: AssessmentSettings
 ) -> SpringFindings:
     """What is known of a pose. Raises UndecidedError where the optimum could not be certified."""
     solution = registration.solution
@@ -130,7 +129,7 @@ def spring_findings(
     )
 
 
-def _exact_pose(registration: SpringRegistration, given: GivenPose) -> ExactPose:
+def _exact_pose(registration: Registration[QuarticSolution], given: GivenPose) -> ExactPose:
     """Exactly the pose that is judged: a matrix as the nearest rotation about the source's mean."""
     q = nearest_quaternion(given.turn)
     if given.translation is None:
@@ -143,7 +142,7 @@ def _exact_pose(registration: SpringRegistration, given: GivenPose) -> ExactPose
     return pose_through(q, x, added(turned(given.turn, x), shift))
 
 
-def _cost_of_rounding(registration: SpringRegistration, given: GivenPose) -> Fraction:
+def _cost_of_rounding(registration: Registration[QuarticSolution], given: GivenPose) -> Fraction:
     """What rounding the optimal pose to doubles can cost, to second order; of many, that printed.
 
     A turn by a about the source's mean and a shift of its image by d cost at most
@@ -157,14 +156,15 @@ def _cost_of_rounding(registration: SpringRegistration, given: GivenPose) -> Fra
         half = solution.near.half_hessian(solution.centre)
         if not np.isfinite(half).all():
             return Fraction(0)
-        shifted, spun = (float(np.linalg.norm(half[k, k], 2)) for k in (slice(3), slice(3, 6)))
+        parts = slice(3), slice(-3, None)  # of a shift, if the motion has any, and of a turn
+        shifted, spun = (float(np.linalg.norm(half[k, k], 2)) for k in parts)
     angle = 2.0 * math.asin(min(1.0, math.sqrt(nearest_or_zero(sine))))
     cost = math.sqrt(shifted * nearest_or_zero(away)) + math.sqrt(spun) * angle
     return Fraction(SLACK * cost**2)
 
 
 def _critical_near(
-    registration: SpringRegistration, q: tuple[int, ...], settings: AssessmentSettings
+    registration: Registration[QuarticSolution], q: tuple[int, ...], settings: AssessmentSettings
 ) -> NearbyEquilibrium | None:
     """The equilibrium at a rotation, by Newton's steps from there; None if there is none near."""
     solution = registration.solution
@@ -214,7 +214,7 @@ def spring_sigma_distance(facts: SpringFindings, given: GivenPose) -> SigmaDista
     value, squared = nearest_root(rise), nearest_double(rise)
     if value is None or squared is None:
         return OUT_OF_RANGE
-    dof = TURNS if given.translation is None else MOTIONS
+    dof = registration.problem.motion.parameters_given(translation=given.translation is not None)
     distance = SigmaDistance(value=value, dof=dof, p=math.exp(log_chi2_above(squared, dof)))
     loose = beyond_first_order(registration.covariance)
     return loose if loose is not None and not rules_out(registration, distance) else distance

@@ -10,18 +10,21 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.dynamics import simulate, spring_body
-from certreg.equilibrium import SPRING_METHODS, search
+from certreg.dynamics.simulation import simulate
+from certreg.dynamics.springs import spring_body
+from certreg.equilibrium.methods import FINDERS, search
 from certreg.errors import DegenerateProblemError
+from certreg.native.kernels import MissingLibraryError
 from certreg.registration.spring_equilibria import SpringEquilibria, spring_equilibria
 
 if TYPE_CHECKING:
     from typing import Any
 
-    from certreg.equilibrium import LineSet
-    from certreg.objective import Springs
-    from certreg.problem import RegistrationProblem
+    from certreg.equilibrium.line_set import LineSet
+    from certreg.objective.springs import Springs
+    from certreg.problem.problem import RegistrationProblem
     from certreg.registration.spring_equilibria import SpringEquilibrium
+
 
 RELEASED = math.radians(1.0)  # from the equilibrium: far above what runs end within
 RETURNED = math.radians(0.1)  # to it: ten times what a run that ends is off
@@ -29,7 +32,7 @@ RETURNED = math.radians(0.1)  # to it: ten times what a run that ends is off
 
 def listed_springs(problem: RegistrationProblem, objective: Springs) -> SpringEquilibria | None:
     """The equilibria by the first method; None where it decides nothing."""
-    first, *_ = SPRING_METHODS
+    first, *_ = FINDERS[objective.structure]
     found: Any = search(objective, first).critical
     critical: LineSet | None = found
     return None if critical is None else spring_equilibria(critical, objective, problem)
@@ -41,7 +44,7 @@ def returns(
     """Whether a body released at rest 1 degree from an equilibrium comes back to it.
 
     Turned about the first axis of the source, with the translation that is best there. None where
-    the equations of motion are not defined, or the run did not come to rest.
+    the equations of motion are not defined or not compiled, or the run did not come to rest.
     """
     w, x, y, z = part.basis[:, 0]
     c, s = math.cos(RELEASED / 2.0), math.sin(RELEASED / 2.0)
@@ -49,7 +52,7 @@ def returns(
     try:
         start = spring_body(objective.moments, problem.damping).balanced(turned)
         run = simulate(objective, problem.damping, start=start)
-    except DegenerateProblemError:
+    except (DegenerateProblemError, MissingLibraryError):
         return None
     if not run.at_rest:
         return None

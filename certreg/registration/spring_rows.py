@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.problem import row_blocks
+from certreg.problem.arrays import row_blocks
 from certreg.registration.covariance import Residual
 from certreg.results import Brief
 
@@ -25,8 +25,9 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from certreg.geometry import Pose
-    from certreg.problem import RegistrationProblem, SpringBlock
+    from certreg.geometry.pose import Pose
+    from certreg.problem.problem import RegistrationProblem
+    from certreg.problem.terms import Pairs
 
 SAMPLED = 4096  # rows of which the median is taken, where there are more
 LEFT = np.array([[0, 0, 0], [1, 2, 0], [3, 4, 5]])  # where an entry of L stands among the six
@@ -52,12 +53,12 @@ def lower_triangles(factors: NDArray[np.float64]) -> NDArray[np.float64]:
     return factors[:, LEFT] * LOWER
 
 
-def rows_at(block: SpringBlock, pose: Pose) -> SpringRows:
+def rows_at(block: Pairs, pose: Pose) -> SpringRows:
     """The rows of a block at a pose; of numbers beyond the doubles not finite ones."""
     with np.errstate(all="ignore"):
         residuals = block.target - pose.apply(block.source)
-        size = np.abs(block.factors).max(axis=1)
-        lower = lower_triangles(block.factors / np.where(size > 0, size, 1.0)[:, np.newaxis])
+        size = np.abs(block.springs).max(axis=1)
+        lower = lower_triangles(block.springs / np.where(size > 0, size, 1.0)[:, np.newaxis])
         pulled = np.linalg.norm(np.einsum("kij,ki->kj", lower, residuals), axis=1)
         stiffest = _largest_singular(lower)
         return SpringRows(
@@ -104,12 +105,12 @@ class SpringAxes(Brief):
 def blocks_at(problem: RegistrationProblem, pose: Pose) -> Iterator[tuple[slice, SpringRows]]:
     """All rows at a pose, block by block."""
     for rows in row_blocks(problem.n):
-        yield rows, rows_at(problem.spring_block(rows), pose)
+        yield rows, rows_at(problem.block(rows), pose)
 
 
 def source_centre(problem: RegistrationProblem) -> tuple[Fraction, ...]:
     """The mean of the source as doubles have it; the origin where they do not."""
-    blocks = (problem.spring_block(rows) for rows in row_blocks(problem.n))
+    blocks = (problem.block(rows) for rows in row_blocks(problem.n))
     with np.errstate(all="ignore"):
         sums = [block.source.mean(axis=0) * len(block.source) for block in blocks]
         mean = np.sum(sums, axis=0) / problem.n

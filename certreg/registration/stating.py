@@ -6,17 +6,10 @@ import logging
 from typing import TYPE_CHECKING, Any
 
 from certreg.errors import InvalidProblemError
-from certreg.io import stated_problem
-from certreg.problem import (
-    Cell,
-    Loss,
-    RegistrationProblem,
-    Scale,
-    Verb,
-    checked_rotation_only,
-    checked_scale,
-    require_supported,
-)
+from certreg.io.objects import stated_problem
+from certreg.problem.motion import Scale, checked_rotation_only, checked_scale
+from certreg.problem.problem import RegistrationProblem
+from certreg.problem.support import Cell, Loss, Verb, require_supported
 from certreg.registration.closed_form import SpringArguments
 
 if TYPE_CHECKING:

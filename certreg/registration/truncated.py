@@ -6,37 +6,43 @@ searches again in integers, accepts the certificate.
 
 from __future__ import annotations
 
-import time
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.certificate import truncated_certificate
+from certreg.certificate.truncated import truncated_certificate
 from certreg.errors import UndecidedError
-from certreg.exact import at_least, at_most, double_above
-from certreg.geometry import Pose, rotation_matrix
-from certreg.problem import RegistrationProblem, apart, checked_effort
-from certreg.registration.consensus_words import others_words, repeated_rows, repeated_words
+from certreg.exact.decimals import at_least, at_most
+from certreg.exact.dyadic import double_above
+from certreg.geometry.pose import Pose
+from certreg.geometry.so3 import rotation_matrix
+from certreg.problem.arrays import apart
+from certreg.problem.effort import checked_effort
+from certreg.problem.problem import RegistrationProblem
+from certreg.registration.consensus_words import others_words
 from certreg.registration.exit_codes import DONE, NOT_CERTIFIED, NOT_UNIQUE
-from certreg.registration.fit_of_pairs import USUAL, FitSettings, fitted
+from certreg.registration.labelled import LabelledRegistration
 from certreg.registration.nothing_met import nothing_turned
 from certreg.registration.pair_angles import angles_between
-from certreg.registration.pair_warnings import poor_warning, reason_against, wide_warning
+from certreg.registration.pair_warnings import poor_warning, wide_warning
+from certreg.registration.pipeline import USUAL, Asked, Prover, Work
 from certreg.registration.result import Registration
 from certreg.registration.row_names import RowNames
-from certreg.relaxation import search_boxes
-from certreg.results import Saved
+from certreg.registration.squares import fitted
+from certreg.relaxation.rotation_boxes import BoxSearch, search_boxes
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from numpy.typing import NDArray
 
-    from certreg.certificate import Certificate, CertificateVerdict, TruncatedRotationBody
+    from certreg.certificate.checking import CertificateVerdict
+    from certreg.certificate.envelope import Certificate
+    from certreg.certificate.truncated import TruncatedRotationBody
+    from certreg.problem.support import Cell
     from certreg.registration.misfits import FitWarning
+    from certreg.results import Verdict
 
-TRUNCATED_PARTS = 3  # of certify: search, certificate and checker, fit
+
 WORDS = {1: "inlier", 0: "outlier", -1: "undecided"}
 LETTERS = {"1": "inlier", "0": "outlier", "?": "undecided"}  # of a certificate
 NAMED_ROWS = 5  # of the undecided ones, in a sentence
@@ -44,7 +50,7 @@ COST_DIGITS = 6  # of a cost in the first line
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class TruncatedRegistration(Saved):
+class TruncatedRegistration(LabelledRegistration):
     """The rotation of least truncated cost, and what is proved of it and of every pair.
 
     Attributes
@@ -117,10 +123,9 @@ class TruncatedRegistration(Saved):
         return angles_between(self.problem.source @ self.pose.rotation.T, self.problem.target)
 
     @property
-    def names(self) -> RowNames:
-        """Of the rows."""
-        about = {} if self.certificate is None else self.certificate.about
-        return RowNames.of(about, self.problem.n)
+    def met_rows(self) -> list[int]:
+        """`rows`, as integers."""
+        return self.rows.tolist()
 
     @property
     def pair_warnings(self) -> tuple[FitWarning, ...]:
@@ -129,25 +134,9 @@ class TruncatedRegistration(Saved):
         return tuple(one for one in told if one is not None)
 
     @property
-    def warnings(self) -> tuple[FitWarning, ...]:
-        """The same, and those of the least squares."""
-        return (*self.pair_warnings, *self.fit.fit.warnings)
-
-    @property
-    def against(self) -> str | None:
-        """What is to be said in the headline against pairs and rotation; None where nothing is."""
-        return reason_against(self.fit, self.pair_warnings)
-
-    @property
     def good(self) -> bool:
         """Whether all is proved, and nothing is to be said against pairs and rotation."""
         return self.exit_code == DONE and self.against is None
-
-    @property
-    def notes(self) -> tuple[str, ...]:
-        """What the user should know of the pairs."""
-        again = repeated_rows(self.problem, self.rows.tolist())
-        return (repeated_words(again, self.names),) if again else ()
 
     @property
     def certified(self) -> bool:
@@ -202,46 +191,68 @@ class TruncatedRegistration(Saved):
         return (DONE if self.unique else NOT_UNIQUE) if self.certified else NOT_CERTIFIED
 
 
-def certified_truncated(
-    problem: RegistrationProblem,
-    *,
-    effort: float = 1.0,
-    settings: FitSettings = USUAL,
-    about: dict[str, Any] | None = None,
-    done: Callable[[str], None],
-) -> TruncatedRegistration:
-    """Search, prove, fit; done: called with the name of each part.
+class TruncatedProver(Prover[BoxSearch, TruncatedRegistration, TruncatedRegistration]):
+    """Of the least truncated squares of rotations alone."""
 
-    Raises UndecidedError where no rotation was found that brings a pair within its bound.
-    """
-    timings: dict[str, float] = {}
-    start = time.perf_counter()
-    found = search_boxes(
-        problem.source, problem.target, problem.bounds, effort=checked_effort(effort)
-    )
-    timings["search"] = time.perf_counter() - start
-    done("search")
-    start = time.perf_counter()
-    certificate, verdict = truncated_certificate(
-        problem, found.quaternion, found.labels, found.gap, about=about
-    )
-    timings["certificate"] = time.perf_counter() - start
-    done("certificate")
-    start = time.perf_counter()
-    fit = _fit(problem, found.within, settings, about or {})
-    timings["fit"] = time.perf_counter() - start
-    done("fit")
-    labels = found.labels.tolist() if certificate else [-1] * problem.n
-    return TruncatedRegistration(
-        problem=problem,
-        cost=found.cost,
-        labels=tuple(WORDS[label] for label in labels),
-        rows=np.flatnonzero(found.within),
-        fit=fit,
-        certificate=certificate,
-        verdict=verdict,
-        timings=timings,
-    )
+    PARTS = 3  # search, certificate and checker, fit
+
+    def accepts(self, cell: Cell) -> bool:
+        """All that there are."""
+        return cell.rotation_only
+
+    def propose(self, problem: RegistrationProblem, asked: Asked, work: Work) -> BoxSearch:
+        """The best of a search over all rotations."""
+        effort = checked_effort(asked.effort)
+        found = search_boxes(problem.source, problem.target, problem.bounds, effort=effort)
+        work.lap("search")
+        work.done("search")
+        return found
+
+    def prove(
+        self, problem: RegistrationProblem, proposal: BoxSearch, asked: Asked, work: Work
+    ) -> TruncatedRegistration:
+        """The certificate that the checker accepts, if one is, and the least squares.
+
+        Raises UndecidedError where no rotation was found that brings a pair within its bound.
+        """
+        certificate, verdict = truncated_certificate(
+            problem, proposal.quaternion, proposal.labels, proposal.gap, about=asked.about
+        )
+        work.lap("certificate")
+        work.done("certificate")
+        fit = _fit(problem, proposal.within, asked, asked.about)
+        work.lap("fit")
+        work.done("fit")
+        labels = proposal.labels.tolist() if certificate else [-1] * problem.n
+        return TruncatedRegistration(
+            problem=problem,
+            cost=proposal.cost,
+            labels=tuple(WORDS[label] for label in labels),
+            rows=np.flatnonzero(proposal.within),
+            fit=fit,
+            certificate=certificate,
+            verdict=verdict,
+            timings=work.timings,
+        )
+
+    def check(self, proved: TruncatedRegistration, work: Work) -> CertificateVerdict:
+        """The checker's answer, which chose what is claimed."""
+        del work
+        return proved.verdict
+
+    def judge(
+        self,
+        proved: TruncatedRegistration,
+        verdict: Verdict | None,
+        asked: Asked,
+        timings: dict[str, float],
+    ) -> TruncatedRegistration:
+        """As it was proved."""
+        del verdict, asked, timings
+        return proved
+
+
+PROVER = TruncatedProver()
 
 
 def restated_truncated(
@@ -279,12 +290,12 @@ def restated_truncated(
 def _fit(
     problem: RegistrationProblem,
     rows: NDArray[np.bool_],
-    settings: FitSettings,
+    asked: Asked,
     about: dict[str, Any],
 ) -> Registration:
     """The least squares over some pairs; about: of all."""
     names = RowNames.of(about, problem.n)
-    fit = fitted(_of_rows(problem, rows), np.flatnonzero(rows).tolist(), names, settings)
+    fit = fitted(_of_rows(problem, rows), np.flatnonzero(rows).tolist(), names, asked)
     assert isinstance(fit, Registration)  # noqa: S101 - of one weight per pair
     return fit
 

@@ -9,18 +9,19 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from certreg.certificate import disproves_labels
-from certreg.problem import LEAST_DIRECTIONS, checked_inliers
+from certreg.certificate.truncated import disproves_labels
+from certreg.problem.bounds import LEAST_DIRECTIONS, checked_inliers
 from certreg.registration.consensus_words import within_words
 from certreg.registration.exit_codes import DONE, NOT_CERTIFIED, REFUSED
 from certreg.registration.kept_pairs import NAMED_ROWS, LabelsVerdict
-from certreg.registration.parts import logged
-from certreg.registration.truncated import certified_truncated
+from certreg.registration.pipeline import Asked, Work
+from certreg.registration.truncated import PROVER
 from certreg.results import Presented
 
 if TYPE_CHECKING:
-    from certreg.problem import RegistrationProblem
+    from certreg.problem.problem import RegistrationProblem
     from certreg.registration.truncated import TruncatedRegistration
+
 
 BITS = 60  # of the entries of a quaternion
 
@@ -134,5 +135,6 @@ def judged_truncated_labels(
     UndecidedError where no rotation was found that brings a pair within its bound.
     """
     rows = checked_inliers(labels, problem.n, LEAST_DIRECTIONS)
-    optimum = certified_truncated(problem, effort=effort, about=about, done=logged)
+    asked = Asked(effort=effort, about=about or {})
+    optimum = PROVER.certified(problem, asked, Work())
     return TruncatedLabels.of(optimum, rows)

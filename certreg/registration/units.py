@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from certreg.exact import nearest_or_zero
+from certreg.exact.dyadic import nearest_or_zero
 
 if TYPE_CHECKING:
     from fractions import Fraction

@@ -10,32 +10,30 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from certreg._loading import cached_property
-from certreg.certificate import (
-    SpringState,
-    barrier_of,
-    basin_of_springs,
-    check_own,
-    require_accepted,
-    springs_list_certificate,
-)
-from certreg.dynamics import Trajectory
-from certreg.equilibrium import critical_lines, unit_double
-from certreg.exact import power_of_two
-from certreg.geometry import angle_between, dot, rotation_matrix, squared_norm
-from certreg.problem import lift
+from certreg.certificate.checking import check_own, require_accepted
+from certreg.certificate.producing_springs import springs_list_certificate
+from certreg.certificate.springs_basin import SpringState, barrier_of, basin_of_springs
+from certreg.dynamics.trajectory import Trajectory
+from certreg.equilibrium.paths import critical_lines
+from certreg.equilibrium.presentation import unit_double
+from certreg.exact.dyadic import power_of_two
+from certreg.geometry.so3 import angle_between, dot, rotation_matrix, squared_norm
+from certreg.problem.lifting import lift
 from certreg.registration.freedom import Freedom
 from certreg.registration.nearby_equilibrium import TIE, equilibrium_near
 from certreg.registration.simulation import SimulatedMotion
 from certreg.registration.weak_shifts import weak_shift_words, weak_shifts
-from certreg.relaxation import find_optimum
+from certreg.relaxation.optimum import find_optimum
 from certreg.results import Ruling, Verdict
 
 if TYPE_CHECKING:
-    from certreg.certificate import Certificate, SpringsListBody
-    from certreg.dynamics import SprungBody
-    from certreg.native import Records
-    from certreg.objective import Springs
-    from certreg.relaxation import Found
+    from certreg.certificate.envelope import Certificate
+    from certreg.certificate.springs_list import SpringsListBody
+    from certreg.dynamics.springs import SprungBody
+    from certreg.native.layout import Records
+    from certreg.objective.springs import Springs
+    from certreg.relaxation.optimum import Found
+
 
 NEAR = 0.01  # radians: a body at rest is within a thousandth of its equilibrium, unless it is weak
 LEVEL = 1e-5  # of the range of the energy: where the best rotation is not the only one
@@ -73,7 +71,7 @@ class SimulatedSprings(SimulatedMotion):
     def _coasting(self) -> tuple[str, ...]:
         freedom = Freedom.of(self.objective)
         free = filter(None, (freedom.shift_words(), freedom.turn_words()))
-        weak = weak_shift_words(weak_shifts(self.objective.joint_form))
+        weak = weak_shift_words(weak_shifts(self.objective))
         told = (*((words, COASTS) for words in free), (weak, STAYS))
         return tuple(f"{words}: {then}" for words, then in told if words)
 

@@ -19,8 +19,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.exact import at_most, integer_eigenbasis, root_above
-from certreg.geometry import quadratic_form, squared_norm
+from certreg.exact.decimals import at_most
+from certreg.exact.dyadic import root_above
+from certreg.exact.eigenbasis import integer_eigenbasis
+from certreg.geometry.so3 import quadratic_form, squared_norm
 from certreg.registration.loose_turns import axes_words
 from certreg.results import Brief
 
@@ -29,7 +31,8 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from certreg.objective import Form
+    from certreg.objective.springs import Springs
+
 
 # A share of the springs. Normals in six printed digits or in single precision are off by 1e-6 and
 # 6e-8, those of measured surfaces by more; and 1e-6, squared, is what `LEAST_CURVATURE` calls
@@ -49,14 +52,15 @@ class WeakShift(Brief):
     share: float
 
 
-def weak_shifts(form: Form) -> tuple[WeakShift, ...]:
-    """The shifts that are resisted, and by no more than `HARDLY`; the weakest first.
+def weak_shifts(objective: Springs) -> tuple[WeakShift, ...]:
+    """The shifts of its motion that are resisted, and by no more than `HARDLY`; the weakest first.
 
     Proved of each that is returned; that there are no others is computed.
     """
-    stiffness = form.stiffness
+    stiffness = objective.joint_form.stiffness
     total = sum(stiffness[k][k] for k in range(3))
-    resisted = integer_eigenbasis(stiffness, BITS).vectors[: 3 - len(form.free_translations)]
+    count = objective.motion.translations - len(objective.free_translations)
+    resisted = integer_eigenbasis(stiffness, BITS).vectors[:count]
     shares = [
         (Fraction(quadratic_form(stiffness, d), total * squared_norm(d)), d)
         for d in reversed(resisted)

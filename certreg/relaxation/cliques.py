@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.native import BitRows, enumeration, greedy_clique, rows_of, thinned, triangles
+from certreg.native.bit_rows import BitRows, rows_of, thinned
+from certreg.native.cliques import enumeration, greedy_clique, triangles
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -1,8 +1,8 @@
 """The cones of the semidefinite programs, read from what `make generate` wrote.
 
-Each program is stated once, in CVXPY's words (`stated`, `stated_quartic`), whose import takes about
-a second. What CVXPY makes of them for Clarabel are these few numbers; the tests write them anew and
-find the same bytes.
+Each program is stated once, in CVXPY's words (`cvxpy_models`), whose import takes about a second.
+What CVXPY makes of them for Clarabel are these few numbers; the tests write them anew and find the
+same bytes.
 """
 
 from __future__ import annotations

@@ -23,7 +23,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.relaxation.cones import Cones
-    from certreg.relaxation.qcqp import RelaxationForm
 
 SOLVER = "Clarabel"
 # How far the solver goes. Data are scaled so that the largest entry is near 1.
@@ -52,9 +51,8 @@ class ConicSolution:
     """What the solver returned; the numbers are None unless it solved the program, at least nearly.
 
     said: the solver's own word.
-    value: of the relaxation, in units of tr(R^T C).
-    multiplier: of the normalisation, in the same units.
-    matrix: (n, n), the optimal Z, positive semidefinite.
+    value: of the program, in units of its cost. multiplier: of the normalisation, in the same.
+    matrix: (n, n), the optimal one, positive semidefinite. dual: (n, n), its multipliers.
     """
 
     status: RelaxationStatus
@@ -62,6 +60,7 @@ class ConicSolution:
     value: float | None = None
     multiplier: float | None = None
     matrix: NDArray[np.float64] | None = None
+    dual: NDArray[np.float64] | None = None
 
 
 def solver_name() -> str:
@@ -84,26 +83,32 @@ def status_of(said: str, *, solved: str, inaccurate: str) -> RelaxationStatus:
     return known.get(said, RelaxationStatus.FAILED)
 
 
-def solve(form: RelaxationForm, C: NDArray[np.float64]) -> ConicSolution:
-    """The solution of a relaxation for a finite C (3, 3) with its largest entry near 1, or zero.
+def solve(
+    program: str, data: NDArray[np.float64], *, largest: bool = False, refinement: bool = True
+) -> ConicSolution:
+    """The solution of a program of `cones_of` for finite data, the largest near 1, or all zero.
 
-    The tolerances of a solver are absolute as much as relative: far from 1 they mean little.
+    largest: whether it asks for the most of what its cones hold the opposite of. refinement: as in
+    `called`. The tolerances of a solver are absolute as much as relative: far from 1 they mean
+    little.
     """
     try:
-        cones = cones_of(form)
-        answer = called(cones, cones.cost @ C.ravel())
+        cones = cones_of(program)
+        answer = called(cones, cones.cost @ data.ravel(), refinement=refinement)
     except MissingToolError as error:
         return ConicSolution(status=RelaxationStatus.UNAVAILABLE, said=str(error))
     said = str(answer.status)
     status = status_of(said, solved="Solved", inaccurate="AlmostSolved")
     if status is RelaxationStatus.FAILED:
         return ConicSolution(status=status, said=said)
+    matrix, dual = (np.array(part[cones.equalities :]) for part in (answer.s, answer.z))
     return ConicSolution(
         status=status,
         said=said,
-        value=-answer.obj_val,
+        value=-answer.obj_val if largest else answer.obj_val,
         multiplier=answer.z[0],
-        matrix=matrix_of(np.array(answer.s[cones.equalities :]), cones.size),
+        matrix=matrix_of(matrix, cones.size),
+        dual=matrix_of(dual, cones.size),
     )
 
 

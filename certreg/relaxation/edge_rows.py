@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.native import lawson_columns
+from certreg.native.lawson import lawson_columns
 from certreg.relaxation.paired_rows import Poses, fitted, squared_ratios
 
 if TYPE_CHECKING:

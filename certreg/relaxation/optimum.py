@@ -15,9 +15,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.equilibrium import FloatingQuartic, PathsOutcome, critical_lines, descended
-from certreg.geometry import squared_norm
-from certreg.objective import levelled_exactly
+from certreg.equilibrium.paths import PathsOutcome, critical_lines
+from certreg.equilibrium.quartics import FloatingQuartic, descended
+from certreg.geometry.so3 import squared_norm
+from certreg.objective.levelling import levelled_exactly
 from certreg.relaxation.quartic import relax_quartic
 from certreg.relaxation.refining import POSE_BITS, newton, refined
 from certreg.results import Brief
@@ -27,9 +28,11 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from certreg.equilibrium import CriticalLines, QuarticDescent
-    from certreg.exact import IntegerQuaternion
-    from certreg.objective import LevelledExactly, Springs
+    from certreg.equilibrium.paths import CriticalLines
+    from certreg.equilibrium.quartics import QuarticDescent
+    from certreg.exact.spaces import IntegerQuaternion
+    from certreg.objective.levelling import LevelledExactly
+    from certreg.objective.springs import Springs
     from certreg.relaxation.quartic import QuarticRelaxation
 
     Reals = NDArray[np.float64]

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.geometry import davenport_matrix
+from certreg.geometry.so3 import davenport_matrix
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -16,15 +16,14 @@ import enum
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Generic
 
-from certreg.geometry import (
+from certreg.geometry.constraints import (
     ROTATION_SIZE,
     SquareMatrix,
-    T,
-    davenport_matrix,
     homogeneous,
     rotation_quadratics,
     symmetric,
 )
+from certreg.geometry.so3 import T, davenport_matrix
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -10,21 +10,20 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
-from certreg.geometry import canonical
-from certreg.objective import PAIR_PLACE, levelled
-from certreg.relaxation.conic import RelaxationStatus, solver_name
-from certreg.relaxation.moments import solve_moments
-from certreg.relaxation.stated import stated_name
-from certreg.relaxation.stated_quartic import solve_stated_quartic
+from certreg.geometry.so3 import canonical
+from certreg.objective.levelling import levelled
+from certreg.objective.quartics import PAIR_PLACE
+from certreg.relaxation.conic import RelaxationStatus, solve, solver_name
+from certreg.relaxation.cvxpy_models import quartic_statement, solve_stated, stated_name
 from certreg.results import Brief
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from numpy.typing import NDArray
 
-    Reals = NDArray[np.float64]
+Reals = NDArray[np.float64]
 
 RANK_THRESHOLD = 1e-4  # of the largest eigenvalue of the moments; the solver's tolerance is 1e-8
 TIMES = np.array(
@@ -71,9 +70,13 @@ def relax_quartic(
     """
     quartic = levelled(coefficients)
     rest = quartic.rest
-    solution = solve_moments(rest) if solver is None else solve_stated_quartic(rest, solver)
-    rank, quaternion = _rank_and_quaternion(solution.moments)
-    value, gram = solution.value, solution.gram
+    if solver is None:
+        # Without refinement a third faster, and in 270 problems as many iterations.
+        solution = solve("quartic", rest, refinement=False)
+    else:
+        solution = solve_stated(quartic_statement(), rest, solver)
+    rank, quaternion = _rank_and_quaternion(solution.matrix)
+    value, gram = solution.value, solution.dual
     return QuarticRelaxation(
         solver=solver_name() if solver is None else stated_name(solver),
         solver_word=solution.said,

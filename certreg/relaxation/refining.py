@@ -13,15 +13,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.geometry import body_frame, dot
-from certreg.native import critical_point_near
+from certreg.geometry.so3 import body_frame, dot
+from certreg.native.paths import critical_point_near
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from certreg.exact import IntegerQuaternion
-    from certreg.geometry import Matrix3, Vector3
-    from certreg.objective import LevelledExactly
+    from certreg.exact.spaces import IntegerQuaternion
+    from certreg.geometry.so3 import Matrix3, Vector3
+    from certreg.objective.levelling import LevelledExactly
 
 POSE_BITS = 96  # of the quaternion: far below what is proved of its angle
 GUARD_BITS = 32  # of the work beyond it

@@ -13,18 +13,19 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.exact import power_of_two
-from certreg.geometry import canonical, quaternion_from_matrix
+from certreg.exact.dyadic import power_of_two
+from certreg.geometry.so3 import canonical, quaternion_from_matrix
 from certreg.relaxation.conic import ConicSolution, RelaxationStatus, solve, solver_name
+from certreg.relaxation.cvxpy_models import solve_stated, stated_name, statement
 from certreg.relaxation.qcqp import RelaxationForm
-from certreg.relaxation.stated import solve_stated, stated_name
 from certreg.results import Brief
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from certreg.geometry import Matrix3
-    from certreg.objective import Isotropic
+    from certreg.geometry.so3 import Matrix3
+    from certreg.objective.isotropic import Isotropic
+
 
 RANK_THRESHOLD = 1e-4  # of the largest eigenvalue of Z; the solver's tolerance is 1e-8
 
@@ -82,7 +83,10 @@ def relax(
     form, moments = _known(form), objective.moments
     shift = max(abs(entry) for row in moments.cross for entry in row).bit_length()
     C = _normalised(moments.cross, shift)
-    solution = solve(form, C) if solver is None else solve_stated(form, C, solver)
+    if solver is None:
+        solution = solve(form, C, largest=True)
+    else:
+        solution = solve_stated(statement(form), C, solver)
     unit, status = power_of_two(shift) * moments.cross_unit, solution.status
     if shift == 0:
         unit = moments.spread or unit

@@ -118,10 +118,8 @@ class SimilarRows:
 
     def ranges(self, share: float) -> tuple[Reals, Reals]:
         """(N, N): between which scales two rows agree, with such a share of their bounds."""
-        a, b = _lengths(self.source), _lengths(self.target)
-        room = share * np.add.outer(self.bounds, self.bounds)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            return np.maximum(b - room, 0.0) / a, (b + room) / a
+        lengths = lengths_between(self.source), lengths_between(self.target)
+        return scale_ranges(*lengths, share * np.add.outer(self.bounds, self.bounds))
 
     def of_pose(self, scale: float, pairs: PairedRows, pose: Poses) -> Similar:
         """A pose of the scaled rows as a motion of these."""
@@ -129,11 +127,20 @@ class SimilarRows:
         return Similar(scale, pose.rotations, shift - pose.rotations @ pairs.source_centre)
 
 
-def _lengths(points: Reals) -> Reals:
+def scale_ranges(a: Reals, b: Reals, room: Reals) -> tuple[Reals, Reals]:
+    """With which scales least and most lengths a become lengths b, but for so much room."""
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        return np.maximum(b - room, 0.0) / a, (b + room) / a
+
+
+def lengths_between(points: Reals) -> Reals:
+    """(N, N): distances of each point from each other."""
     square = np.zeros((len(points), len(points)))
     for axis in points.T:
-        square += np.subtract.outer(axis, axis) ** 2
-    return np.sqrt(square)
+        difference = np.subtract.outer(axis, axis)
+        difference *= difference
+        square += difference
+    return np.sqrt(square, out=square)
 
 
 def _unit(points: Reals) -> float:

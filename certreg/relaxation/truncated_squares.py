@@ -31,13 +31,14 @@ MOST_STEPS = 2000  # 40 are usual; the largest residuals, of 1e120 bounds, take 
 class Candidate:
     """A pose and the rows within their bounds there, by floating point: a proposal.
 
-    rotation: (3, 3), proper. translation: (3,), in the unit of the clouds; y = R x + t.
-    inliers: the rows within their bounds, ascending.
+    rotation: (3, 3), proper. translation: (3,), in the unit of the target; y = s R x + t.
+    inliers: the rows within their bounds, ascending. scale: s > 0.
     """
 
     rotation: NDArray[np.float64]
     translation: NDArray[np.float64]
     inliers: NDArray[np.int64]
+    scale: float = 1.0
 
 
 def graduated_nonconvexity(

@@ -18,11 +18,12 @@ from certreg.report.viewer import Names
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
-    from certreg.certificate import Certificate
-    from certreg.registration import AnyRegistration
+    from certreg.certificate.envelope import Certificate
+    from certreg.registration.result import Registration
     from certreg.results import Verdict
 
-R = TypeVar("R", bound="AnyRegistration")
+
+R = TypeVar("R", bound="Registration")
 
 ASSETS = files("certreg.report") / "assets"
 GUARANTEE_WORDS = (
@@ -165,7 +166,7 @@ def file_fields(report: AnyReport[Any]) -> dict[str, Any]:
     }
 
 
-def required_proof(registration: AnyRegistration) -> tuple[Certificate[Any], Verdict]:
+def required_proof(registration: Registration) -> tuple[Certificate[Any], Verdict]:
     """The certificate and the checker's verdict. Raises ValueError where there is none."""
     certificate, verdict = registration.certificate, registration.verdict
     if certificate is None or verdict is None:

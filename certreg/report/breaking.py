@@ -14,7 +14,7 @@ from certreg.results import Brief
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from certreg.registration import SimulatedBreaking
+    from certreg.registration.breaking import SimulatedBreaking
 
 TEMPLATE = "report/templates/breaking.html"
 WIDTH, LEFT, RIGHT = 640, 64, 16  # pixels

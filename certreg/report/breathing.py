@@ -15,18 +15,15 @@ from certreg.report.equilibria import (
     margin_words,
     table_of,
 )
-from certreg.report.lines import (
-    away_words,
-    number,
-    step_words,
-)
+from certreg.report.lines import away_words, number, step_words
 from certreg.report.picture import energy_picture
 from certreg.results import OUT_OF_RANGE, ComponentKind, present
 
 if TYPE_CHECKING:
-    from certreg.equilibrium import BreathingEquilibria
-    from certreg.registration import ScaledEquilibria, SimulatedBreathing
+    from certreg.equilibrium.breathing import BreathingEquilibria
+    from certreg.registration.breathing import ScaledEquilibria, SimulatedBreathing
     from certreg.report.encoding import Document
+
 
 SIMULATION_SCHEMA = "certreg-simulation/1"
 HEADINGS = ("index", "kind", "scale", "RMSE", "energy", "to optimum", "")

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from certreg.registration import is_green
+from certreg.registration.headlines import is_green
 from certreg.report.equilibria import KINDS, count_words, margin_words
 from certreg.report.lines import (
     OF_SPREAD,
@@ -27,14 +27,13 @@ from certreg.results import Brief
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from certreg.certificate import CertificateVerdict
-    from certreg.equilibrium import EquilibriumSet
-    from certreg.registration import (
-        AnyRegistration,
-        Assessment,
-        ProblemTrajectory,
-    )
+    from certreg.certificate.checking import CertificateVerdict
+    from certreg.equilibrium.presentation import EquilibriumSet
+    from certreg.registration.assessed import Assessment
+    from certreg.registration.result import Registration
+    from certreg.registration.simulation import ProblemTrajectory
     from certreg.report.picture import Picture
+
 
 GREEN, AMBER = "#1f8d3e", "#bd5f00"  # 4.2 : 1 on white and on #131416, as a page is in the dark
 TEMPLATE = "report/templates/card.html"
@@ -70,7 +69,7 @@ class Card(Brief):
         )
 
 
-def registration_card(registration: AnyRegistration) -> str:
+def registration_card(registration: Registration) -> str:
     """Verdict, pose with its deviations and fit of a registration, and a picture of it."""
     first, *further = verdict_words(registration)
     pose, own, springs = registration.pose, listed(registration), springs_words(registration)
@@ -158,7 +157,7 @@ def verdict_card(verdict: CertificateVerdict) -> str:
     return Card(headline=first, notes=verdict.theorems, good=verdict.proved).html()
 
 
-def _deviations(registration: AnyRegistration) -> Iterator[tuple[str, str]]:
+def _deviations(registration: Registration) -> Iterator[tuple[str, str]]:
     """One standard deviation of each part of the pose, in few words; or why there is none."""
     for name, words in uncertainty_rows(registration):
         if name == "uncertainty":

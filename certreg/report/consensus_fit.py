@@ -13,18 +13,20 @@ from certreg.report.springs import springs_words
 from certreg.report.words import RESTS_ON
 
 if TYPE_CHECKING:
-    from certreg.registration import AnyRegistration, ConsensusRegistration
+    from certreg.registration.consensus import ConsensusRegistration
+    from certreg.registration.result import Registration
+
 
 DISTANCES = "of the least squares alone: a bound is on the distance of two points"
 
 
-def fit_verdict(fit: AnyRegistration) -> list[str]:
+def fit_verdict(fit: Registration) -> list[str]:
     """Its headline, and what the springs leave undetermined."""
     said = verdict_words(fit)
     return said[:1] if sprung(fit) is None else said
 
 
-def further_lines(fit: AnyRegistration) -> list[str]:
+def further_lines(fit: Registration) -> list[str]:
     """How far its points may be off, and what other methods say of it, where one was named."""
     lines: list[str] = []
     if fit.robustness is not None:
@@ -56,7 +58,7 @@ def kinds_words(result: ConsensusRegistration) -> str | None:
     return f"{kinds}, {DISTANCES}" if kinds else None
 
 
-def fit_theorems(fit: AnyRegistration) -> tuple[str, ...]:
+def fit_theorems(fit: Registration) -> tuple[str, ...]:
     """What its optimality rests on."""
     springs = sprung(fit)
     if springs is None:

@@ -6,26 +6,16 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Self, cast
 
 from certreg.errors import DegenerateProblemError
-from certreg.registration import are_words, simulate_breaking
+from certreg.registration.breaking import simulate_breaking
+from certreg.registration.consensus_words import are_words
 from certreg.report.any_report import AnyReport, head_of, pairs_words
 from certreg.report.breaking import breaking_course
-from certreg.report.consensus_fit import (
-    fit_theorems,
-    fit_verdict,
-    kinds_words,
-    marked,
-)
+from certreg.report.consensus_fit import fit_theorems, fit_verdict, kinds_words, marked
 from certreg.report.consensus_picture import pairs_picture, residual_chart
 from certreg.report.consensus_reach import reach_degrees, why_unbounded
 from certreg.report.lines import number
 from certreg.report.overview import Overview
-from certreg.report.pairs import (
-    HARDER,
-    TOLD_SECOND,
-    counted_labels,
-    pair_remedies,
-    warnings_of,
-)
+from certreg.report.pairs import HARDER, TOLD_SECOND, counted_labels, pair_remedies, warnings_of
 from certreg.report.pose_facts import Fact
 from certreg.report.remedies import causes, remedies
 from certreg.report.scaled_consensus import scale_sentences
@@ -36,8 +26,9 @@ from certreg.results import Guarantee
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
-    from certreg.registration import ConsensusRegistration
+    from certreg.registration.consensus import ConsensusRegistration
     from certreg.report.viewer import Names
+
 
 MOST_ROWS = 40  # undecided pairs in the table
 MOST_MOVED = 200  # pairs of which the motion on springs that break is shown

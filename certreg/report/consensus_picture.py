@@ -14,7 +14,8 @@ from certreg.results import Brief
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from certreg.registration import ConsensusRegistration, TruncatedRegistration
+    from certreg.registration.consensus import ConsensusRegistration
+    from certreg.registration.truncated import TruncatedRegistration
 
     Labelled = ConsensusRegistration | TruncatedRegistration
 

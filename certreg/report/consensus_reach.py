@@ -11,15 +11,17 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.certificate import ExactPose, angle_from
-from certreg.exact import as_given, at_most, degrees_above
+from certreg.certificate.bounds import ExactPose, angle_from
+from certreg.exact.decimals import as_given, at_most
+from certreg.exact.dyadic import degrees_above
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
     from fractions import Fraction
 
-    from certreg.geometry import Pose, Similarity
-    from certreg.registration import ConsensusRegistration
+    from certreg.geometry.pose import Pose
+    from certreg.geometry.similarity import Similarity
+    from certreg.registration.consensus import ConsensusRegistration
 
 DIGITS = 7  # of the angle, rounded up
 ON_LINE = 1e-9  # of the size of a cloud: nearer to a line its points are said to be on it

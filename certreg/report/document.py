@@ -8,14 +8,10 @@ from fractions import Fraction
 from typing import TYPE_CHECKING, cast
 
 from certreg._loading import late
-from certreg.exact import double_above, double_below, nearest_double
-from certreg.registration import (
-    NOT_LISTED,
-    NOT_SIMULATED,
-    UNDECIDED,
-    Method,
-    SimulatedRegistration,
-)
+from certreg.exact.dyadic import double_above, double_below, nearest_double
+from certreg.registration.quartic import NOT_LISTED, NOT_SIMULATED, QuarticSolution
+from certreg.registration.result import UNDECIDED, Method
+from certreg.registration.simulation import SimulatedRegistration
 from certreg.report.encoding import Document, Noted, encoded
 from certreg.report.fields import (
     degrees,
@@ -34,20 +30,17 @@ from certreg.results import OUT_OF_RANGE, Absent
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from certreg.certificate import SpringsSosBody
-    from certreg.equilibrium import Component, EquilibriumSet
-    from certreg.registration import (
-        AnyRegistration,
-        Enumeration,
-        Registration,
-        ScaledEquilibria,
-        SimulatedBreathing,
-        SpringRegistration,
-    )
+    from certreg.certificate.springs_sos import SpringsSosBody
+    from certreg.equilibrium.presentation import Component, EquilibriumSet
+    from certreg.registration.breathing import ScaledEquilibria, SimulatedBreathing
+    from certreg.registration.enumeration import Enumeration
+    from certreg.registration.result import Registration
     from certreg.report import breathing, methods
-else:  # of a free scale, and of lists
+else:
+    # of a free scale
     breathing = late("certreg.report.breathing")
     methods = late("certreg.report.methods")
+
 
 RESULT_SCHEMA = "certreg-result/1"
 EQUILIBRIA_SCHEMA = "certreg-equilibria/1"
@@ -85,7 +78,7 @@ def error_document(error: Exception, code: int, **about: str) -> Document:
 
 
 def result_document(
-    registration: AnyRegistration, certificate_path: str | None = None, *, notes: Sequence[str] = ()
+    registration: Registration, certificate_path: str | None = None, *, notes: Sequence[str] = ()
 ) -> Document:
     """A registration as `certreg-result/1`; the path is where the certificate was saved.
 
@@ -117,7 +110,7 @@ def result_document(
     )
 
 
-def _parts(registration: AnyRegistration) -> Document:
+def _parts(registration: Registration) -> Document:
     """What is told of springs, proof, equilibria and methods; what is not there says why."""
     own, springs = listed(registration), sprung(registration)
     parts: Document = {
@@ -155,7 +148,7 @@ def _listed(registration: Registration) -> Document:
     return _equilibria(registration.equilibria) if scaled is None else _scaled_equilibria(scaled)
 
 
-def pose_document(registration: AnyRegistration) -> Document:
+def pose_document(registration: Registration) -> Document:
     """The pose with its uncertainty, as `certreg-pose/1`; `assess` and `apply` read it."""
     return encoded(
         {
@@ -167,7 +160,7 @@ def pose_document(registration: AnyRegistration) -> Document:
     )
 
 
-def equilibria_document(enumeration: Enumeration) -> Document:
+def equilibria_document(enumeration: Enumeration[EquilibriumSet]) -> Document:
     """An equilibrium set on its own; with the searches for it, if there were several."""
     return encoded({**_set(enumeration.equilibria), **methods.methods_fields(enumeration)})
 
@@ -265,7 +258,7 @@ def _component(component: Component, doubt: str | None) -> Document:
     }
 
 
-def _optimality(registration: AnyRegistration) -> Document:
+def _optimality(registration: Registration) -> Document:
     equilibria, springs = registration.equilibria, sprung(registration)
     fields = optimality_fields(registration)
     if equilibria is not None and (ambiguity := equilibria.classification.ambiguity) is not None:
@@ -290,7 +283,7 @@ def _growth(body: SpringsSosBody) -> Document:
     }
 
 
-def _springs(registration: SpringRegistration) -> Document | Absent:
+def _springs(registration: Registration[QuarticSolution]) -> Document | Absent:
     summary, freedom = registration.problem.springs, registration.solution.freedom
     if summary is None:
         return Absent("")
@@ -325,7 +318,7 @@ def _relaxation(registration: Registration) -> Document | Absent:
     }
 
 
-def _relaxation_of_springs(registration: SpringRegistration) -> Document | Absent:
+def _relaxation_of_springs(registration: Registration[QuarticSolution]) -> Document | Absent:
     """The relaxation, its value in the unit of the objective."""
     solution = registration.solution
     relaxation, value = solution.found.relaxation, solution.relaxation_value
@@ -379,7 +372,7 @@ def _simulation_fields(simulated: SimulatedRegistration) -> Document:
     }
 
 
-def _residuals(registration: AnyRegistration) -> list[Document]:
+def _residuals(registration: Registration) -> list[Document]:
     """The worst correspondences, largest distance first."""
     worst = registration.worst_residuals(WORST)
     return [{"row": one.row, "distance": one.distance} for one in worst]

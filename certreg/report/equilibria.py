@@ -6,14 +6,14 @@ import math
 from collections import Counter
 from typing import TYPE_CHECKING
 
-from certreg.registration import ambiguous_words, narrow_words
+from certreg.registration.ambiguity import ambiguous_words, narrow_words
 from certreg.report.lines import number
 from certreg.results import ComponentKind, Guarantee
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from certreg.equilibrium import Component, EquilibriumSet
+    from certreg.equilibrium.presentation import Component, EquilibriumSet
 
 COUNTS = {0: "none", 1: "one", 2: "two", 3: "three", 4: "four"}
 KINDS = {

@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.exact import degrees_above, double_above, double_below
-from certreg.geometry import Similarity
-from certreg.registration import UNDECIDED, is_loose
+from certreg.exact.dyadic import degrees_above, double_above, double_below
+from certreg.geometry.similarity import Similarity
+from certreg.registration.headlines import is_loose
+from certreg.registration.result import UNDECIDED
 from certreg.report.encoding import Noted
 from certreg.report.uncertainty import covariance_of, more_than_noise, shift_sigmas, turn_sigmas
 from certreg.results import OUT_OF_RANGE, Absent
@@ -17,16 +18,19 @@ from certreg.results import OUT_OF_RANGE, Absent
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from certreg.certificate import SimilarityClaims
-    from certreg.geometry import Pose
-    from certreg.registration import AnyRegistration, Fit, FitRow, FitWarning
+    from certreg.certificate.isotropic import SimilarityClaims
+    from certreg.geometry.pose import Pose
+    from certreg.registration.fit import Fit, FitRow
+    from certreg.registration.misfits import FitWarning
+    from certreg.registration.result import Registration
     from certreg.report.encoding import Document
+
 
 NO_SCALE = Absent("the scale was not asked for")
 UNBOUNDED_SCALE = Absent("points that move so far may leave no size to the source, nor a bound")
 
 
-def pose_fields(registration: AnyRegistration) -> Document:
+def pose_fields(registration: Registration) -> Document:
     """The pose with its uncertainty."""
     pose = registration.pose
     return {
@@ -38,7 +42,7 @@ def pose_fields(registration: AnyRegistration) -> Document:
     }
 
 
-def _scale(registration: AnyRegistration) -> Document:
+def _scale(registration: Registration) -> Document:
     """The scale, and proved bounds of it."""
     scale = scale_of(registration.pose)
     interval = scale if isinstance(scale, Absent) else scale_interval(registration)
@@ -50,7 +54,7 @@ def scale_of(pose: Pose | Similarity) -> float | Absent:
     return pose.scale if isinstance(pose, Similarity) else NO_SCALE
 
 
-def scale_interval(registration: AnyRegistration) -> tuple[float, float] | Absent:
+def scale_interval(registration: Registration) -> tuple[float, float] | Absent:
     """Between which numbers a free scale is at every optimum, proved, rounded outwards."""
     certificate, bounds = registration.certificate, registration.stated("bounds")
     if certificate is None or isinstance(bounds, Absent):
@@ -60,7 +64,7 @@ def scale_interval(registration: AnyRegistration) -> tuple[float, float] | Absen
     return (max(0.0, ends[0]), ends[1]) if math.isfinite(ends[1]) else OUT_OF_RANGE
 
 
-def _covariance(registration: AnyRegistration) -> Document:
+def _covariance(registration: Registration) -> Document:
     """Covariance in the order (translation in the target's frame, rotation in the source's, scale).
 
     The scale only where it is free.
@@ -126,7 +130,7 @@ def _fit_row(one: FitRow) -> Document:
     return {"row": one.row, **label, "residual": one.residual}
 
 
-def hardly_determined(registration: AnyRegistration) -> bool | Absent:
+def hardly_determined(registration: Registration) -> bool | Absent:
     """Whether the noise leaves a turn open, where it is known how large it is."""
     covariance = covariance_of(registration)
     if isinstance(covariance, Absent):
@@ -152,7 +156,7 @@ def degrees(angle: float | Absent) -> float | Absent:
     return angle if isinstance(angle, Absent) else math.degrees(angle)
 
 
-def optimality_fields(registration: AnyRegistration) -> Document:
+def optimality_fields(registration: Registration) -> Document:
     """What is proved of the pose, and whether it is called certified."""
     bounds, unique = registration.stated("bounds"), registration.unique
     proved = not isinstance(bounds, Absent)
@@ -169,7 +173,7 @@ def optimality_fields(registration: AnyRegistration) -> Document:
     }
 
 
-def robustness_fields(registration: AnyRegistration) -> Document | Absent:
+def robustness_fields(registration: Registration) -> Document | Absent:
     """How far the points may be off, proved."""
     found = registration.stated("robustness")
     if isinstance(found, Absent):

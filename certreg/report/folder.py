@@ -6,9 +6,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
 from certreg._loading import late
-from certreg.dynamics import Record
+from certreg.dynamics.trajectory import Record
 from certreg.errors import InvalidFileError
-from certreg.io import PAIR_COLUMNS, csv_field, remedy_of, write_together
+from certreg.io.atomic import remedy_of, write_together
+from certreg.io.labels import csv_field
+from certreg.io.row_values import PAIR_COLUMNS
 from certreg.report.document import dumps, pose_document, result_document
 from certreg.report.file_names import (
     CERTIFICATE,
@@ -29,15 +31,15 @@ if TYPE_CHECKING:
     import os
     from collections.abc import Iterator, Sequence
 
-    from certreg.registration import AnyRegistration
+    from certreg.registration.result import Registration
     from certreg.report import pair_fields
     from certreg.report.parts import Labelled
-else:  # of pairs that may be wrong
+else:
     pair_fields = late("certreg.report.pair_fields")
 
 
 def write_folder(
-    result: AnyRegistration | Labelled, folder: str | os.PathLike[str], *, notes: Sequence[str] = ()
+    result: Registration | Labelled, folder: str | os.PathLike[str], *, notes: Sequence[str] = ()
 ) -> Path | None:
     """Write the files of a result; the path of the certificate, None if there is none.
 
@@ -66,7 +68,7 @@ def write_folder(
 
 
 def _contents(
-    result: AnyRegistration | Labelled, path: str | None, notes: Sequence[str]
+    result: Registration | Labelled, path: str | None, notes: Sequence[str]
 ) -> dict[str, bytes | Iterator[bytes]]:
     """What each file holds; path: of the certificate."""
     pairs = labelled(result)
@@ -76,7 +78,7 @@ def _contents(
         document, fit = pair_fields.pairs_document(pairs, path, notes=notes), pairs.fit
         contents[FIT] = _labels_table(pairs).encode()
     else:
-        fit = cast("AnyRegistration", result)
+        fit = cast("Registration", result)
         document = result_document(fit, path, notes=notes)
         if fit.trajectory is not None:
             contents[TRAJECTORY] = Record.of(fit.problem, fit.trajectory).to_bytes()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, cast
 
-from certreg.registration import LabelsVerdict
+from certreg.registration.kept_pairs import LabelsVerdict
 from certreg.report.cards import Card
 from certreg.report.encoding import Document, encoded
 from certreg.report.pairs import truncated_facts
@@ -13,7 +13,9 @@ from certreg.results import Absent
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from certreg.registration import KeptPairs, TruncatedLabels
+    from certreg.registration.kept_pairs import KeptPairs
+    from certreg.registration.truncated_labels import TruncatedLabels
+
 
 LABELS_SCHEMA = "certreg-labels/1"
 TRUNCATED_SCHEMA = "certreg-truncated-labels/1"

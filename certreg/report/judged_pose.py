@@ -5,8 +5,11 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from certreg.exact import at_most, degrees_above, rational_root_above
-from certreg.registration import FIT_WARNED, TooLarge, interval_words
+from certreg.exact.decimals import at_most
+from certreg.exact.dyadic import degrees_above, rational_root_above
+from certreg.registration.findings import FIT_WARNED
+from certreg.registration.headlines import interval_words
+from certreg.registration.loose_turns import TooLarge
 from certreg.report.encoding import Document, encoded
 from certreg.report.fields import degrees, finite, fit_fields, scale_of, upper_degrees
 from certreg.report.lines import exact_number, unit_words
@@ -14,9 +17,12 @@ from certreg.report.remedies import ADVICE
 from certreg.results import Absent, PoseVerdict
 
 if TYPE_CHECKING:
-    from certreg.registration import Assessment, JudgedEnergies, SigmaDistance
+    from certreg.registration.assessed import Assessment
+    from certreg.registration.findings import JudgedEnergies, SigmaDistance
+
 
 ASSESSMENT_SCHEMA = "certreg-assessment/1"
+TURN = 3  # degrees of freedom of a rotation alone
 
 
 def assessment_summary(assessment: Assessment) -> str:
@@ -80,7 +86,7 @@ def _sigma_lines(distance: SigmaDistance | Absent) -> list[str]:
     if isinstance(distance, Absent):
         told = isinstance(distance, TooLarge) or distance == FIT_WARNED
         return [f"  sigma distance     not known: {distance.reason}"] if told else []
-    jointly = "rotation and translation jointly" if distance.dof == 6 else "of the rotation"
+    jointly = "rotation and translation jointly" if distance.dof > TURN else "of the rotation"
     p = f"{distance.p:.2g}" if distance.p else "below 1e-300"
     return [
         f"  sigma distance     {distance.value:.4g} standard deviations, {jointly}",

@@ -7,40 +7,34 @@ from decimal import MAX_EMAX, MIN_EMIN, Context, Decimal
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from certreg.certificate import flat_energy
-from certreg.exact import as_given, at_most, nearest_double
-from certreg.registration import (
-    BY_NAME,
+from certreg.certificate.bounds import flat_energy
+from certreg.exact.decimals import as_given, at_most
+from certreg.exact.dyadic import nearest_double
+from certreg.registration.ambiguity import ambiguous_words, narrow_words
+from certreg.registration.headlines import (
     HARDLY_DETERMINED,
-    NOT_ASKED,
-    FitCode,
-    ambiguous_words,
     headline_words,
-    narrow_words,
     proved_degrees,
-    rounding_remedy,
     share_words,
 )
+from certreg.registration.misfits import FitCode
+from certreg.registration.pipeline import NOT_ASKED
+from certreg.registration.rounding import rounding_remedy
+from certreg.registration.squares import BY_NAME
 from certreg.report.parts import listed, sprung
 from certreg.report.robustness import robustness_words
 from certreg.report.scale import BIAS
 from certreg.report.springs import how_words, open_words, relaxation_words
 from certreg.report.thinning import kicked_words, unspent_words
 from certreg.report.uncertainty import uncertainty_rows
-from certreg.results import (
-    Absent,
-    Limits,
-    Optimality,
-)
+from certreg.results import Absent, Limits, Optimality
 
 if TYPE_CHECKING:
-    from certreg.certificate import PoseBounds
-    from certreg.dynamics import Trajectory
-    from certreg.registration import (
-        AnyRegistration,
-        Fit,
-        Registration,
-    )
+    from certreg.certificate.bounds import PoseBounds
+    from certreg.dynamics.trajectory import Trajectory
+    from certreg.registration.fit import Fit
+    from certreg.registration.result import Registration
+
 
 UNMET = "Not called certified: that asks for a proof that it is"
 MEANS = "Certified means here"
@@ -59,13 +53,13 @@ def untested_lines(fit: Fit) -> list[str]:
     return [] if fit.untested is None else [f"                    {fit.untested}"]
 
 
-def uncertainty_lines(registration: AnyRegistration) -> list[str]:
+def uncertainty_lines(registration: Registration) -> list[str]:
     """The rows of `uncertainty_rows`, in ASCII."""
     plain = ([part.replace("±", "+/-") for part in row] for row in uncertainty_rows(registration))
     return [f"  {name:<17} {words}" for name, words in plain]
 
 
-def verdict_words(registration: AnyRegistration) -> list[str]:
+def verdict_words(registration: Registration) -> list[str]:
     """What is proved of the pose: a headline, then what else must be said before any number."""
     status, own, springs = registration.status, listed(registration), sprung(registration)
     headline = headline_words(registration)
@@ -93,7 +87,7 @@ def _tie_words(registration: Registration) -> list[str]:
     return [] if tie is None else [tie]
 
 
-def _limit_words(registration: AnyRegistration) -> str:
+def _limit_words(registration: Registration) -> str:
     """What is called certified, where that is asked for or not reached."""
     limits, bounds = registration.limits, registration.bounds
     within = f"within {as_given(limits.max_gap)} of {_range_words(registration)}"
@@ -108,7 +102,7 @@ def _limit_words(registration: AnyRegistration) -> str:
     return f"{lead} {within}{angle}."
 
 
-def _range_words(registration: AnyRegistration) -> str:
+def _range_words(registration: Registration) -> str:
     """What a gap is held against."""
     own, bounds = listed(registration), registration.bounds
     if own is None or bounds is None or bounds.least_range_squared:
@@ -117,7 +111,7 @@ def _range_words(registration: AnyRegistration) -> str:
     return "the clouds' own spread" if spread else "their distance from the origin, squared"
 
 
-def status_lines(registration: AnyRegistration) -> list[str]:
+def status_lines(registration: Registration) -> list[str]:
     """What is proved of the pose, in lines."""
     lines, bounds = verdict_words(registration), registration.bounds
     if registration.status is Optimality.NOT_CERTIFIED or bounds is None:
@@ -125,7 +119,7 @@ def status_lines(registration: AnyRegistration) -> list[str]:
     return lines + proved_lines(registration, bounds)
 
 
-def proved_lines(registration: AnyRegistration, bounds: PoseBounds) -> list[str]:
+def proved_lines(registration: Registration, bounds: PoseBounds) -> list[str]:
     """How far the pose is from optimal, proved; of springs what proves it, too."""
     gap = f"{at_most(bounds.greatest_gap)}, {share_words(bounds)}"
     lines = [f"  proved gap        objective - minimum <= {gap}, at the pose below"]
@@ -140,7 +134,7 @@ def proved_lines(registration: AnyRegistration, bounds: PoseBounds) -> list[str]
     return lines
 
 
-def rmse_words(registration: AnyRegistration) -> str:
+def rmse_words(registration: Registration) -> str:
     """What the RMSE is of, and in which unit."""
     fit, own = registration.fit, listed(registration)
     if own is None:
@@ -157,7 +151,7 @@ def bounds_nothing(registration: Registration, gap: Fraction) -> bool:
     return registration.bounds is not None and registration.bounds.covers_range(gap)
 
 
-def method_lines(registration: AnyRegistration) -> list[str]:
+def method_lines(registration: Registration) -> list[str]:
     """What the independent methods say, one line each."""
     own, springs = listed(registration), sprung(registration)
     relaxed = [] if springs is None else [f"  relaxation (SDP)  {relaxation_words(springs)}"]
@@ -231,7 +225,7 @@ def away_words(angle: float, *, unique: bool = True) -> str:
     return f"{degrees:.{digits}g} degrees from the {'' if unique else 'nearest '}optimum"
 
 
-def warnings(registration: AnyRegistration, headline: str) -> list[str]:
+def warnings(registration: Registration, headline: str) -> list[str]:
     """What is true of the data and should not be overlooked, and is not in the headline."""
     own, springs = listed(registration), registration.problem.springs
     notes = [] if springs is None else list(springs.notes)

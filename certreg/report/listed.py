@@ -5,18 +5,15 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from certreg._loading import late
-from certreg.registration import proved_end
+from certreg.registration.simulation import proved_end
 from certreg.report.document import equilibria_document, simulation_document
 from certreg.report.methods import enumeration_summary
 from certreg.report.summary import simulation_summary
 
 if TYPE_CHECKING:
-    from certreg.registration import (
-        ListedEquilibria,
-        ListedSpringEquilibria,
-        ProblemTrajectory,
-        SimulatedRegistration,
-    )
+    from certreg.registration.enumeration import ListedEquilibria
+    from certreg.registration.simulation import ProblemTrajectory, SimulatedRegistration
+    from certreg.registration.spring_equilibria import ListedSpringEquilibria
     from certreg.report import spring_equilibria
     from certreg.report.encoding import Document
 else:

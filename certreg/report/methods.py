@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from certreg.exact import at_most, nearest_double
+from certreg.exact.decimals import at_most
+from certreg.exact.dyadic import nearest_double
 from certreg.report.encoding import Document, Noted
 from certreg.report.equilibria import equilibria_words
 from certreg.results import OUT_OF_RANGE, Absent, ComponentKind
@@ -13,8 +14,11 @@ from certreg.results import OUT_OF_RANGE, Absent, ComponentKind
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from certreg.equilibrium import Comparison, CriticalSet, Search
-    from certreg.registration import Enumeration
+    from certreg.equilibrium.critical_set import CriticalSet
+    from certreg.equilibrium.methods import Comparison, Search
+    from certreg.equilibrium.presentation import EquilibriumSet
+    from certreg.registration.enumeration import Enumeration
+
 
 PLURALS = {
     ComponentKind.POINT: ("point", "points"),
@@ -27,14 +31,14 @@ NO_LIST = "-"
 SPECTRAL = "spectral"  # of this method the table of the equilibria says everything
 
 
-def enumeration_summary(enumeration: Enumeration) -> str:
+def enumeration_summary(enumeration: Enumeration[EquilibriumSet]) -> str:
     """The result of `equilibria`, readable; with the searches, where more than eigenspaces."""
     words = equilibria_words(enumeration.equilibria)
     methods = [each.method for each in enumeration.searches]
     return words if methods == [SPECTRAL] else f"{words}\n\n{methods_summary(enumeration)}"
 
 
-def methods_summary(enumeration: Enumeration) -> str:
+def methods_summary(enumeration: Enumeration[EquilibriumSet]) -> str:
     """The table of all methods, and what their agreement amounts to; of one, the table alone."""
     lines, searches = [methods_table(enumeration)], enumeration.searches
     comparison = enumeration.comparison
@@ -49,7 +53,7 @@ def methods_summary(enumeration: Enumeration) -> str:
     return "\n".join((*lines, *(f"Not decided by {doubt}" for doubt in doubts)))
 
 
-def methods_table(enumeration: Enumeration) -> str:
+def methods_table(enumeration: Enumeration[EquilibriumSet]) -> str:
     """A line for each method: what it found, how long it took, how it knows."""
     rows = [HEADINGS, *(_row(each, enumeration) for each in _decided_first(enumeration))]
     widths = [max(len(row[k]) for row in rows) for k in range(len(HEADINGS))]
@@ -59,7 +63,7 @@ def methods_table(enumeration: Enumeration) -> str:
     )
 
 
-def methods_fields(enumeration: Enumeration) -> Document:
+def methods_fields(enumeration: Enumeration[EquilibriumSet]) -> Document:
     """The `roads` and `agreement` of a document, to be encoded; empty if there was one method."""
     if enumeration.comparison is None:
         return {}
@@ -72,11 +76,11 @@ def methods_fields(enumeration: Enumeration) -> Document:
     }
 
 
-def _decided_first(enumeration: Enumeration) -> list[Search]:
+def _decided_first(enumeration: Enumeration[EquilibriumSet]) -> list[Search]:
     return sorted(enumeration.searches, key=lambda each: each.critical is None)
 
 
-def _fields(each: Search, enumeration: Enumeration) -> Document:
+def _fields(each: Search, enumeration: Enumeration[EquilibriumSet]) -> Document:
     if each.critical is None:
         names = ("pattern", "energies", "indices", "guarantee")
         known = {**dict.fromkeys(names, Absent(each.reason or "")), "complete": False}
@@ -85,7 +89,7 @@ def _fields(each: Search, enumeration: Enumeration) -> Document:
     return {"method": each.method, **known, "time_ms": 1e3 * each.seconds}
 
 
-def _known_fields(critical: CriticalSet, enumeration: Enumeration) -> Document:
+def _known_fields(critical: CriticalSet, enumeration: Enumeration[EquilibriumSet]) -> Document:
     energies, doubt = _energies(critical, enumeration), critical.doubt
     complete, indices = critical.complete, critical.indices
     undecided = doubt or "the balls are too wide to tell the signs of the Hessian"
@@ -98,12 +102,14 @@ def _known_fields(critical: CriticalSet, enumeration: Enumeration) -> Document:
     }
 
 
-def _energies(critical: CriticalSet, enumeration: Enumeration) -> list[float | None]:
+def _energies(
+    critical: CriticalSet, enumeration: Enumeration[EquilibriumSet]
+) -> list[float | None]:
     energy = enumeration.objective.energy
     return [nearest_double(energy(part.quaternion)) for part in critical.components]
 
 
-def _row(each: Search, enumeration: Enumeration) -> tuple[str, ...]:
+def _row(each: Search, enumeration: Enumeration[EquilibriumSet]) -> tuple[str, ...]:
     critical, time = each.critical, f"{1e3 * each.seconds:.2f} ms"
     if critical is None:
         return (each.method, NO_LIST, NO_LIST, NO_LIST, time, "undecided")

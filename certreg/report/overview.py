@@ -5,15 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from certreg.exact import as_given, at_least, at_most
-from certreg.registration import (
-    FitCode,
-    headline_of,
-    headline_words,
-    proved_degrees,
-    share_words,
-    silent_tests,
-)
+from certreg.exact.decimals import as_given, at_least, at_most
+from certreg.registration.fit import silent_tests
+from certreg.registration.headlines import headline_of, headline_words, proved_degrees, share_words
+from certreg.registration.misfits import FitCode
 from certreg.report.equilibria import margin_words
 from certreg.report.fields import scale_interval
 from certreg.report.lines import explained_words, number, percent_words, unit_words, warnings
@@ -22,9 +17,7 @@ from certreg.report.pose_facts import Fact, PoseFacts, pose_of
 from certreg.report.remedies import why_warned
 from certreg.report.robustness import meanwhile_words
 from certreg.report.scale import BIAS, printed_interval, rests_of
-from certreg.report.sentences import (
-    sentence,
-)
+from certreg.report.sentences import sentence
 from certreg.report.springs import how_words, relaxation_words, springs_words
 from certreg.report.uncertainty import chi2_words
 from certreg.results import Absent, Optimality, present
@@ -32,7 +25,9 @@ from certreg.results import Absent, Optimality, present
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from certreg.registration import AnyRegistration, Fit, Registration
+    from certreg.registration.fit import Fit
+    from certreg.registration.result import Registration
+
 
 TESTS = {
     FitCode.SCALE: "a wrong scale",
@@ -64,7 +59,7 @@ class Overview:
     proved: tuple[Fact, ...]
 
     @classmethod
-    def of(cls, registration: AnyRegistration) -> Overview:
+    def of(cls, registration: Registration) -> Overview:
         """Of a registration with a certificate."""
         mark, tests = _judged(registration)
         return cls(
@@ -76,7 +71,7 @@ class Overview:
         )
 
 
-def _fit(registration: AnyRegistration) -> Iterator[Fact]:
+def _fit(registration: Registration) -> Iterator[Fact]:
     """How good the fit is, in numbers: the worst pair beside the median, chi-squared if tested."""
     fit, own = registration.fit, listed(registration)
     if springs := springs_words(registration):
@@ -92,7 +87,7 @@ def _fit(registration: AnyRegistration) -> Iterator[Fact]:
         yield Fact(name="Chi-squared", value=value, words=words.replace("p = ", "p\u00a0=\u00a0"))
 
 
-def _rmse_words(registration: AnyRegistration) -> str:
+def _rmse_words(registration: Registration) -> str:
     """What the RMSE is of; and of which pose, where the printed one is not the optimum shown."""
     fit, own = registration.fit, listed(registration)
     if own is None:
@@ -121,7 +116,7 @@ def _explained(fit: Fit) -> Fact:
     )
 
 
-def model_words(registration: AnyRegistration) -> str:
+def model_words(registration: Registration) -> str:
     """How the source may move otherwise than as a rigid body in space."""
     problem = registration.problem
     scaled = ["with a free scale"] * (problem.scale in BIAS)
@@ -129,7 +124,7 @@ def model_words(registration: AnyRegistration) -> str:
     return " and ".join([*scaled, *alone])
 
 
-def untested_words(registration: AnyRegistration) -> str:
+def untested_words(registration: Registration) -> str:
     """Which tests of a fit are not made."""
     return (
         f"{model_words(registration)} no test is made for outlying rows, shuffled rows or a "
@@ -137,7 +132,7 @@ def untested_words(registration: AnyRegistration) -> str:
     )
 
 
-def _judged(registration: AnyRegistration) -> tuple[Mark, str]:
+def _judged(registration: Registration) -> tuple[Mark, str]:
     """Whether a fit is warned of, and by which tests; green only where nothing is, above it."""
     own = listed(registration)
     if own is None:
@@ -156,7 +151,7 @@ def _judged(registration: AnyRegistration) -> tuple[Mark, str]:
     return quiet_mark(good=headline_of(own).good), quiet
 
 
-def _judged_by_noise(registration: AnyRegistration) -> tuple[Mark, str]:
+def _judged_by_noise(registration: Registration) -> tuple[Mark, str]:
     """Of general springs one test alone is made."""
     if registration.fit.warnings:
         return warned(registration.fit)
@@ -204,7 +199,7 @@ def _quiet_words(registration: Registration) -> str:
     )
 
 
-def _proved(registration: AnyRegistration) -> Iterator[Fact]:
+def _proved(registration: Registration) -> Iterator[Fact]:
     """The gap and the angle; the scale; other equilibria; how far points may be off; a margin."""
     own, springs = listed(registration), sprung(registration)
     which = "the exact optimum" if registration.solution.unique_rotation else "every optimum"
@@ -222,7 +217,7 @@ def _proved(registration: AnyRegistration) -> Iterator[Fact]:
         yield Fact(name="Ambiguity margin", value=value, words=f"{words} (computed)")
 
 
-def _interval(registration: AnyRegistration) -> Iterator[Fact]:
+def _interval(registration: Registration) -> Iterator[Fact]:
     """Between which numbers a free scale is."""
     bounds = None
     if registration.problem.scale in BIAS:
@@ -244,7 +239,7 @@ def _others(registration: Registration) -> Fact:
     return Fact(name="Other poses at rest", value=value, words=where)
 
 
-def bound_facts(registration: AnyRegistration, degrees: str | None, of: str) -> Iterator[Fact]:
+def bound_facts(registration: Registration, degrees: str | None, of: str) -> Iterator[Fact]:
     """The proved gap, and how far at most the rotation is from an optimum."""
     bounds = registration.bounds
     if bounds is not None:
@@ -261,7 +256,7 @@ def bound_facts(registration: AnyRegistration, degrees: str | None, of: str) -> 
         )
 
 
-def robustness_facts(registration: AnyRegistration) -> Iterator[Fact]:
+def robustness_facts(registration: Registration) -> Iterator[Fact]:
     """The same as a fact of the first screen; none where nothing is proved."""
     found = registration.robustness
     if found is not None:

@@ -6,7 +6,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from certreg._loading import late
-from certreg.registration import WEAK, AnyRegistration, ambiguous_words, headline_of, is_green
+from certreg.registration.ambiguity import ambiguous_words
+from certreg.registration.headlines import WEAK, headline_of, is_green
+from certreg.registration.result import Registration
 from certreg.report.any_report import GUARANTEE_WORDS, AnyReport, head_of
 from certreg.report.lines import verdict_words, warnings
 from certreg.report.markup import inert, inert_json
@@ -22,12 +24,13 @@ from certreg.results import Optimality
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from certreg.registration import Headline, Registration
+    from certreg.registration.headlines import Headline
     from certreg.report import rest_sections, spring_listed
     from certreg.report.viewer import Names
-else:  # of pages without a moving scene
+else:
     rest_sections = late("certreg.report.rest_sections")
     spring_listed = late("certreg.report.spring_listed")
+
 
 WEAK_WORDS = "The certificate that certreg certify writes for these points and springs proves more."
 ENCLOSED_WORDS = GUARANTEE_WORDS.replace(
@@ -36,7 +39,7 @@ ENCLOSED_WORDS = GUARANTEE_WORDS.replace(
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Report(AnyReport[AnyRegistration]):
+class Report(AnyReport[Registration]):
     """What a page shows of a registration by least squares."""
 
     @property

@@ -9,12 +9,12 @@ from certreg.report.page import Report
 from certreg.report.parts import costed, labelled
 
 if TYPE_CHECKING:
-    from certreg.registration import AnyRegistration
+    from certreg.registration.result import Registration
     from certreg.report import consensus_page, truncated_page
     from certreg.report.any_report import AnyReport
     from certreg.report.parts import Labelled
 
-    Reported = AnyRegistration | Labelled
+    Reported = Registration | Labelled
 else:
     consensus_page = late("certreg.report.consensus_page")
     truncated_page = late("certreg.report.truncated_page")
@@ -24,7 +24,7 @@ def report_on(registration: Reported) -> AnyReport[Any]:
     """The report of a registration just made. Raises ValueError where it is not certified."""
     pairs = labelled(registration)
     if pairs is None:
-        return Report.of(cast("AnyRegistration", registration))
+        return Report.of(cast("Registration", registration))
     least = costed(pairs)
     if least is not None:
         return truncated_page.TruncatedReport.of(least)

@@ -12,7 +12,8 @@ from certreg.report.scaled_consensus import scale_fields
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from certreg.registration import ConsensusRegistration, TruncatedRegistration
+    from certreg.registration.consensus import ConsensusRegistration
+    from certreg.registration.truncated import TruncatedRegistration
     from certreg.report.encoding import Document
     from certreg.report.parts import Labelled
 

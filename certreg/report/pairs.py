@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from certreg.exact import as_given, at_most
-from certreg.registration import FitCode, bound_words
+from certreg.exact.decimals import as_given, at_most
+from certreg.registration.consensus_words import bound_words
+from certreg.registration.misfits import FitCode
 from certreg.report.cards import Card
 from certreg.report.consensus_fit import fit_verdict, further_lines, kinds_words, rmse_words
 from certreg.report.consensus_reach import degrees_from, reach_line
@@ -18,7 +19,9 @@ from certreg.results import Limits
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from certreg.registration import ConsensusRegistration, FitWarning, TruncatedRegistration
+    from certreg.registration.consensus import ConsensusRegistration
+    from certreg.registration.misfits import FitWarning
+    from certreg.registration.truncated import TruncatedRegistration
     from certreg.report.parts import Labelled
 
 TOLD_SECOND = 4  # pairs: any three of equal lengths fit

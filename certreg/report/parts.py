@@ -5,30 +5,28 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, cast
 
 if TYPE_CHECKING:
-    from certreg.registration import (
-        AnyRegistration,
-        ConsensusRegistration,
-        Registration,
-        SpringRegistration,
-        TruncatedRegistration,
-    )
+    from certreg.registration.consensus import ConsensusRegistration
+    from certreg.registration.linear import LinearSolution
+    from certreg.registration.quartic import QuarticSolution
+    from certreg.registration.result import Registration
+    from certreg.registration.truncated import TruncatedRegistration
 
     Labelled = ConsensusRegistration | TruncatedRegistration
 
 
-def listed(registration: AnyRegistration) -> Registration | None:
+def listed(registration: Registration) -> Registration[LinearSolution] | None:
     """With all equilibria and a closed form; None where no equilibria are listed."""
-    return None if registration.equilibria is None else cast("Registration", registration)
+    return None if registration.equilibria is None else registration
 
 
-def sprung(registration: AnyRegistration) -> SpringRegistration | None:
+def sprung(registration: Registration) -> Registration[QuarticSolution] | None:
     """With a spring of its own for each pair; None where pairs weigh alone."""
     if registration.problem.springs is None:
         return None
-    return cast("SpringRegistration", registration)
+    return cast("Registration[QuarticSolution]", registration)
 
 
-def labelled(result: AnyRegistration | Labelled) -> Labelled | None:
+def labelled(result: Registration | Labelled) -> Labelled | None:
     """With a label for each pair, as some may be wrong; None where all count."""
     return cast("Labelled", result) if hasattr(result, "labels") else None
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.registration import SpringAxes
+from certreg.registration.spring_rows import SpringAxes
 from certreg.results import Brief
 
 if TYPE_CHECKING:
@@ -15,8 +15,9 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from certreg.dynamics import Trajectory
-    from certreg.registration import AnyRegistration
+    from certreg.dynamics.trajectory import Trajectory
+    from certreg.registration.result import Registration
+
 
 WIDTH, HEIGHT, MARGIN = 240, 160, 10  # pixels
 BODY = 30  # points: fewer are hardly seen without lines between them
@@ -39,7 +40,7 @@ class Sample(Brief):
     axes: SpringAxes | None  # of general springs
 
     @classmethod
-    def of(cls, registration: AnyRegistration, most: int) -> Sample:
+    def of(cls, registration: Registration, most: int) -> Sample:
         """At most so many rows of a registration, the first and the last among them."""
         problem, n = registration.problem, registration.problem.n
         rows = np.unique(np.linspace(0, n - 1, min(n, most)).astype(np.int64))
@@ -94,7 +95,7 @@ class Picture(Brief):
     spring_colour: str = SPRING
 
 
-def registration_picture(registration: AnyRegistration) -> Picture | None:
+def registration_picture(registration: Registration) -> Picture | None:
     """Target and moved source, seen obliquely, so that no distance is hidden by the view.
 
     None where that leaves the doubles.
@@ -117,13 +118,13 @@ def registration_picture(registration: AnyRegistration) -> Picture | None:
     )
 
 
-def shown_words(registration: AnyRegistration, most: int = SHOWN) -> str:
+def shown_words(registration: Registration, most: int = SHOWN) -> str:
     """How many of the pairs are drawn, where it is not all of them."""
     n = registration.problem.n
     return f"; {most} of {n} pairs, evenly chosen" if n > most else ""
 
 
-def springs_picture(registration: AnyRegistration) -> Picture | None:
+def springs_picture(registration: Registration) -> Picture | None:
     """As `registration_picture`, with a piece of each plane and line, for a page."""
     sample = Sample.of(registration, ON_PAGE)
     axes, ends, pieces = sample.axes, sample.ends, sample.pieces

@@ -8,13 +8,14 @@ from certreg._loading import library
 from certreg.report.picture import SOURCE, SPRING, Sample
 
 if TYPE_CHECKING:
-    from certreg.registration import AnyRegistration
+    from certreg.registration.result import Registration
+
 
 PLOTTED = 5_000  # points: more are a cloud all the same, and slow to turn
 JOINED = 500  # of them: more springs hide the points
 
 
-def plotted(registration: AnyRegistration, axes: Any = None) -> Any:
+def plotted(registration: Registration, axes: Any = None) -> Any:
     """The clouds at the pose in three dimensions, and the springs between them; the axes.
 
     axes: of the projection "3d", None for a new figure. Raises MissingToolError.

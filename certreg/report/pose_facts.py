@@ -6,8 +6,8 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from certreg import registration as made  # of which few results have a free scale
-from certreg.geometry import Similarity
+from certreg._loading import late
+from certreg.geometry.similarity import Similarity
 from certreg.report.parts import listed
 from certreg.report.pose_words import motion_words, turn_of
 from certreg.report.scale import BIAS, SCALE_ZERO
@@ -28,8 +28,13 @@ from certreg.results import Absent
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from certreg.geometry import Pose
-    from certreg.registration import AnyRegistration, PoseCovariance
+    from certreg.geometry.pose import Pose
+    from certreg.registration import scaled_poses
+    from certreg.registration.covariance import PoseCovariance
+    from certreg.registration.result import Registration
+else:
+    # of which few results have a free scale
+    scaled_poses = late("certreg.registration.scaled_poses")
 
 WIDE = 1e9  # larger translations are written with an exponent
 BASIS = "± is"  # the row that says where the deviations come from
@@ -67,7 +72,7 @@ class PoseFacts:
     motion: str
 
 
-def pose_of(registration: AnyRegistration) -> PoseFacts:
+def pose_of(registration: Registration) -> PoseFacts:
     """The pose, rounded beside its deviations, and with all digits."""
     pose, bias = registration.pose, BIAS.get(registration.problem.scale)
     exact, scaled = pose.T_target_source.tolist(), isinstance(pose, Similarity)
@@ -83,18 +88,18 @@ def pose_of(registration: AnyRegistration) -> PoseFacts:
     )
 
 
-def _basis_words(registration: AnyRegistration) -> str:
+def _basis_words(registration: Registration) -> str:
     """What the deviations are of, and of which places; or why there are none."""
     sure = dict(uncertainty_rows(registration))
     if BASIS not in sure:
         return f"Uncertainty {sure['uncertainty']}."
-    whose = WHOSE if registration.problem.motion.translations else WHOSE_TURN
-    if registration.problem.springs is not None:
-        whose = LEAST_SURE
+    whose = WHOSE_TURN
+    if registration.problem.motion.translations:
+        whose = WHOSE if registration.problem.springs is None else LEAST_SURE
     return f"± is {sure[BASIS]}. {whose} {NO_PROOF}"
 
 
-def _scale_facts(registration: AnyRegistration) -> Iterator[Fact]:
+def _scale_facts(registration: Registration) -> Iterator[Fact]:
     pose, own = registration.pose, listed(registration)
     if not isinstance(pose, Similarity) or own is None:
         return
@@ -102,11 +107,11 @@ def _scale_facts(registration: AnyRegistration) -> Iterator[Fact]:
     yield Fact(name="Scale", value=f"{pose.scale:.9g}", words=kind)
     if pose.scale == 0.0:
         yield Fact(name="", value="", words=SCALE_ZERO)
-    if (unit := made.unit_of(own)) is not None:
+    if (unit := scaled_poses.unit_of(own)) is not None:
         yield Fact(name="Unit", value="", words=unit)
 
 
-def _place_facts(registration: AnyRegistration) -> Iterator[Fact]:
+def _place_facts(registration: Registration) -> Iterator[Fact]:
     """Rotation, centre and translation; each deviation that is known in the next line."""
     pose, moves = registration.pose, registration.problem.motion.translations
     covariance = registration.covariance
@@ -127,7 +132,7 @@ def _place_facts(registration: AnyRegistration) -> Iterator[Fact]:
         yield Fact(name="Translation ±", value="", words=SAME if shift == turn else shift)
 
 
-def _centre_facts(registration: AnyRegistration, covariance: PoseCovariance) -> Iterator[Fact]:
+def _centre_facts(registration: Registration, covariance: PoseCovariance) -> Iterator[Fact]:
     own = listed(registration)
     if own is None:  # as sure as along its least sure axis
         yield Fact(name="Centre ±", value="", words=two_digits([covariance.centre_sigma]))

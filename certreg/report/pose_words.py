@@ -5,15 +5,19 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from certreg.geometry import Similarity
+from certreg.exact.decimals import at_most
+from certreg.geometry.similarity import Similarity
 from certreg.results import Optimality
 
 if TYPE_CHECKING:
-    from certreg.geometry import Pose
-    from certreg.registration import AnyRegistration
+    from fractions import Fraction
+
+    from certreg.geometry.pose import Pose
+    from certreg.problem.motion import Motion
+    from certreg.registration.result import Registration
 
 
-def motion_words(registration: AnyRegistration) -> str:
+def motion_words(registration: Registration) -> str:
     """The pose as a turn about an axis, a scale where it is free, and a shift if there is one."""
     pose, unique = registration.pose, registration.unique
     which = "The pose below" if registration.status is Optimality.BOUNDED else "The best motion"
@@ -30,6 +34,23 @@ def motion_words(registration: AnyRegistration) -> str:
         done.append(f"shifts {whom} by ({shift})")
     *first, last = done
     return f"{which} {', '.join(first)} and {last}." if first else f"{which} {last}."
+
+
+def gap_words(motion: Motion, what: str, gap: Fraction) -> str:
+    """That what is minimised, at the pose, is no more than this above its minimum."""
+    moves = motion.translations > 0
+    over = ["rotations", *["translations"] * moves, *["scales"] * motion.scaled]
+    by = ["its quaternion", *["its translation"] * moves, *["its scale"] * motion.scaled]
+    place = "" if moves else ", about the origin"
+    return (
+        f"Over all {_listed(over)}{place}: {what} at the pose given below with all digits, by "
+        f"{_listed(by)}, exceeds the minimum by at most {at_most(gap)}."
+    )
+
+
+def _listed(words: list[str]) -> str:
+    *first, last = words
+    return f"{', '.join(first)} and {last}" if first else last
 
 
 def turn_of(pose: Pose | Similarity) -> tuple[float, tuple[float, ...] | None]:

@@ -1,7 +1,7 @@
 """Who shows results: what the classes further up ask, see `certreg.results.Shown`.
 
 `certreg/__init__.py` tells them. A result that is to be shown has its line in SHAPES;
-one of which there is only a card, in CARDS. Both name classes and functions, and load none: a
+a card, in CARDS. Both name classes and functions, and load none: a
 process shows results of one type or two.
 """
 
@@ -12,15 +12,15 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from certreg._loading import late
+from certreg._loading import found_late, late
 from certreg.errors import InvalidFileError
-from certreg.io import write_atomically
+from certreg.io.atomic import write_atomically
 from certreg.verify import shown
 
 if TYPE_CHECKING:
     import os
 
-    from certreg.registration import AnyRegistration
+    from certreg.registration.result import Registration
     from certreg.report import folder as registration_folder
     from certreg.report import pages, plotting
     from certreg.report.encoding import Document
@@ -47,17 +47,7 @@ SHAPES: dict[str, Shape] = {  # by the name of the type
         document="document.result_document",
         card="cards.registration_card",
     ),
-    "SpringRegistration": Shape(
-        words="summary.registration_summary",
-        document="document.result_document",
-        card="cards.registration_card",
-    ),
     "ConsensusRegistration": Shape(
-        words="pairs.consensus_summary",
-        document="pair_fields.pairs_document",
-        card="pairs.pairs_card",
-    ),
-    "ScaledConsensusRegistration": Shape(
         words="pairs.consensus_summary",
         document="pair_fields.pairs_document",
         card="pairs.pairs_card",
@@ -123,6 +113,7 @@ SHAPES: dict[str, Shape] = {  # by the name of the type
         card="cards.trajectory_card",
     ),
 }
+headline_words = found_late("certreg.registration.headlines", "headline_words")
 # A verdict writes its own text and has no document.
 CARDS = {
     "CertificateVerdict": "cards.verdict_card",
@@ -142,6 +133,10 @@ class ReportPresenter:
     def words(self, result: Any) -> str:
         """The text of the command line."""
         return function(SHAPES[type(result).__name__].words)(result)
+
+    def headline(self, result: Registration) -> str:
+        """The first line of a registration."""
+        return headline_words()(result)
 
     def document(self, result: Any) -> Document:
         """What `--json` prints."""
@@ -168,7 +163,7 @@ class ReportPresenter:
         """Write the files of a registration; the certificate's path."""
         return registration_folder.write_folder(result, folder)
 
-    def plot(self, result: AnyRegistration, axes: Any) -> Any:
+    def plot(self, result: Registration, axes: Any) -> Any:
         """Draw a registration into axes of Matplotlib; the axes."""
         return plotting.plotted(result, axes)
 

@@ -14,38 +14,26 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.certificate import (
-    Certificate,
-    CertificateVerdict,
-    ConsensusBody,
-    ConsensusSimilarityBody,
-    CountBody,
-    ExactPose,
-    IsotropicBody,
-    PoseBounds,
-    SimilarityBody,
-    SpringsListBody,
-    TruncatedRotationBody,
-    body_of,
-    pose_bounds,
-    spring_pose_bounds,
-    verify,
-)
+from certreg.certificate.checking import CertificateVerdict, verify
+from certreg.certificate.consensus import ConsensusBody, ConsensusSimilarityBody
+from certreg.certificate.count import CountBody
+from certreg.certificate.envelope import Certificate, body_of
+from certreg.certificate.isotropic import IsotropicBody, SimilarityBody
+from certreg.certificate.springs_list import SpringsListBody
+from certreg.certificate.truncated import TruncatedRotationBody
 from certreg.errors import InvalidFileError, RefusedCertificateError
-from certreg.geometry import Similarity
-from certreg.io import reading
-from certreg.native import Integrator
-from certreg.problem import MAX_DAMPING, MIN_DAMPING, Loss, RegistrationProblem, Scale, bounded
-from certreg.registration import (
-    CROSS_CHECK,
-    SPRING_KINDS,
-    SpringRegistration,
-    certified,
-    certified_springs,
-    restated_consensus,
-    restated_scaled_consensus,
-    restated_truncated,
-)
+from certreg.io.streams import reading
+from certreg.native.loops import Integrator
+from certreg.problem.bounds import bounded
+from certreg.problem.motion import MAX_DAMPING, MIN_DAMPING, Scale
+from certreg.problem.problem import RegistrationProblem
+from certreg.problem.support import Loss
+from certreg.registration.consensus import restated_consensus
+from certreg.registration.linear import CROSS_CHECK
+from certreg.registration.pipeline import Asked
+from certreg.registration.quartic import SPRING_KINDS
+from certreg.registration.squares import certified_squares
+from certreg.registration.truncated import restated_truncated
 from certreg.report.consensus_page import ConsensusReport
 from certreg.report.page import Report
 from certreg.report.truncated_page import TruncatedReport
@@ -55,10 +43,12 @@ if TYPE_CHECKING:
     import os
     from collections.abc import Callable
 
-    from certreg.geometry import Pose
-    from certreg.registration import Registration, Solution
+    from certreg.certificate.bounds import PoseBounds
+    from certreg.geometry.pose import Pose
+    from certreg.geometry.similarity import Similarity
     from certreg.report.any_report import AnyReport
     from certreg.results import Verdict
+
 
 SPRING = 12 * 8  # bytes of two points and six entries of a factor
 BOUNDED_PAIR = 8 * 8  # bytes of two points, a weight and a bound
@@ -137,25 +127,22 @@ def report_of(
     motion = MotionOptions.of(loaded.about, stated)
     if noted is not None:
         noted(motion.words)
-    registration = certified(
+    registration = certified_squares(
         stated if motion.damping is None else stated.damped(motion.damping),
-        relaxation=isinstance(body, IsotropicBody) and body.multiplier is not None,
-        integrator=motion.integrator,
-        about=loaded.about,
-    )
-    given = _bounds(body, registration)
-    return Report(
-        registration=replace(
-            registration,
-            solution=_as_proved(registration.solution, body),
-            bounds=given,
-            verdict=verdict,
+        Asked(
+            relaxation=isinstance(body, IsotropicBody) and body.multiplier is not None,
+            simulation=motion.integrator is not None and Integrator(motion.integrator),
+            about=loaded.about,
         ),
+    )
+    proved = registration.as_proved(body)
+    return Report(
+        registration=replace(proved, verdict=verdict),
         certificate=replace(loaded, body=body),
         content=content,
         verdict=verdict,
         name=file.name,
-        weak=_weaker(given, registration.bounds),
+        weak=_weaker(proved.bounds, registration.bounds),
     )
 
 
@@ -174,19 +161,6 @@ def certified_pose(certificate: str | os.PathLike[str]) -> Pose | Similarity:
         )
         raise InvalidFileError(message, path=file)
     return report_of(file).registration.pose
-
-
-def _as_proved(solution: Solution, given: IsotropicBody | SimilarityBody) -> Solution:
-    """The solution that was computed anew, with what the one given proves of robustness.
-
-    And of a free scale.
-    """
-    own = solution.certificate
-    if own is None:
-        return solution
-    if isinstance(given, SimilarityBody):
-        return replace(solution, certificate=replace(own, body=given))
-    return replace(solution, certificate=replace(own, body=replace(own.body, radius=given.radius)))
 
 
 def _loaded(content: bytes) -> Certificate[Any] | None:
@@ -214,10 +188,10 @@ def _required_body(certificate: Certificate[Any], file: Path, *, pointless: bool
 def _problem(certificate: Certificate[Any], clouds: Clouds | None) -> RegistrationProblem:
     """The problem of a certificate that the checker has accepted for the clouds."""
     body = certificate.body
-    if body.KIND in SPRING_KINDS:
-        return _spring_problem(certificate)
+    sprung = body.KIND in SPRING_KINDS
+    points = _spring_problem(certificate) if sprung else _weighted(certificate, clouds)
     scale = Scale(body.scale) if isinstance(body, SimilarityBody) else Scale.NONE
-    return _weighted(certificate, clouds).modelled(scale, rotation_only=body.rotation_only)
+    return points.modelled(scale, rotation_only=body.rotation_only)
 
 
 def _weighted(certificate: Certificate[Any], clouds: Clouds | None) -> RegistrationProblem:
@@ -254,22 +228,16 @@ def _spring_report(
     name: str,
 ) -> Report:
     """The report of a certificate of general springs: its pose, and what it proves of that."""
-    registration = certified_springs(problem, about=certificate.about)
-    place = ExactPose.of_doubles(registration.pose.quaternion_wxyz, registration.pose.translation)
-    solution = registration.solution
-    given = spring_pose_bounds(solution.objective, certificate.body, place)
+    registration = certified_squares(problem, Asked(about=certificate.about))
+    proved = registration.as_proved(certificate.body)
+    given = replace(proved.solution, certificate=certificate)
     return Report(
-        registration=replace(
-            registration,
-            solution=replace(solution, certificate=certificate),
-            bounds=given,
-            verdict=verdict,
-        ),
+        registration=replace(proved, solution=given, verdict=verdict),
         certificate=certificate,
         content=content,
         verdict=verdict,
         name=name,
-        weak=_weaker(given, registration.bounds),
+        weak=_weaker(proved.bounds, registration.bounds),
     )
 
 
@@ -282,18 +250,15 @@ def _consensus_report(
         message = f"{shown(file)}: holds no least squares, or no points: there is no pose to report"
         raise InvalidFileError(message, path=file)
     stated = _bounded_problem(certificate.body, n, data)
-    scaled = isinstance(certificate.body, ConsensusSimilarityBody)
-    restate = restated_scaled_consensus if scaled else restated_consensus
-    result = restate(stated, certificate, verdict)
-    body: Any = body_of(fields)
-    given = _fit_bounds(body, result.fit)
+    result = restated_consensus(stated, certificate, verdict)
+    proved = result.fit.as_proved(body_of(fields))
     return ConsensusReport(
-        registration=replace(result, fit=_fit_as_proved(result.fit, body, given)),
+        registration=replace(result, fit=proved),
         certificate=certificate,
         content=content,
         verdict=verdict,
         name=file.name,
-        weak=_weaker(given, result.fit.bounds),
+        weak=_weaker(proved.bounds, result.fit.bounds),
     )
 
 
@@ -341,36 +306,9 @@ def _bounded_problem(
     return bounded(stated, bounds)
 
 
-def _fit_bounds(body: Any, fit: Registration | SpringRegistration) -> PoseBounds:
-    """What the least squares in a certificate are proved to be, of the pose computed anew."""
-    if not isinstance(fit, SpringRegistration):
-        return _bounds(body, fit)
-    place = ExactPose.of_doubles(fit.pose.quaternion_wxyz, fit.pose.translation)
-    return spring_pose_bounds(fit.solution.objective, body, place)
-
-
-def _fit_as_proved(
-    fit: Registration | SpringRegistration, body: Any, given: PoseBounds
-) -> Registration | SpringRegistration:
-    """The least squares that were computed anew, with what the certificate proves of them."""
-    if not isinstance(fit, SpringRegistration):
-        return replace(fit, solution=_as_proved(fit.solution, body), bounds=given)
-    solution = fit.solution
-    own = None if solution.certificate is None else replace(solution.certificate, body=body)
-    return replace(fit, solution=replace(solution, certificate=own), bounds=given)
-
-
-def _bounds(body: IsotropicBody | SimilarityBody, registration: Registration) -> PoseBounds:
-    """What the certificate given proves of the pose that was computed anew."""
-    pose = registration.pose
-    scale = pose.scale if isinstance(pose, Similarity) else 1.0
-    place = ExactPose.of_doubles(pose.quaternion_wxyz, pose.translation, scale)
-    return pose_bounds(registration.solution.objective, body, place)
-
-
-def _weaker(given: PoseBounds, proved: PoseBounds | None) -> bool:
+def _weaker(given: PoseBounds | None, proved: PoseBounds | None) -> bool:
     """Whether a certificate proves far less of a pose than certreg does."""
-    if proved is None:
+    if given is None or proved is None:
         return False
     if given.greatest_gap > Fraction(WEAKER) * proved.greatest_gap:
         return True

@@ -8,10 +8,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from certreg.registration import FitCode, ambiguous_words, is_loose, narrow_words
+from certreg.registration.ambiguity import ambiguous_words, narrow_words
+from certreg.registration.headlines import is_loose
+from certreg.registration.misfits import FitCode
 
 if TYPE_CHECKING:
-    from certreg.registration import AnyRegistration, Fit
+    from certreg.registration.fit import Fit
+    from certreg.registration.result import Registration
+
 
 ADVICE = "What to do: "  # before a remedy in text; a page sets it apart
 GIVE_SIGMA = "give sigma, which may rule the other pose out; or "
@@ -33,7 +37,7 @@ WHY_BOTH = {  # a warning, and half of the target's spread or more explained
 MUCH = 0.5  # explained: less needs no excuse
 
 
-def causes(registration: AnyRegistration) -> list[str]:
+def causes(registration: Registration) -> list[str]:
     """Why there are remedies, in sentences, but for what a headline and warnings say themselves."""
     equilibria = registration.equilibria
     if equilibria is None:
@@ -46,7 +50,7 @@ def causes(registration: AnyRegistration) -> list[str]:
     return [] if words is None else [f"{words[0].upper()}{words[1:]}."]
 
 
-def remedies(registration: AnyRegistration) -> list[str]:
+def remedies(registration: Registration) -> list[str]:
     """A sentence for each warning of the fit, and a rotation that is hardly fixed, or not."""
     problem, equilibria = registration.problem, registration.equilibria
     told = [one.remedy for one in registration.fit.warnings]

@@ -7,20 +7,21 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.geometry import Similarity
-from certreg.io import csv_field
-from certreg.problem import Scale
-from certreg.registration import RowNames
+from certreg.geometry.similarity import Similarity
+from certreg.io.labels import csv_field
+from certreg.problem.motion import Scale
+from certreg.registration.row_names import RowNames
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from certreg.registration import AnyRegistration
+    from certreg.registration.result import Registration
+
 
 HEADER = b"row,label,residual,standardised\n"
 
 
-def residual_table(registration: AnyRegistration) -> Iterator[bytes]:
+def residual_table(registration: Registration) -> Iterator[bytes]:
     """The table, block by block; a number is the shortest that reads back the same.
 
     row: of the pair, from 0; label: as far as the certificate holds labels. residual:
@@ -46,7 +47,7 @@ def residual_table(registration: AnyRegistration) -> Iterator[bytes]:
         yield "".join(lines).encode()
 
 
-def _unit(registration: AnyRegistration) -> float:
+def _unit(registration: Registration) -> float:
     """Standard deviation of a coordinate of weight one; NaN where nothing tells it."""
     objective, freedom = registration.objective, registration.degrees_of_freedom
     pose, scale = registration.pose, registration.problem.scale

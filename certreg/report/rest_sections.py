@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from certreg.registration import SimulatedBreathing
+from certreg.registration.breathing import SimulatedBreathing
 from certreg.report.breathing import HEADINGS as SCALED_HEADINGS
 from certreg.report.breathing import (
     inside_out_words,
@@ -34,7 +34,7 @@ from certreg.results import Absent
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from certreg.registration import AnyRegistration, Registration
+    from certreg.registration.result import Registration
     from certreg.report.picture import Picture
     from certreg.report.spring_listed import Listed
 
@@ -56,7 +56,7 @@ TURNS = (
 )
 
 
-def still_picture(registration: AnyRegistration) -> tuple[Picture | None, str]:
+def still_picture(registration: Registration) -> tuple[Picture | None, str]:
     """The clouds, with a piece of each plane and line; and what is to be seen."""
     springs = registration.problem.springs
     if springs is None:
@@ -81,7 +81,7 @@ def _pieces_words(ranks: Sequence[int]) -> str:
     )
 
 
-def rest_sections(registration: AnyRegistration, found: Listed | None) -> Iterator[Section]:
+def rest_sections(registration: Registration, found: Listed | None) -> Iterator[Section]:
     """All equilibria, and the motion; found: those of general springs."""
     own = listed(registration)
     if found is not None:

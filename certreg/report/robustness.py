@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from certreg.exact import as_given, at_least, at_most
+from certreg.exact.decimals import as_given, at_least, at_most
 
 if TYPE_CHECKING:
-    from certreg.registration import AnyRegistration, Robustness
+    from certreg.registration.result import Registration
+    from certreg.registration.robustness import Robustness
 
 
-def robustness_words(registration: AnyRegistration) -> str:
+def robustness_words(registration: Registration) -> str:
     """How far points may be off, proved, in one line."""
     found = registration.robustness
     if found is None:
@@ -23,7 +24,7 @@ def robustness_words(registration: AnyRegistration) -> str:
     )
 
 
-def meanwhile_words(registration: AnyRegistration, found: Robustness) -> str:
+def meanwhile_words(registration: Registration, found: Robustness) -> str:
     """How far a free scale moves meanwhile; nothing of others."""
     if not registration.problem.scaled:
         return ""

@@ -4,14 +4,20 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from certreg import registration as made  # of which few results have a free scale
-from certreg.exact import at_least, at_most
-from certreg.geometry import Similarity
-from certreg.problem import Scale
+from certreg._loading import late
+from certreg.exact.decimals import at_least, at_most
+from certreg.geometry.similarity import Similarity
+from certreg.problem.motion import Scale
 from certreg.report.parts import listed
 
 if TYPE_CHECKING:
-    from certreg.registration import AnyRegistration, Registration, ScaledEquilibria
+    from certreg.registration import breathing, scaled_poses
+    from certreg.registration.breathing import ScaledEquilibria
+    from certreg.registration.result import Registration
+else:
+    # of which few results have a free scale
+    breathing = late("certreg.registration.breathing")
+    scaled_poses = late("certreg.registration.scaled_poses")
 
 SCALE_ZERO = (
     "                    0: the clouds do not correspond (the cross-covariance is zero), so that "
@@ -25,13 +31,13 @@ BIAS = {
 ALL_DIGITS = 17  # of a double
 
 
-def scale_lines(registration: AnyRegistration) -> list[str]:
+def scale_lines(registration: Registration) -> list[str]:
     """In the terminal; none where the scale is not free."""
     pose, kind, own = registration.pose, registration.problem.scale, listed(registration)
     if kind not in BIAS or own is None:
         return []
     scale = pose.scale if isinstance(pose, Similarity) else 1.0
-    unit = made.unit_of(own)
+    unit = scaled_poses.unit_of(own)
     return [
         f"  scale             {scale!r}  ({kind.value}; target over source)",
         *([SCALE_ZERO] if scale == 0.0 else []),
@@ -44,7 +50,7 @@ def rests_of(registration: Registration) -> ScaledEquilibria | None:
     """All equilibria with their scales; None where the scale is not free."""
     if registration.problem.scale not in BIAS:
         return None
-    return made.scaled_equilibria(registration.solution.objective, registration.equilibria)
+    return breathing.scaled_equilibria(registration.solution.objective, registration.equilibria)
 
 
 def printed_interval(bounds: tuple[float, float]) -> tuple[str, str]:

@@ -3,24 +3,24 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from certreg.registration import ScaledConsensusRegistration, ranges_words
+from certreg.registration.consensus_words import ranges_words
 from certreg.report.scale import BIAS
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from certreg.registration import ConsensusRegistration
+    from certreg.registration.consensus import ConsensusRegistration
     from certreg.report.encoding import Document
 
 
 def scale_lines(result: ConsensusRegistration) -> Iterator[str]:
     """In the terminal."""
-    if not isinstance(result, ScaledConsensusRegistration):
+    if result.scale_interval is None:
         return
     kind = result.problem.scale
-    yield f"  scale             {result.pose.scale!r}  ({kind.value}; target over source)"
+    yield f"  scale             {_scale(result.pose)}  ({kind.value}; target over source)"
     yield f"                    {BIAS[kind]}"
     for words in scale_sentences(result):
         yield f"                    {words}"
@@ -28,16 +28,16 @@ def scale_lines(result: ConsensusRegistration) -> Iterator[str]:
 
 def witness_scale_lines(result: ConsensusRegistration) -> Iterator[str]:
     """Beside its rotation and translation."""
-    if isinstance(result, ScaledConsensusRegistration):
-        yield f"    its scale       {result.witness.scale!r}"
+    if result.scale_interval is not None:
+        yield f"    its scale       {_scale(result.witness)}"
 
 
 def scale_sentences(result: ConsensusRegistration) -> Iterator[str]:
     """Between which scales all motions are that meet as many pairs, and what is left open."""
-    if not isinstance(result, ScaledConsensusRegistration):
+    interval, met, some = result.scale_interval, result.lower, result.undecided_scales
+    if interval is None:
         return
-    met, some = result.lower, result.undecided_scales
-    where = ranges_words([result.scale_interval])
+    where = ranges_words([interval])
     yield f"Every motion that brings these {met} within has a scale {where}."
     if some:
         yield f"With scales {ranges_words(some)} it is not proved which {met} are met."
@@ -45,18 +45,24 @@ def scale_sentences(result: ConsensusRegistration) -> Iterator[str]:
 
 def scale_facts(result: ConsensusRegistration) -> Iterator[tuple[str, str]]:
     """On a card."""
-    if isinstance(result, ScaledConsensusRegistration):
-        yield "scale", repr(result.pose.scale)
+    if result.scale_interval is not None:
+        yield "scale", _scale(result.pose)
 
 
 def scale_fields(result: ConsensusRegistration) -> Document:
     """In JSON: ranges of scales, [low, high]; high is null where there is no end."""
-    if not isinstance(result, ScaledConsensusRegistration):
+    interval = result.scale_interval
+    if interval is None:
         return {}
     return {
-        "scale_interval": list(result.scale_interval),
+        "scale_interval": list(interval),
         "undecided_scales": _ranges(result.undecided_scales),
     }
+
+
+def _scale(motion: Any) -> str:
+    """Of a motion that has one."""
+    return repr(motion.scale)
 
 
 def _ranges(some: Sequence[tuple[float, float]]) -> list[list[float | None]]:

@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from certreg.problem import trace
+from certreg.problem.moments import trace
 from certreg.report.lines import number
 from certreg.results import ComponentKind
 
 if TYPE_CHECKING:
-    from certreg.equilibrium import Component, EquilibriumSet
-    from certreg.registration import Registration
+    from certreg.equilibrium.presentation import Component, EquilibriumSet
+    from certreg.registration.result import Registration
 
 PLURALS = {
     ComponentKind.CIRCLE: "a circle of them",

@@ -10,7 +10,7 @@ from certreg.report.lines import number
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from certreg.registration import AnyRegistration
+    from certreg.registration.result import Registration
     from certreg.report.picture import Picture
     from certreg.report.pose_facts import Fact
     from certreg.report.viewer import Names
@@ -66,7 +66,7 @@ def rows_table(
     return Table(head=("row", "label", *head), rows=cells, named=True)
 
 
-def worst_section(registration: AnyRegistration, names: Names) -> Section:
+def worst_section(registration: Registration, names: Names) -> Section:
     """The pairs that are farthest off, for a page without a script."""
     along = registration.problem.springs is not None
     rows = [(one.row, (number(one.residual),)) for one in registration.fit.worst]

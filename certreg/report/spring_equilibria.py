@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from certreg.equilibrium import Finiteness
-from certreg.exact import nearest_double
+from certreg.equilibrium.line_set import Finiteness
+from certreg.exact.dyadic import nearest_double
 from certreg.report.cards import Card
 from certreg.report.encoding import Document, Noted, encoded
 from certreg.report.fields import degrees
@@ -15,8 +15,11 @@ from certreg.report.methods import agreement_words
 from certreg.results import OUT_OF_RANGE, Absent, ComponentKind, Guarantee
 
 if TYPE_CHECKING:
-    from certreg.equilibrium import LineSet, Search
-    from certreg.registration import SpringEnumeration, SpringEquilibria, SpringEquilibrium
+    from certreg.equilibrium.line_set import LineSet
+    from certreg.equilibrium.methods import Search
+    from certreg.registration.enumeration import Enumeration
+    from certreg.registration.spring_equilibria import SpringEquilibria, SpringEquilibrium
+
 
 SCHEMA = "certreg-equilibria/1"
 HEADINGS = ("index", "stable", "RMSE", "energy")
@@ -35,7 +38,7 @@ STAYS = (
 )
 
 
-def spring_enumeration_summary(enumeration: SpringEnumeration) -> str:
+def spring_enumeration_summary(enumeration: Enumeration[SpringEquilibria]) -> str:
     """The result of `equilibria` for general springs, readable; with the methods, if several."""
     words = spring_equilibria_words(enumeration.equilibria)
     if len(enumeration.searches) == 1:
@@ -154,7 +157,7 @@ def _table(rows: list[tuple[str, ...]]) -> list[str]:
 # --- methods side by side
 
 
-def _methods_words(enumeration: SpringEnumeration) -> str:
+def _methods_words(enumeration: Enumeration[SpringEquilibria]) -> str:
     rows = [ROADS, *map(_road, enumeration.searches)]
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     lines = [
@@ -177,7 +180,7 @@ def _methods_words(enumeration: SpringEnumeration) -> str:
     return "\n".join(lines)
 
 
-def _found(enumeration: SpringEnumeration) -> list[LineSet]:
+def _found(enumeration: Enumeration[SpringEquilibria]) -> list[LineSet]:
     return [each.critical for each in enumeration.searches if each.critical is not None]  # pyright: ignore[reportReturnType]
 
 
@@ -197,7 +200,7 @@ def _road(each: Search) -> tuple[str, ...]:
 # --- JSON
 
 
-def spring_equilibria_document(enumeration: SpringEnumeration) -> Document:
+def spring_equilibria_document(enumeration: Enumeration[SpringEquilibria]) -> Document:
     """The equilibria of general springs as `certreg-equilibria/1`."""
     found = enumeration.equilibria
     return encoded({**_set(found), **_roads(enumeration)})
@@ -278,7 +281,7 @@ def _component(part: SpringEquilibrium) -> Document:
     }
 
 
-def _roads(enumeration: SpringEnumeration) -> Document:
+def _roads(enumeration: Enumeration[SpringEquilibria]) -> Document:
     """The `roads`, and the `agreement` of those that have decided."""
     if len(enumeration.searches) == 1:
         return {}
@@ -293,7 +296,7 @@ def _roads(enumeration: SpringEnumeration) -> Document:
     }
 
 
-def _road_fields(each: Search, enumeration: SpringEnumeration) -> Document:
+def _road_fields(each: Search, enumeration: Enumeration[SpringEquilibria]) -> Document:
     critical = each.critical
     if critical is None:
         names = ("pattern", "energies", "indices", "guarantee")

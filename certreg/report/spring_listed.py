@@ -6,16 +6,18 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from certreg.equilibrium import Finiteness
+from certreg.equilibrium.line_set import Finiteness
 from certreg.errors import MissingToolError
-from certreg.registration import listed_springs, returns
+from certreg.registration.spring_release import listed_springs, returns
 from certreg.report.parts import sprung
 from certreg.report.sections import Section, Table
 from certreg.report.spring_equilibria import magnitude, spring_count_words, spring_notes
 from certreg.results import Guarantee
 
 if TYPE_CHECKING:
-    from certreg.registration import AnyRegistration, SpringEquilibrium
+    from certreg.registration.result import Registration
+    from certreg.registration.spring_equilibria import SpringEquilibrium
+
 
 COUNTED = {  # on what the number of equilibria rests
     Finiteness.FORTY: ("forty_lines",),
@@ -78,7 +80,7 @@ class Listed:
         )
 
 
-def listed(registration: AnyRegistration) -> Listed | None:
+def listed(registration: Registration) -> Listed | None:
     """All equilibria of these springs; None where nothing can be listed.
 
     Without python-flint no rows, and the words say so: the proof of the optimum needs no list.

@@ -5,14 +5,14 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from certreg.registration import at_end_words, moving_words
+from certreg.registration.valley import at_end_words, moving_words
 from certreg.report.cards import Card
 from certreg.report.encoding import encoded
 from certreg.report.lines import number, step_words
 from certreg.results import present
 
 if TYPE_CHECKING:
-    from certreg.registration import SimulatedSprings
+    from certreg.registration.valley import SimulatedSprings
     from certreg.report.encoding import Document
 
 SIMULATION_SCHEMA = "certreg-simulation/1"

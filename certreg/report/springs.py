@@ -5,13 +5,16 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from certreg.exact import nearest_or_zero
-from certreg.registration import Method, axis_words, weak_shift_words
+from certreg.exact.dyadic import nearest_or_zero
+from certreg.registration.loose_turns import axis_words
+from certreg.registration.result import Method
+from certreg.registration.weak_shifts import weak_shift_words
 from certreg.report.parts import sprung
 from certreg.results import Absent
 
 if TYPE_CHECKING:
-    from certreg.registration import AnyRegistration, SpringRegistration
+    from certreg.registration.quartic import QuarticSolution
+    from certreg.registration.result import Registration
 
 NAMES = {
     "plane": "planes",
@@ -21,6 +24,7 @@ NAMES = {
 }
 ONE_OF_MANY = "The pose below is one of those that are as good."
 LEAST_SHIFT = "The pose below is the one of them that moves the source's centre least."
+COUNTS = ("none", "one", "two", "three", "four", "five", "six", "seven", "eight")
 RANKS = {1: "plane", 2: "line", 3: "full spring"}
 HOW = {
     Method.SQUARES: "a sum of squares of degree four",
@@ -30,7 +34,7 @@ HOW = {
 TIGHT = 1e-6  # of the range of energies: a relaxation that is this near is called tight
 
 
-def springs_words(registration: AnyRegistration) -> str:
+def springs_words(registration: Registration) -> str:
     """What kind of springs there are, and how many of each; empty where pairs weigh alone."""
     summary = registration.problem.springs
     if summary is None:
@@ -41,13 +45,13 @@ def springs_words(registration: AnyRegistration) -> str:
     return ", ".join(f"{count} {word}{'s' * (count != 1)}" for count, word in counts)
 
 
-def how_words(registration: AnyRegistration) -> str:
+def how_words(registration: Registration) -> str:
     """What proves the gap; empty where nothing is proved, or a closed form proves it."""
     own = sprung(registration)
     return "" if own is None or own.method is None else HOW[own.method]
 
 
-def open_words(registration: SpringRegistration, said: str) -> list[str]:
+def open_words(registration: Registration[QuarticSolution], said: str) -> list[str]:
     """What the springs leave open, in sentences, but for what is said already."""
     solution, unique = registration.solution, registration.unique
     free = solution.freedom
@@ -64,7 +68,7 @@ def open_words(registration: SpringRegistration, said: str) -> list[str]:
     return lines
 
 
-def soft_words(registration: SpringRegistration) -> str:
+def soft_words(registration: Registration[QuarticSolution]) -> str:
     """Why it may not be decided which pose is optimal; empty where nothing is known of it."""
     axes = registration.solution.soft_axes
     if len(axes) == 3:
@@ -81,23 +85,24 @@ def soft_words(registration: SpringRegistration) -> str:
     return ""
 
 
-def few_words(registration: SpringRegistration) -> str:
-    """That there are too few springs for a pose that fits exactly; empty where there are six.
+def few_words(registration: Registration[QuarticSolution]) -> str:
+    """That there are too few springs for a pose that fits exactly; empty where there are enough.
 
     Where every residual L^T r is zero the Hessian is 2 J^T J, J their Jacobian, of a rank that is
     at most the sum of those of the springs. No more is said: five planes that cannot be met may
     single one pose out.
     """
-    problem = registration.problem
+    problem, needed = registration.problem, COUNTS[registration.problem.motion.parameters]
     if problem.degrees_of_freedom >= 0:
         return ""
     return (
         f"the ranks of the springs add up to {problem.observations} (a plane 1, a line 2, a full "
-        "spring 3): a pose that fits exactly needs six at least to be determined to first order"
+        f"spring 3): a pose that fits exactly needs {needed} at least to be determined to first "
+        "order"
     )
 
 
-def relaxation_words(registration: SpringRegistration) -> str:
+def relaxation_words(registration: Registration[QuarticSolution]) -> str:
     """What the relaxation proposed, and how far its value is below where it is not tight."""
     solution, bounds = registration.solution, registration.bounds
     relaxation = solution.found.relaxation

@@ -28,16 +28,19 @@ from certreg.report.thinning import unspent_words
 from certreg.results import present
 
 if TYPE_CHECKING:
-    from certreg.geometry import Pose, Similarity
-    from certreg.registration import AnyRegistration, Registration, SimulatedRegistration
+    from certreg.geometry.pose import Pose
+    from certreg.geometry.similarity import Similarity
+    from certreg.registration.result import Registration
+    from certreg.registration.simulation import SimulatedRegistration
     from certreg.report import breathing
 else:
     breathing = late("certreg.report.breathing")
 
+
 NOT_LISTED_WORDS = "the proof needs none of them; see `certreg equilibria`"
 
 
-def registration_summary(registration: AnyRegistration) -> str:
+def registration_summary(registration: Registration) -> str:
     """The result of `certify`, readable: the lines of its parts, as far as they are there."""
     own, status = listed(registration), status_lines(registration)
     springs, rmse = springs_words(registration), number(registration.rmse)

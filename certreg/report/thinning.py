@@ -12,16 +12,19 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.dynamics import SimulationSettings, simulate, state_at_rest
+from certreg.dynamics.integrators import SimulationSettings
+from certreg.dynamics.simulation import simulate
+from certreg.dynamics.states import state_at_rest
 from certreg.errors import DegenerateProblemError
-from certreg.geometry import quaternions_from_matrices, rotation_matrix
-from certreg.native import MATRIX_STATE, named
+from certreg.geometry.so3 import quaternions_from_matrices, rotation_matrix
+from certreg.native.layout import MATRIX_STATE, named
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from certreg.dynamics import Trajectory
-    from certreg.registration import Solution
+    from certreg.dynamics.trajectory import Trajectory
+    from certreg.registration.linear import LinearSolution
+
 
 FRAMES = 240  # of a motion; the page interpolates between them
 VISIBLE_ENERGY = 1e-8  # of what a run loses: 1e-4 of the first displacement
@@ -93,7 +96,7 @@ def thinned(trajectory: Trajectory, start: int | None = None) -> Run:
     )
 
 
-def shown_motion(solution: Solution, trajectory: Trajectory) -> Run:
+def shown_motion(solution: LinearSolution, trajectory: Trajectory) -> Run:
     """The motion of a registration as it is shown.
 
     A cross-check in a few large steps is shown as explicit Euler's small ones, where these end at
@@ -109,7 +112,7 @@ def shown_motion(solution: Solution, trajectory: Trajectory) -> Run:
     return thinned(fine if fine.converged else trajectory)
 
 
-def simulated_escapes(solution: Solution, damping: float) -> list[Run]:
+def simulated_escapes(solution: LinearSolution, damping: float) -> list[Run]:
     """From each component that is not optimal, a run that begins a small turn off it.
 
     The turn is about the axis along which the energy falls fastest. Empty where the dynamics is not
@@ -126,7 +129,7 @@ def simulated_escapes(solution: Solution, damping: float) -> list[Run]:
         return []
 
 
-def _escape(solution: Solution, damping: float, index: int, axis: NDArray[np.float64]) -> Run:
+def _escape(solution: LinearSolution, damping: float, index: int, axis: NDArray[np.float64]) -> Run:
     component, half = solution.equilibria.components[index], PUSH / 2.0
     turn = np.array([np.cos(half), *(np.sin(half) * axis)])
     pushed = component.rotation @ np.array(rotation_matrix(turn.tolist()))

@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.exact import at_least, at_most
-from certreg.registration import are_words, widest_angles
+from certreg.exact.decimals import at_least, at_most
+from certreg.registration.consensus_words import are_words
+from certreg.registration.pair_angles import widest_angles
 from certreg.report.any_report import AnyReport, head_of, pairs_words
 from certreg.report.consensus_fit import marked
 from certreg.report.consensus_picture import pairs_picture, residual_chart
@@ -32,9 +33,10 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from certreg.registration import TruncatedRegistration
+    from certreg.registration.truncated import TruncatedRegistration
     from certreg.report.viewer import Names
     from certreg.verify import Worth
+
 
 MOST_ROWS = 40  # undecided pairs in the table
 NEAREST = 12  # pairs nearest to their bounds, in the table

@@ -7,25 +7,26 @@ derivations.
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.exact import as_given, at_most, nearest_or_zero, sigma_of_weight
-from certreg.geometry import Similarity
-from certreg.registration import (
-    NO_RESIDUALS,
-    FitCode,
-    axis_words,
-    beyond_first_order,
-)
+from certreg.exact.decimals import as_given, at_most
+from certreg.exact.dyadic import nearest_or_zero, sigma_of_weight
+from certreg.geometry.similarity import Similarity
+from certreg.registration.covariance import NO_RESIDUALS
+from certreg.registration.loose_turns import axis_words, beyond_first_order
+from certreg.registration.misfits import FitCode
 from certreg.results import Absent
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from certreg.geometry import Pose
-    from certreg.registration import AnyRegistration, Fit, PoseCovariance, Registration
+    from certreg.geometry.pose import Pose
+    from certreg.registration.covariance import PoseCovariance
+    from certreg.registration.fit import Fit
+    from certreg.registration.result import Registration
+
 
 FINE = math.radians(0.01)  # below it arc seconds: 36 of them
 FIRST_ORDER = 0.2  # radians, 11 degrees: turns scatter 2 % more there, 4 to 8 % at 0.3, measured;
@@ -39,7 +40,7 @@ WARNED = "the fit may hold more than noise (see the warning), and ± would be of
 TOO_LARGE = "the residuals are larger than sigma says (see the warning), and ± would be of sigma"
 
 
-def uncertainty_rows(registration: AnyRegistration) -> list[tuple[str, str]]:
+def uncertainty_rows(registration: Registration) -> list[tuple[str, str]]:
     """Names and words: the centre, rotation, translation, what ± is, and the test of a given sigma.
 
     Of a free scale its own; of a problem without a translation neither it nor the centre.
@@ -69,12 +70,12 @@ def uncertainty_rows(registration: AnyRegistration) -> list[tuple[str, str]]:
     ]
 
 
-def _centre_row(registration: AnyRegistration, covariance: PoseCovariance) -> list[tuple[str, str]]:
+def _centre_row(registration: Registration, covariance: PoseCovariance) -> list[tuple[str, str]]:
     """How sure the place of the source's centre is; on springs not alike along every axis."""
     if registration.problem.springs is not None:
         sigma = _two_digits(covariance.centre_sigma)
         return [("centre ±", f"{sigma} along the axis that is least sure  (the source's mean)")]
-    centre = " ".join(centre_words(cast("Registration", registration), covariance))
+    centre = " ".join(centre_words(registration, covariance))
     lands = f"(the centre of the source lands at {centre})"
     return [("centre ±", f"{sigma_words(covariance)}  {lands}")]
 
@@ -119,7 +120,7 @@ def told_to(value: float, sigma: float) -> str:
     return f"{value:.{max(0, digits - 1)}e}" if value else "0"
 
 
-def covariance_of(registration: AnyRegistration) -> PoseCovariance | Absent:
+def covariance_of(registration: Registration) -> PoseCovariance | Absent:
     """The covariance where there is noise to tell it from."""
     covariance = registration.stated("covariance")
     if isinstance(covariance, Absent):
@@ -170,7 +171,7 @@ def shift_sigmas(covariance: PoseCovariance) -> NDArray[np.float64] | Absent:
     return covariance.translation_sigma if covariance.second_order < FIRST_ORDER else SWUNG
 
 
-def chi2_words(registration: AnyRegistration) -> str | None:
+def chi2_words(registration: Registration) -> str | None:
     """The sum of squared residuals over sigma, and how likely so large a one is; None without."""
     chi2 = registration.fit.chi2
     if chi2 is None:
@@ -200,7 +201,7 @@ def _two_digits(value: float) -> str:
     return f"{value:.{max(0, 1 - math.floor(math.log10(value)))}f}"
 
 
-def _basis_words(registration: AnyRegistration, covariance: PoseCovariance) -> str:
+def _basis_words(registration: Registration, covariance: PoseCovariance) -> str:
     """What one standard deviation is of: the sigma that is given, or what the residuals say."""
     told = "one standard deviation, to first order, "
     problem = registration.problem
@@ -216,7 +217,7 @@ def _basis_words(registration: AnyRegistration, covariance: PoseCovariance) -> s
         factor = _two_digits(math.sqrt(covariance.variance_factor or 0.0))
         assumed = "if errors are independent, Gaussian, as large along the springs as these say"
         return f"{told}from the residuals: {factor} times the unit of the springs {sure}, {assumed}"
-    sigma = _two_digits(_sigma_of(cast("Registration", registration), covariance))
+    sigma = _two_digits(_sigma_of(registration, covariance))
     mean = "" if problem.equally_weighted else " at the mean weight"
     size = "of one size" if problem.equally_weighted else "as large as the weights say"
     assumed = f"if errors are independent, Gaussian, {size}"
@@ -232,7 +233,7 @@ def _sigma_of(registration: Registration, covariance: PoseCovariance) -> float:
     return covariance.centre_sigma * math.sqrt(points)
 
 
-def _given_words(registration: AnyRegistration) -> str:
+def _given_words(registration: Registration) -> str:
     """The value of the sigma that was given, from its weight; empty where there are several."""
     problem = registration.problem
     if not problem.equally_weighted:

@@ -14,13 +14,10 @@ from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
-from certreg.exact import nearest_double
-from certreg.problem import lift
+from certreg.exact.dyadic import nearest_double
+from certreg.problem.lifting import lift
 from certreg.report.equilibria import margin_words
-from certreg.report.lines import (
-    number,
-    unit_words,
-)
+from certreg.report.lines import number, unit_words
 from certreg.report.markup import printable
 from certreg.report.scene_words import component_name, component_words, factor_words, lie_words
 from certreg.report.thinning import UNSPENT, Run, left_words, shown_motion, simulated_escapes
@@ -29,9 +26,11 @@ from certreg.results import Absent, Optimality
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from certreg.equilibrium import Component
-    from certreg.problem import RegistrationProblem
-    from certreg.registration import Registration, Solution
+    from certreg.equilibrium.presentation import Component
+    from certreg.problem.problem import RegistrationProblem
+    from certreg.registration.linear import LinearSolution
+    from certreg.registration.result import Registration
+
 
 SPRINGS_WORDS = (
     "Each pair is joined by a spring, and the source moves as one rigid body, with friction, until "
@@ -192,7 +191,7 @@ def colours_end(registration: Registration) -> dict[str, Any]:
     return {"end": None, "words": "the largest"}
 
 
-def ended_words(solution: Solution, run: Run) -> str:
+def ended_words(solution: LinearSolution, run: Run) -> str:
     """Where a run ended, and how."""
     unique = solution.equilibria.classification.unique
     kicked = "It stood at a saddle and was kicked off. " if run.escapes else ""

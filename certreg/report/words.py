@@ -6,16 +6,18 @@ import math
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
-from certreg import registration as made  # of which few results have a free scale
 from certreg._loading import late
-from certreg.certificate import sin2_half_angle_between
-from certreg.exact import at_least, at_most, degrees_above, half_angle_bound, rational_root_above
-from certreg.problem import Scale
-from certreg.registration import Method, proved_degrees
+from certreg.certificate.bounds import sin2_half_angle_between
+from certreg.exact.decimals import at_least, at_most
+from certreg.exact.dyadic import degrees_above, half_angle_bound, rational_root_above
+from certreg.problem.motion import Scale
+from certreg.registration.headlines import proved_degrees
+from certreg.registration.result import Method
 from certreg.report.equilibria import count_words, margin_words
 from certreg.report.fields import scale_interval
 from certreg.report.lines import bounds_nothing
 from certreg.report.parts import listed, sprung
+from certreg.report.pose_words import gap_words
 from certreg.report.robustness import robustness_words
 from certreg.report.scale import BIAS, printed_interval, rests_of
 from certreg.report.scene_words import lie_words
@@ -26,12 +28,18 @@ from certreg.results import Absent, ComponentKind, Guarantee
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from certreg.certificate import Claims, IsotropicBody
-    from certreg.registration import Agreement, AnyRegistration, Registration, SpringRegistration
+    from certreg.certificate.isotropic import Claims, IsotropicBody
+    from certreg.registration import breathing as registration_breathing
+    from certreg.registration.agreement import Agreement
+    from certreg.registration.quartic import QuarticSolution
+    from certreg.registration.result import Registration
     from certreg.report import breathing
     from certreg.report.spring_listed import Listed
 else:
     breathing = late("certreg.report.breathing")
+    # of which few results have a free scale
+    registration_breathing = late("certreg.registration.breathing")
+
 
 NOT_CLAIMED = (
     "that the correspondences are right: a wrong pair is registered as faithfully as a right one;",
@@ -72,9 +80,7 @@ OF_SPECTRUM = (
 SAME_ROTATION = 0.1  # degrees: methods that find it end nearer; a run stops a little before
 
 
-def sentences(
-    registration: AnyRegistration, body: Any, found: Listed | None = None
-) -> list[Sentence]:
+def sentences(registration: Registration, body: Any, found: Listed | None = None) -> list[Sentence]:
     """What the page says is known; the checker has accepted what the certificate claims.
 
     found: the equilibria of general springs that the page lists.
@@ -92,7 +98,7 @@ def sentences(
 
 
 def not_claimed(
-    registration: AnyRegistration, found: Listed | None = None, untested: str = ""
+    registration: Registration, found: Listed | None = None, untested: str = ""
 ) -> tuple[str, ...]:
     """What the page does not say; untested: which tests of the fit are not made."""
     *before, last = NOT_CLAIMED
@@ -104,7 +110,7 @@ def not_claimed(
     return (*before, *own, last)
 
 
-def _not_claimed_of_springs(registration: AnyRegistration, found: Listed | None) -> list[str]:
+def _not_claimed_of_springs(registration: Registration, found: Listed | None) -> list[str]:
     own = [RIGHT_SPRINGS]
     if registration.solution.unique_rotation is None:
         own.append(ALONE)
@@ -123,7 +129,7 @@ def _proved(words: str, *theorems: str) -> Sentence:
     return Sentence(words=words, guarantee=Guarantee.EXACT, theorems=theorems)
 
 
-def robustness_sentences(registration: AnyRegistration) -> Iterator[Sentence]:
+def robustness_sentences(registration: Registration) -> Iterator[Sentence]:
     """How far the points may be off, if it is proved."""
     if registration.robustness is None:
         return
@@ -152,32 +158,22 @@ def weak_words(registration: Registration) -> str:
     )
 
 
-def _optimality(registration: AnyRegistration) -> Iterator[Sentence]:
+def _optimality(registration: Registration) -> Iterator[Sentence]:
     bounds, problem = registration.bounds, registration.problem
     if bounds is None:
         return
-    moves, scaled = problem.motion.translations > 0, problem.scale in BIAS
-    over = ["rotations", *["translations"] * moves, *["scales"] * scaled]
-    by = ["its quaternion", *["its translation"] * moves, *["its scale"] * scaled]
-    what, end = "sum of weighted squared distances", ""
+    motion, end = problem.motion, ""
+    moves = motion.translations > 0
+    divided = " divided by the scale" if problem.scale is Scale.SYMMETRIC else ""
+    what = f"the sum of weighted squared distances{divided}"
     theorems = ["optimality_certificate", *["translation_gap"] * moves]
-    theorems += ["scale_elimination"] * scaled
+    theorems += ["scale_elimination"] * motion.scaled
     springs = sprung(registration)
     if springs is not None and springs.method is not None:
-        what, end = "energy of the springs", f" It is proved by {how_words(springs)}."
-        theorems = [*RESTS_ON[springs.method], "spring_translation"]
-    divided = " divided by the scale" if problem.scale is Scale.SYMMETRIC else ""
-    words = (
-        f"Over all {_joined(over)}{'' if moves else ', about the origin'}: the {what}{divided} at "
-        f"the pose given below with all digits, by {_joined(by)}, exceeds the minimum by at most "
-        f"{at_most(bounds.greatest_gap)}.{end}"
-    )
+        what, end = "the energy of the springs", f" It is proved by {how_words(springs)}."
+        theorems = [*RESTS_ON[springs.method], *["spring_translation"] * moves]
+    words = f"{gap_words(motion, what, bounds.greatest_gap)}{end}"
     yield _proved(words, *theorems)
-
-
-def _joined(words: list[str]) -> str:
-    *first, last = words
-    return f"{', '.join(first)} and {last}" if first else last
 
 
 def uniqueness_sentences(registration: Registration) -> Iterator[Sentence]:
@@ -211,7 +207,7 @@ def uniqueness_sentences(registration: Registration) -> Iterator[Sentence]:
     )
 
 
-def _uniqueness(registration: SpringRegistration) -> Iterator[Sentence]:
+def _uniqueness(registration: Registration[QuarticSolution]) -> Iterator[Sentence]:
     solution, degrees = registration.solution, proved_degrees(registration)
     free = solution.freedom
     if words := free.turn_words():
@@ -236,16 +232,16 @@ def _uniqueness(registration: SpringRegistration) -> Iterator[Sentence]:
             yield _proved(sentence(few))
 
 
-def _growth(registration: SpringRegistration) -> Iterator[Sentence]:
+def _growth(registration: Registration[QuarticSolution]) -> Iterator[Sentence]:
     certificate = registration.certificate
     if certificate is None or not certificate.body.growth:
         return
     mu, delta = certificate.body.growth, certificate.body.gap
+    shifted = ", with whatever translation" if registration.problem.motion.translations else ""
     yield _proved(
         (
             "A rotation that is turned by an angle a from the certified one costs at least "
-            f"{at_least(mu)} sin²(a/2) - {at_most(delta)} more, "
-            "with whatever translation."
+            f"{at_least(mu)} sin²(a/2) - {at_most(delta)} more{shifted}."
         ),
         "growth_form",
     )
@@ -297,7 +293,10 @@ def _rests(registration: Registration, body: Any) -> Iterator[Sentence]:
     words = breathing.inside_out_words(found.breathing)
     yield _proved(words, *COUNTED)
     trajectory = registration.solution.trajectory
-    if isinstance(trajectory, made.SimulatedBreathing) and trajectory.never_collapses:
+    if (
+        isinstance(trajectory, registration_breathing.SimulatedBreathing)
+        and trajectory.never_collapses
+    ):
         words = sentence(breathing.KEEPS.removeprefix("Proved: "))
         yield _proved(begun(words), "breathing_confined")
 

@@ -338,7 +338,10 @@ CLAIM = Claim(
         "certreg.verify.turned",
         "certreg.verify.Thinning.after",
     ),
-    used_by=("certreg.certificate.turning.turned", "certreg.certificate.parting.Parting"),
+    used_by=(
+        "certreg.certificate.edge_elimination.turned",
+        "certreg.certificate.edge_elimination.Parting",
+    ),
     standard=("The triangle inequality.",),
     not_in_coq="All of it: the checker in Coq reads no bounds of pairs.",
 )

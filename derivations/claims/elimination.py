@@ -69,10 +69,10 @@ def proof(
     """The pivots, the sum of squares, and the converse, for a symmetric 4x4 matrix of symbols."""
     D = [minors(A, k) for k in range(SIZE + 1)]
     yield identity(
-        r"The shipped function `certreg.exact.is_positive_definite`, run on a symmetric "
-        r"$4\times4$ matrix $A$ of symbols, asks for the sign of four numbers. They are the "
-        r"leading principal minors $D_1, \ldots, D_4$ of $A$; every division on the way left no "
-        r"remainder, so that on integers all is exact.",
+        r"The shipped function `certreg.exact.elimination.is_positive_definite`, run on a "
+        r"symmetric $4\times4$ matrix $A$ of symbols, asks for the sign of four numbers. They are "
+        r"the leading principal minors $D_1, \ldots, D_4$ of $A$; every division on the way left "
+        r"no remainder, so that on integers all is exact.",
         pivots_of(elimination, A),
         D[1:],
     )

@@ -13,7 +13,6 @@ import sympy
 
 from certreg.geometry.so3 import body_frame, squared_norm
 from certreg.objective.springs import Springs
-from certreg.problem.moments_of_springs import spring_moments
 from certreg.problem.problem import RegistrationProblem
 
 from ..algebra import combination, facts, identity
@@ -53,7 +52,7 @@ def six_planes() -> Springs:
     """The shipped objective of +-e_j on the plane through the origin with the normal e_j."""
     points = np.array(POINTS, float)
     problem = RegistrationProblem(points, np.zeros((6, 3)), normals=np.abs(points))
-    return Springs(spring_moments(problem))
+    return Springs.of(problem)
 
 
 def proof(curvature: Shipped = Springs.hessian, *, least: int = 2, share: int = 8) -> Proof:
@@ -78,12 +77,12 @@ def proof(curvature: Shipped = Springs.hessian, *, least: int = 2, share: int = 
     )
     found = [_seen(curvature, q) for q in lines()]
     yield facts(
-        r"At each of the forty `certreg.objective.Springs`, made of the points and the normals, "
-        r"finds the energy $8 \sum_i q_i^4/|q|^4 - 2$, a gradient along $q$, and a Hessian whose "
-        r"determinant is not zero. Those with one entry that is not zero have index 3, with two "
-        r"index 2, with three index 1, with four index 0: 4, 12, 16 and 8 lines. The eight are "
-        r"stable, with the energy 0: turns by $120^\circ$ about the diagonals of the cube, "
-        r"forwards and back.",
+        r"At each of the forty `certreg.objective.springs.Springs`, made of the points and the "
+        r"normals, finds the energy $8 \sum_i q_i^4/|q|^4 - 2$, a gradient along $q$, and a "
+        r"Hessian whose determinant is not zero. Those with one entry that is not zero have "
+        r"index 3, with two index 2, with three index 1, with four index 0: 4, 12, 16 and 8 "
+        r"lines. The eight are stable, with the energy 0: turns by $120^\circ$ about the "
+        r"diagonals of the cube, forwards and back.",
         found,
         [(Fraction(8, sum(map(abs, q))) - 2, True, 4 - sum(map(abs, q))) for q in lines()],
     )

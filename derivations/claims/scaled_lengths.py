@@ -199,6 +199,6 @@ CLAIM = Claim(
     not_claimed="That three pairs or more which pass two by two have a scale in common.",
     needs=("pair_lengths",),
     runs=("certreg.verify.graphs", "certreg.verify.longer"),
-    used_by=("certreg.certificate.scaled_pairs.ScaledPairs.near",),
+    used_by=("certreg.certificate.consistency.ConsistentPairs.near",),
     not_in_coq="All of it: the checker in Coq reads no bounds of pairs.",
 )

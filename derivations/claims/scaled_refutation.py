@@ -177,8 +177,8 @@ CLAIM = Claim(
     needs=("davenport", "weighted_refutation", "scale_elimination", "angle_of_consensus"),
     runs=("certreg.verify.scaled_refuted", "certreg.verify.definite"),
     used_by=(
-        "certreg.certificate.producing_scaled.ScaledProver",
-        "certreg.certificate.scaled_refuting.ScaledRows",
+        "certreg.certificate.producing_consensus.ConsensusProver",
+        "certreg.certificate.refuting.PointRows",
     ),
     not_in_coq="All of it: the checker in Coq reads no bounds of pairs.",
 )

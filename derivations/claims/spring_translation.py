@@ -10,7 +10,6 @@ import numpy as np
 
 from certreg.geometry.so3 import dot, rotation_matrix, squared_norm
 from certreg.objective.springs import Springs
-from certreg.problem.moments_of_springs import spring_moments
 from certreg.problem.problem import RegistrationProblem
 from certreg.verify import CheckedSprings
 
@@ -112,9 +111,9 @@ def _programs(shipped: TranslationEnergy, eliminated: Elimination) -> Proof:
         ],
     )
     yield facts(
-        r"`energy` plus `translation_energy` of `certreg.objective.Springs`, on four springs that "
-        r"resist every shift and on four of which none resists a shift along $x$, at three "
-        r"integer quaternions and a rational translation, is the sum of "
+        r"`energy` plus `translation_energy` of `certreg.objective.springs.Springs`, on four "
+        r"springs that resist every shift and on four of which none resists a shift along $x$, at "
+        r"three integer quaternions and a rational translation, is the sum of "
         r"$|L^{\mathsf T}(y - R x - t)|^2$, computed directly in fractions.",
         [_told(shipped, factors, q) for factors in (STIFF, SLIDING) for q in QUATERNIONS],
         [_summed(factors, q) for factors in (STIFF, SLIDING) for q in QUATERNIONS],
@@ -139,7 +138,7 @@ def _problem(factors: Sequence[Sequence[int]]) -> RegistrationProblem:
 
 
 def _objective(factors: Sequence[Sequence[int]]) -> Springs:
-    return Springs(spring_moments(_problem(factors)))
+    return Springs.of(_problem(factors))
 
 
 def _told(

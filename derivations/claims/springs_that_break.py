@@ -203,7 +203,7 @@ CLAIM = Claim(
         "certreg.verify.Thinning.after",
     ),
     used_by=(
-        "certreg.equilibrium.spring_sets.label_sets",
+        "certreg.equilibrium.breaking.label_sets",
         "certreg.dynamics.breaking",
     ),
     not_in_coq="All of it: the theorems in Coq are about springs that do not break.",

@@ -13,7 +13,6 @@ import sympy
 from certreg.geometry.so3 import body_frame, dot
 from certreg.objective.quartics import MONOMIALS
 from certreg.objective.springs import Springs
-from certreg.problem.moments_of_springs import spring_moments
 from certreg.problem.problem import RegistrationProblem
 
 from ..algebra import Square, facts, identity, nonnegative, positive
@@ -59,7 +58,7 @@ def objective_of(planes: Planes) -> Springs:
     """The shipped objective of these planes; each point is its own target."""
     points = np.array([point for point, _ in planes], float)
     normals = np.array([normal for _, normal in planes], float)
-    return Springs(spring_moments(RegistrationProblem(points, points, normals=normals)))
+    return Springs.of(RegistrationProblem(points, points, normals=normals))
 
 
 def energy_of(q: Any) -> Any:
@@ -96,8 +95,8 @@ def _energy(planes: Planes) -> Proof:
     polynomial = sympy.Poly(energy_of(Q), *Q)
     expected = [_coefficient(polynomial, at) for at in MONOMIALS]
     yield facts(
-        r"`certreg.objective.Springs` has the same 35 coefficients, made from the points and the "
-        r"normals, and knows of no free translation.",
+        r"`certreg.objective.springs.Springs` has the same 35 coefficients, made from the points "
+        r"and the normals, and knows of no free translation.",
         [*(objective.unit * c for c in objective.quartic), len(objective.free_translations)],
         [*expected, 0],
     )
@@ -135,7 +134,7 @@ def _three_stable(curvature: Hessian, planes: Planes) -> Any:
         r"At the half turn about each coordinate axis the energy is $16$, the gradient of $F$ is "
         r"$4F q$, so that it is an equilibrium, and the Hessian in the angles of rotation is "
         r"positive definite by its minors: a strict minimum, all of it computed by "
-        r"`certreg.objective.Springs` in integers.",
+        r"`certreg.objective.springs.Springs` in integers.",
         found,
         [Fraction(16), True, True] * 3,
     )

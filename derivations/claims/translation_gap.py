@@ -73,8 +73,8 @@ def proof(
     yield facts(
         r"The shipped functions, on four weighted points with different scales for source and "
         r"target, at three integer quaternions and a rational translation: "
-        r"`energy` plus `translation_energy` of `certreg.objective.Isotropic` is the sum over the "
-        r"points of $w\,|y - R x - t|^2$, computed directly in fractions.",
+        r"`energy` plus `translation_energy` of `certreg.objective.isotropic.Isotropic` is the sum "
+        r"over the points of $w\,|y - R x - t|^2$, computed directly in fractions.",
         found,
         [_summed(q) for q in QUATERNIONS],
     )

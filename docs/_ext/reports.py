@@ -17,10 +17,11 @@ from docutils import nodes
 from sphinx.errors import ExtensionError
 from sphinx.util.docutils import SphinxDirective
 
-from certreg.problem import RegistrationProblem
-from certreg.registration import STORIES, certify, tell
-from certreg.report import rendered
+from certreg.problem.problem import RegistrationProblem
+from certreg.registration.certification import certify
+from certreg.registration.examples import STORIES, tell
 from certreg.report.consensus_page import ConsensusReport
+from certreg.report.markup import rendered
 from certreg.report.page import Report
 from certreg.report.pages import html_page
 from certreg.report.picture import registration_picture
@@ -32,7 +33,9 @@ if TYPE_CHECKING:
     from sphinx.application import Sphinx
     from sphinx.util.typing import ExtensionMetadata
 
-    from certreg.registration import ConsensusRegistration, Registration, TruncatedRegistration
+    from certreg.registration.consensus import ConsensusRegistration
+    from certreg.registration.result import Registration
+    from certreg.registration.truncated import TruncatedRegistration
     from certreg.report.any_report import AnyReport
 
 PICTURE = "report/templates/picture.html"

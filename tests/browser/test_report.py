@@ -18,7 +18,7 @@ from strategies import ZOO, random_rotation
 from browser.pages import PATIENCE
 from certreg.certificate import producing
 from certreg.problem.problem import RegistrationProblem
-from certreg.registration.any_certification import certify
+from certreg.registration.certification import certify
 from certreg.registration.examples import STORIES, tell
 from certreg.report import viewer
 from certreg.report.pages import html_page as page_of

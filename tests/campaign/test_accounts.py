@@ -15,15 +15,16 @@ import pytest
 from campaign_work import VERSIONS, Cut, InProcess, numbered
 from commands import certreg, strict_json, write_csv
 
-from certreg.campaign import PairCampaign, pairs, read_listing, store, table, workers
 from certreg.campaign import listing as lists
-from certreg.campaign.pairs import ERROR_SCHEMA
+from certreg.campaign import pairs, store, table, workers
+from certreg.campaign.listing import read_listing
+from certreg.campaign.pairs import ERROR_SCHEMA, PairCampaign
 from certreg.campaign.runner import Observer, completed, run
 from certreg.campaign.store import Manifest, digest_of, occupied
 from certreg.campaign.table import Column, write_table
-from certreg.campaign.task import Task, TaskResult
+from certreg.campaign.workers import Task, TaskResult
 from certreg.errors import CampaignError, InvalidFileError
-from certreg.registration import certify
+from certreg.registration.certification import certify
 from certreg.results import Absent
 
 if TYPE_CHECKING:

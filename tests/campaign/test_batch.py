@@ -21,13 +21,14 @@ from commands import certreg, strict_json, write_csv
 from jsonschema import Draft202012Validator
 
 import certreg as package
-from certreg.campaign import PairCampaign, pairs, read_listing
-from certreg.campaign.pairs import ERROR_SCHEMA
-from certreg.problem import PosedPairs
+from certreg.campaign import pairs
+from certreg.campaign.listing import read_listing
+from certreg.campaign.pairs import ERROR_SCHEMA, PairCampaign
+from certreg.problem.posing import PosedPairs
 from certreg.results import Limits
 
 if TYPE_CHECKING:
-    from certreg.campaign.task import TaskResult
+    from certreg.campaign.workers import TaskResult
 
 SCHEMAS = Path(package.__file__).parent / "report" / "schemas"
 TURN = [1, 2, 0]
@@ -390,7 +391,8 @@ def test_parquet_goes_with_a_folder(folder):
 @pytest.mark.slow
 def test_a_long_list_is_never_held_as_objects(folder):
     """Rows are drawn as workers ask for them: many cost what their bytes cost."""
-    from certreg.campaign import PairCampaign, read_listing
+    from certreg.campaign.listing import read_listing
+    from certreg.campaign.pairs import PairCampaign
 
     rows = (f"a0.csv,b0.csv,p{k}" for k in range(20_000))
     campaign = PairCampaign(

@@ -40,7 +40,6 @@ from hypothesis import strategies as st
 
 import certreg
 from certreg.campaign import runner, store
-from certreg.campaign.arithmetic import arithmetic
 from certreg.campaign.pairs import PAIR_COLUMNS
 from certreg.campaign.runner import completed, in_order, perform
 from certreg.campaign.store import (
@@ -49,12 +48,12 @@ from certreg.campaign.store import (
     SHARDS,
     Manifest,
     Shards,
+    arithmetic,
     current_versions,
     occupied,
 )
 from certreg.campaign.table import Column, write_table
-from certreg.campaign.task import Task, TaskResult
-from certreg.campaign.workers import LocalWorkers, workers_at
+from certreg.campaign.workers import LocalWorkers, Task, TaskResult, workers_at
 from certreg.cli import reproducing
 from certreg.cli.reproducing import LARGEST_RUNS
 from certreg.equilibrium.batch import solve_many
@@ -68,6 +67,7 @@ from certreg.errors import (
     RefusedCertificateError,
 )
 from certreg.native import kernels
+from certreg.paper.equilibrium_maps import SPRING_COLUMNS
 from certreg.paper.monte_carlo import (
     EXTREMES,
     INSTANCE_COLUMNS,
@@ -77,7 +77,6 @@ from certreg.paper.monte_carlo import (
     unpacked,
     write_instance_results,
 )
-from certreg.paper.spring_campaign import SPRING_COLUMNS
 from certreg.results import Ruling, Verdict
 
 SMALL = Cut(count=45, points=5)  # five shards

@@ -109,6 +109,16 @@ def test_words_that_name_no_model_are_an_error_of_that_pair(
     assert entry["error"]["message"].endswith(words)
 
 
+def test_a_pair_on_general_springs_may_have_no_translation(listed: Path) -> None:
+    np.save(listed / "n.npy", np.eye(3)[[0, 1, 2, 0, 1, 2]])
+    path = listed / "pairs.csv"
+    path.write_text("source,target,normals\na.csv,b.csv,n.npy\n", "utf-8")
+    entry = strict_json(certreg("batch", path, "--rotation-only").out)
+
+    assert entry["exit_code"] in {0, 3}, entry
+    assert entry["pose"]["translation"] == [0.0, 0.0, 0.0]
+
+
 def test_a_pair_on_general_springs_has_no_free_scale_yet(listed: Path) -> None:
     np.save(listed / "n.npy", np.eye(3)[[0, 1, 2, 0, 1, 2]])
     path = listed / "pairs.csv"

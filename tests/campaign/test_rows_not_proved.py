@@ -7,8 +7,7 @@ from typing import Any
 
 import pytest
 
-from certreg.campaign import Tally
-from certreg.campaign.pairs import STATUSES, _status
+from certreg.campaign.pairs import STATUSES, Tally, _status
 from certreg.cli.campaigns import SHORT_OF, _tell, _tell_short
 
 CERTIFIED, TIED, BOUNDED, OPEN = "certified", "certified-not-unique", "bounded", "not-certified"

@@ -12,13 +12,15 @@ import pytest
 from campaign_work import VERSIONS, Cut, Fragile, InProcess, numbered
 from commands import write_csv
 
-from certreg.campaign import PairCampaign, Tally, pairs, read_listing, runner
+from certreg.campaign import pairs, runner
+from certreg.campaign.listing import read_listing
+from certreg.campaign.pairs import PairCampaign, Tally
 from certreg.campaign.runner import completed
 from certreg.campaign.store import Shards, occupied
 from certreg.cli import campaigns
 from certreg.cli.progress import Progress
 from certreg.errors import InvalidFileError
-from certreg.registration import certify
+from certreg.registration.certification import certify
 
 if TYPE_CHECKING:
     from pathlib import Path

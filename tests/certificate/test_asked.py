@@ -14,13 +14,14 @@ import numpy as np
 import pytest
 from commands import checked
 
-from certreg.certificate import checking, coq, verify_with_coq
+from certreg.certificate import checking, coq
+from certreg.certificate.checking import verify_with_coq
 from certreg.certificate.count import AT_MOST, CountBody
 from certreg.certificate.envelope import KINDS, certificate_bytes
 from certreg.certificate.isotropic import RotationState
 from certreg.errors import InvalidFileError, InvalidProblemError, MissingToolError
-from certreg.problem import RegistrationProblem
-from certreg.registration import certify
+from certreg.problem.problem import RegistrationProblem
+from certreg.registration.certification import certify
 from certreg.results import Ruling
 from certreg.verify import KINDS as CHECKED
 from certreg.verify import check

@@ -27,9 +27,9 @@ from certreg.certificate.bounds import (
 )
 from certreg.certificate.checking import CertificateVerdict, check_own
 from certreg.certificate.producing import count_certificate, produce, proves_optimality
-from certreg.equilibrium import by_eigenspaces
+from certreg.equilibrium.spectral import by_eigenspaces
 from certreg.errors import InvalidFileError, InvalidProblemError
-from certreg.exact import is_positive_definite
+from certreg.exact.elimination import is_positive_definite
 from certreg.objective.isotropic import Isotropic
 from certreg.problem.moments import exact_moments
 from certreg.registration.optimum import optimal_pose
@@ -380,10 +380,10 @@ def test_guarantees_combine_by_their_minimum():
 
 def test_certify_refuses_to_say_certified_if_the_checker_refuses(monkeypatch):
     from certreg.errors import RefusedCertificateError
-    from certreg.registration import certification as pipeline
+    from certreg.registration import squares
 
     refusal = Verdict(ruling=Ruling.REFUTED, words="planted")
-    monkeypatch.setattr(pipeline, "check_own", lambda *_: refusal)
+    monkeypatch.setattr(squares, "check_own", lambda *_: refusal)
 
     with pytest.raises(RefusedCertificateError, match="planted"):
         certified(strategies.random_problem(np.random.default_rng(0)))
@@ -401,7 +401,7 @@ def test_a_closed_form_that_contradicts_the_certificate_is_not_ignored(monkeypat
 
 @pytest.mark.parametrize("converged", [True, False])
 def test_a_simulation_that_says_it_arrived_and_did_not_is_not_ignored(converged):
-    from certreg.dynamics import SimulationStatus
+    from certreg.dynamics.body import SimulationStatus
     from certreg.errors import ContradictionError
     from certreg.registration.agreement import agreement
 
@@ -421,9 +421,9 @@ def test_a_simulation_that_says_it_arrived_and_did_not_is_not_ignored(converged)
 
 
 def test_without_a_certificate_nothing_is_called_certified(monkeypatch):
-    from certreg.registration import certification as pipeline
+    from certreg.registration import linear
 
-    monkeypatch.setattr(pipeline, "produce", lambda *_, **__: None)
+    monkeypatch.setattr(linear, "produce", lambda *_, **__: None)
     registration = certified(strategies.random_problem(np.random.default_rng(0)))
 
     assert registration.status is Optimality.NOT_CERTIFIED

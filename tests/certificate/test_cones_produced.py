@@ -14,24 +14,21 @@ from exact_springs import choi_lam
 from benchmarks.rates import cone_certificates
 from benchmarks.rates.cone_certificates import case, document_of
 from certreg import RegistrationProblem
-from certreg.certificate import (
-    Certificate,
-    SpringsConesBody,
-    SpringsSosBody,
-    springs_certificate,
-    verify,
-)
 from certreg.certificate import cones as producer
+from certreg.certificate.checking import verify
 from certreg.certificate.cones import cones_body
-from certreg.objective import Springs
-from certreg.problem import spring_moments
-from certreg.relaxation import find_optimum
+from certreg.certificate.envelope import Certificate
+from certreg.certificate.producing_springs import springs_certificate
+from certreg.certificate.springs_cones import SpringsConesBody
+from certreg.certificate.springs_sos import SpringsSosBody
+from certreg.objective.springs import Springs
+from certreg.relaxation.optimum import find_optimum
 
 SCHEMAS = resources.files("certreg") / "report" / "schemas"
 
 
 def certificate_of(problem: RegistrationProblem) -> Any:
-    objective = Springs(spring_moments(problem))
+    objective = Springs.of(problem)
     return springs_certificate(problem, objective, find_optimum(objective))
 
 
@@ -127,7 +124,7 @@ def test_a_symmetry_that_moves_the_optimum_makes_it_not_unique():
 
 def test_an_energy_that_is_constant_is_proved_to_be():
     problem = RegistrationProblem(np.ones((1, 3)), np.ones((1, 3)), factors=[[1, 0, 0, 0, 0, 0]])
-    objective = Springs(spring_moments(problem))
+    objective = Springs.of(problem)
 
     proposal: Any = cones_body(objective, [(1, 0, 0, 0)])
 

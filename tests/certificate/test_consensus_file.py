@@ -9,9 +9,11 @@ import jsonschema
 import numpy as np
 import pytest
 
-from certreg.certificate import Certificate, ConsensusProver, verify
-from certreg.certificate.producing_consensus import consensus_certificate
-from certreg.problem import RegistrationProblem, bounded
+from certreg.certificate.checking import verify
+from certreg.certificate.envelope import Certificate
+from certreg.certificate.producing_consensus import ConsensusProver, consensus_certificate
+from certreg.problem.bounds import bounded
+from certreg.problem.problem import RegistrationProblem
 
 ROOT = Path(__file__).parents[2]
 VECTORS = sorted((ROOT / "vectors").glob("*-consensus*.json"))

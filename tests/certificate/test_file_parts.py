@@ -12,9 +12,8 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from certreg.certificate import Certificate, body_of
 from certreg.certificate.consensus import Stage
-from certreg.certificate.envelope import BODIES, LINE
+from certreg.certificate.envelope import BODIES, LINE, Certificate, body_of
 from certreg.certificate.file_parts import MisreadError, form_of
 from certreg.errors import InvalidFileError
 from certreg.results import Brief

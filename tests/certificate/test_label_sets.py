@@ -9,9 +9,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from certreg.certificate import label_sets
-from certreg.certificate.label_sets import disproves_labels
-from certreg.problem import Loss, RegistrationProblem, bounded
+from certreg.certificate import truncated
+from certreg.certificate.truncated import disproves_labels
+from certreg.problem.bounds import bounded
+from certreg.problem.problem import RegistrationProblem
+from certreg.problem.support import Loss
 from certreg.verify import PRODUCTS, UNITS
 
 AXES = np.vstack([np.eye(3), -np.eye(3)]) * [3.0, 2.0, 1.0]
@@ -72,8 +74,8 @@ def disproved(monkeypatch, forms: list[list[int]], within: list[bool], q: list[i
     """For pairs whose costs are these forms, in units, by diagonals."""
     full = [[d[i] * (i == j) for i, j in PRODUCTS] for d in forms]
     rows = list(range(len(forms)))
-    monkeypatch.setattr(label_sets, "bounded_pairs", lambda *_: (rows, None))
-    monkeypatch.setattr(label_sets, "form_of", lambda row: (full[row], None))
+    monkeypatch.setattr(truncated, "bounded_pairs", lambda *_: (rows, None))
+    monkeypatch.setattr(truncated, "form_of", lambda row: (full[row], None))
     fake: Any = SimpleNamespace(n=len(forms), data_bytes=bytes)
     return disproves_labels(fake, within, q)
 

@@ -18,20 +18,18 @@ from spring_families import LISTED, Cell, instance, statement
 
 from benchmarks.rates import list_certificates
 from certreg import RegistrationProblem
-from certreg.certificate import (
-    Certificate,
-    list_body,
-    listing,
-    springs_list_certificate,
-    verify,
-)
-from certreg.equilibrium import critical_lines
+from certreg.certificate import listing
+from certreg.certificate.checking import verify
+from certreg.certificate.envelope import Certificate
+from certreg.certificate.listing import list_body
+from certreg.certificate.producing_springs import springs_list_certificate
+from certreg.equilibrium.paths import critical_lines
 from certreg.errors import InvalidFileError
-from certreg.exact import Dyadic, dyadic_above, dyadic_below
-from certreg.geometry import squared_norm
-from certreg.objective import Springs
-from certreg.problem import spring_moments
-from certreg.report import report_of
+from certreg.exact.dyadic import Dyadic, dyadic_above, dyadic_below
+from certreg.geometry.so3 import squared_norm
+from certreg.objective.springs import Springs
+from certreg.problem.motion import Motion
+from certreg.report.reload import report_of
 
 SCHEMAS = resources.files("certreg") / "report" / "schemas"
 
@@ -39,7 +37,7 @@ SCHEMAS = resources.files("certreg") / "report" / "schemas"
 @cache
 def made(cell: Cell, seed: int = 0) -> Any:
     problem = RegistrationProblem(**statement(instance(cell, seed)))
-    objective = Springs(spring_moments(problem))
+    objective = Springs.of(problem)
     lines = critical_lines(objective.floating_quartic()[0])
     return problem, objective, springs_list_certificate(problem, objective, lines)
 
@@ -104,7 +102,7 @@ def test_the_best_of_a_list_is_unique_where_the_bounds_of_its_energies_are_apart
     def claims(best: Fraction, second: Fraction) -> Any:
         energies = dict(zip(norms, (best, second), strict=True))
         objective: Any = SimpleNamespace(
-            energy=lambda q: energies[squared_norm(q)], unit=Fraction(1, 8)
+            energy=lambda q: energies[squared_norm(q)], unit=Fraction(1, 8), motion=Motion()
         )
         return listing._claimed(objective, charted, 4, list(lines), []).claims
 
@@ -141,7 +139,7 @@ def test_where_lines_are_not_all_apart_there_is_no_list():
     """One wall: a continuum."""
     points = instance(Cell("plane", 20, 0.05), 0).source
     problem = RegistrationProblem(points, points + 0.25, normals=[[1.0, 2.0, 2.0]] * 20)
-    objective = Springs(spring_moments(problem))
+    objective = Springs.of(problem)
     lines = critical_lines(objective.floating_quartic()[0])
 
     assert springs_list_certificate(problem, objective, lines) is None
@@ -152,7 +150,7 @@ def test_where_lines_are_not_all_apart_there_is_no_list():
 def test_multiple_and_infinitely_many_lines_are_never_listed():
     listed: list[str] = []
     for name, problem in degenerate_springs.NAMED.items():
-        objective = Springs(spring_moments(problem()))
+        objective = Springs.of(problem())
         lines = critical_lines(objective.floating_quartic()[0])
         certificate = springs_list_certificate(problem(), objective, lines)
         if certificate is not None:

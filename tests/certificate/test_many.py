@@ -15,14 +15,16 @@ from hypothesis import strategies as st
 from strategies import ZOO, problems
 
 import certreg
-from certreg.certificate import produce, verify
+from certreg.certificate.checking import verify
 from certreg.certificate.many import _angles
+from certreg.certificate.producing import produce
 from certreg.errors import CertregError, InvalidFileError, InvalidProblemError
-from certreg.exact import dyadic_above, half_angle_bound
+from certreg.exact.dyadic import dyadic_above, half_angle_bound
 from certreg.geometry.so3 import rotation_matrix
-from certreg.native import ProvedOptima
-from certreg.objective import Isotropic
-from certreg.problem import ManyPairs, exact_moments
+from certreg.native.library import ProvedOptima
+from certreg.objective.isotropic import Isotropic
+from certreg.problem.many import ManyPairs
+from certreg.problem.moments import exact_moments
 from certreg.verify import Clouds, check
 
 many = import_module("certreg.certificate.many")

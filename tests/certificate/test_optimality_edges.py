@@ -25,9 +25,10 @@ from certreg.certificate.producing import (
     proves_multiplier,
     proves_optimality,
 )
-from certreg.exact import Dyadic, dyadic_above
-from certreg.objective import Isotropic
-from certreg.problem import RegistrationProblem, exact_moments
+from certreg.exact.dyadic import Dyadic, dyadic_above
+from certreg.objective.isotropic import Isotropic
+from certreg.problem.moments import exact_moments
+from certreg.problem.problem import RegistrationProblem
 
 LITTLE = Fraction(1, 10**30)
 IDENTITY, TURNED = (1, 0, 0, 0), (0, 1, 0, 0)

@@ -13,29 +13,22 @@ import pytest
 
 from certreg.certificate import cones, many, squares
 from certreg.certificate.cones import RANGES, CappedMinimum, _curvature, _width
-from certreg.certificate.consensus import Witness
-from certreg.certificate.consistency import ExactRows
+from certreg.certificate.consensus import ConsensusSimilarityBody, Piece, ScaleRange, Witness
+from certreg.certificate.consistency import ConsistentPairs, ExactRows, _at_most
 from certreg.certificate.listing import SECOND_BITS, _below
 from certreg.certificate.many import _angles
 from certreg.certificate.producing_consensus import ProvedConsensus, reach_of
-from certreg.certificate.scaled_consensus import ConsensusSimilarityBody, Piece, ScaleRange
-from certreg.certificate.scaled_pairs import ScaledPairs, _at_most
 from certreg.certificate.shared_motion import is_refuted
 from certreg.certificate.springs_list import quaternion_product
 from certreg.certificate.staging import Stager
 from certreg.certificate.thinning import GraphThinning, transversal
-from certreg.exact import (
-    Dyadic,
-    double_above,
-    dyadic_above,
-    dyadic_below,
-    half_angle_bound,
-    rank,
-)
-from certreg.geometry import rotation_matrix
+from certreg.exact.dyadic import Dyadic, double_above, dyadic_above, dyadic_below, half_angle_bound
+from certreg.exact.elimination import rank
+from certreg.geometry.so3 import rotation_matrix
 from certreg.objective.levelling import MONOMIALS, levelled_exactly
-from certreg.problem import RegistrationProblem, bounded
+from certreg.problem.bounds import bounded
 from certreg.problem.losses import Consensus
+from certreg.problem.problem import RegistrationProblem
 from certreg.verify import OPEN, SAME
 
 LITTLE = Fraction(1, 10**30)
@@ -53,7 +46,7 @@ def pair(a: int, b: int, i: int, j: int, across: int) -> list[tuple[int, ...]]:
 
 
 def exact_rows(rows: list[tuple[int, ...]], exponent: int = 0) -> Any:
-    return SimpleNamespace(rows=rows, _rows=rows, exponent=exponent, _low=exponent)
+    return SimpleNamespace(rows=rows, exponent=exponent)
 
 
 def test_two_pairs_agree_where_their_lengths_differ_by_their_bounds_at_most():
@@ -82,7 +75,7 @@ def test_two_pairs_agree_between_two_scales():
             (Fraction(0), Fraction(1)),
             (Fraction(2), None),
         ):
-            agree = ScaledPairs._agree(exact_rows(pair(*case)), 0, 1, ScaleRange(low, high))
+            agree = ExactRows.agree(exact_rows(pair(*case)), 0, 1, ScaleRange(low, high))
             over = high is None or b <= high * length + i + j
 
             assert agree == (low * length <= b + i + j and over), case
@@ -103,13 +96,12 @@ def test_a_motion_meets_pairs_up_to_their_bounds(exponent: int, shift: int):
     witness: Any = SimpleNamespace(
         quaternion=TURN,
         shift=(int(8 * 2.0 ** (exponent - shift)), 0, 0, shift),
-        factor=Dyadic(mantissa=1, exponent=0),
+        scale=Fraction(1),
     )
 
-    assert ExactRows._met_by(rows, witness, [0, 1, 2]) == [1, 2]
-    assert ExactRows._met_by(rows, witness, [2, 0]) == [2]
-    assert ExactRows._met_by(rows, witness, []) == []
-    assert ScaledPairs.met_by(rows, witness) == [1, 2]
+    assert ExactRows.met_by(rows, witness, [0, 1, 2]) == [1, 2]
+    assert ExactRows.met_by(rows, witness, [2, 0]) == [2]
+    assert ExactRows.met_by(rows, witness, []) == []
 
 
 @pytest.mark.parametrize("factor", [Fraction(3), Fraction(1, 2), Fraction(5, 4)])
@@ -120,10 +112,10 @@ def test_a_scaled_motion_meets_pairs_up_to_their_bounds(factor: Fraction):
     witness: Any = SimpleNamespace(
         quaternion=TURN,
         shift=(0, 0, 0, 0),
-        factor=Dyadic(mantissa=n, exponent=1 - d.bit_length()),
+        scale=factor,
     )
 
-    assert ScaledPairs.met_by(exact_rows(rows), witness) == [1, 2]
+    assert ExactRows.met_by(exact_rows(rows), witness, [0, 1, 2]) == [1, 2]
 
 
 def test_two_pairs_are_refuted_by_weights_where_their_lengths_differ_by_more_than_both_bounds():
@@ -240,8 +232,7 @@ def test_the_range_of_a_monomial_is_as_wide_as_said_or_little_less():
         assert said**2 == square * (Fraction(4, 3) if 3 in powers else 1)
 
 
-@pytest.mark.parametrize("moves_all", [cones._moves_all, squares._moves_all])
-def test_a_turn_moves_every_rotation_where_no_quaternion_stands_still(moves_all: Any):
+def test_a_turn_moves_every_rotation_where_no_quaternion_stands_still():
     """Where q -> a q + q b has a determinant other than 0; of a alone, of b alone, of both."""
     for turns in product((-1, 0, 2), repeat=6):
         a, b = (0, *turns[:3]), (0, *turns[3:])
@@ -250,7 +241,7 @@ def test_a_turn_moves_every_rotation_where_no_quaternion_stands_still(moves_all:
             for e in np.eye(4, dtype=int).tolist()
         ]
 
-        assert moves_all(turns) == (rank(columns) == 4)
+        assert squares._moves_all(turns) == (rank(columns) == 4)
 
 
 def test_a_curvature_is_proved_a_little_below_the_least_eigenvalue():
@@ -283,8 +274,7 @@ def piece(state: str, end: int | None) -> tuple[str, Piece]:
 def test_pairs_are_met_elsewhere_where_their_scales_are_in_no_open_range():
     def elsewhere(low: int, high: int, *pieces: tuple[str, Piece]) -> bool:
         body = SimpleNamespace(
-            scale_lower=Dyadic(mantissa=low, exponent=0),
-            scale_upper=Dyadic(mantissa=high, exponent=0),
+            scales=(Fraction(low), Fraction(high)),
             pieces=[piece for _, piece in pieces],
             states="".join(state for state, _ in pieces),
         )
@@ -322,7 +312,7 @@ def test_a_motion_meets_exactly_the_pairs_up_to_their_bounds_whatever_doubles_sa
     witness = Witness(quaternion=q, shift=(0, 0, 0, 0))
 
     assert (source @ turn.T % 30 == 0).all()
-    assert ExactRows(problem).met_by(witness) == list(range(0, 40, 2))
+    assert ConsistentPairs(problem).met_by(witness) == list(range(0, 40, 2))
 
 
 def met_in_fractions(problem: RegistrationProblem, witness: Witness) -> list[int]:
@@ -356,7 +346,7 @@ def test_who_is_met_is_who_the_fractions_say_is_met(unit: int, far: int):
     points = RegistrationProblem(np.ldexp(source, unit), np.ldexp(target, unit))
     problem = points.under(Consensus(np.ldexp(bounds, unit)))
     witness = Witness(quaternion=q, shift=(*shift, unit - 3))
-    met = ExactRows(problem).met_by(witness)
+    met = ConsistentPairs(problem).met_by(witness)
 
     assert met == met_in_fractions(problem, witness)
     assert set(range(5, 42, 7)) <= set(met)
@@ -378,7 +368,7 @@ def test_a_pair_is_met_at_a_bound_of_which_rounding_shows_less(shift, x, y, boun
     for least in (bound, math.nextafter(bound, 0.0)):
         problem = points.under(Consensus(np.full(3, least)))
         witness = Witness(quaternion=(1, 0, 0, 0), shift=shift)
-        met = ExactRows(problem).met_by(witness)
+        met = ConsistentPairs(problem).met_by(witness)
 
         assert met == met_in_fractions(problem, witness)
         assert (0 in met) == (least == bound or bound < 1)
@@ -408,7 +398,7 @@ def test_of_two_proofs_the_better_one_meets_more_then_labels_more_then_has_the_l
             (other[0], -other[1].count("?"), -other[2]),
         ]
         first, second = (
-            ProvedConsensus(None, tuple(range(met)), (), labels, upper)  # type: ignore[arg-type]
+            ProvedConsensus(None, tuple(range(met)), labels, upper, (), "")  # type: ignore[arg-type]
             for met, labels, upper in (one, other)
         )
 

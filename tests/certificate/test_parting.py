@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 from importlib import import_module
 from itertools import combinations
 from types import SimpleNamespace
@@ -12,15 +11,16 @@ import numpy as np
 import pytest
 
 from benchmarks.rates.consensus_labels import Cell
-from certreg.certificate import ConsensusProver, assuming, consensus_certificate, parting, staging
+from certreg.certificate import assuming, edge_elimination
 from certreg.certificate.assuming import Assuming, CliqueAvoiding
 from certreg.certificate.consensus import Group, Strike
-from certreg.certificate.parting import Parting
-from certreg.certificate.refuting import PointRows
+from certreg.certificate.consistency import ConsistentPairs
+from certreg.certificate.edge_elimination import Parting, sets_of, turned
+from certreg.certificate.producing_consensus import ConsensusProver, consensus_certificate
 from certreg.certificate.thinning import GraphThinning
-from certreg.certificate.turning import sets_of, turned
-from certreg.native import mask_of, rows_of
-from certreg.problem import RegistrationProblem, bounded
+from certreg.native.bit_rows import mask_of, rows_of
+from certreg.problem.bounds import bounded
+from certreg.problem.problem import RegistrationProblem
 from certreg.registration.consensus import proved_consensus
 
 checker = import_module("certreg.verify")
@@ -33,7 +33,7 @@ def integer_rows(problem):
 
 def compared(problem, e, f, rows):
     """How many pairs of rows doubles leave open, of those that the checker takes."""
-    turns = turned(PointRows.of(problem), e, f, rows)
+    turns = turned(ConsistentPairs(problem).points(), e, f, rows)
     if turns is None:
         return 1
     exact = checker.turned(integer_rows(problem), e, f, mask_of(rows))
@@ -60,8 +60,8 @@ def test_doubles_have_the_turns_of_the_checker_or_none(size: float, sigma: float
 
 def test_rows_that_are_near_or_along_the_axis_of_frames_are_not_told():
     source = [[0, 0, 0], [0.1, 0, 0], [17, 29, 43], [0, 9, 0], [0, 0, 1e-150]]
-    points = PointRows.of(bounded(RegistrationProblem(source, source), 1.0))
-    fine = PointRows.of(bounded(RegistrationProblem(source, source), 1e-200))
+    points = ConsistentPairs(bounded(RegistrationProblem(source, source), 1.0)).points()
+    fine = ConsistentPairs(bounded(RegistrationProblem(source, source), 1e-200)).points()
 
     assert turned(points, 0, 1, [2, 3]) is None
     assert turned(points, 0, 2, [1, 3]) is None
@@ -77,7 +77,7 @@ def test_where_a_row_is_on_the_edge_of_a_turn_doubles_tell_nothing():
     problem = bounded(RegistrationProblem(source, target), bounds)
     wider = bounded(RegistrationProblem(source, target), bounds + 1e-6)
 
-    assert turned(PointRows.of(problem), 0, 1, [2]) is None
+    assert turned(ConsistentPairs(problem).points(), 0, 1, [2]) is None
     assert compared(wider, 0, 1, [2]) == 0
 
 
@@ -208,7 +208,7 @@ def test_turns_are_not_tried_without_end(few):
 
 def test_no_more_pairs_are_struck_than_a_certificate_may_hold(few, monkeypatch):
     problem, found, prover = few
-    monkeypatch.setattr(parting, "MOST_STRUCK", 10)
+    monkeypatch.setattr(edge_elimination, "MOST_STRUCK", 10)
     thinning = GraphThinning(prover.graph, (1 << problem.n) - 1, len(found.met), mask_of(found.met))
     thinning.run()
     one = Parting(thinning)
@@ -233,12 +233,11 @@ def test_stages_that_make_a_certificate_too_long_are_left_out(monkeypatch):
     prover = ConsensusProver(problem)
     found = proved_consensus(problem, prover, 1.0)
     assert found is not None
-    short = functools.partial(staging.Stager, most=0)
-    monkeypatch.setattr("certreg.certificate.producing_consensus.Stager", short)
+    monkeypatch.setattr("certreg.certificate.producing_consensus.MOST", 0)
     less = prover.witnessed(found.witness)
 
     assert less is not None
-    assert len(less.stages) == 1 < len(found.stages)
+    assert len(less.pieces[0].stages) == 1 < len(found.pieces[0].stages)
     assert less.upper > found.upper
     assert checker.check(consensus_certificate(problem, less, None).to_json()).verified
 

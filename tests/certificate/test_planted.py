@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from benchmarks.rates import planted_consensus
-from certreg.problem import Consensus
+from certreg.problem.losses import Consensus
 
 FEW = planted_consensus.INSTANCES // 4000
 

@@ -11,17 +11,22 @@ from typing import Any
 import numpy as np
 import pytest
 
-from certreg.certificate import ExactPose, PoseBounds, pose_bounds, produce
 from certreg.certificate.bounds import (
+    ExactPose,
+    PoseBounds,
     angle_from,
     flat_energy,
+    pose_bounds,
     pose_energy,
     sin2_half_angle_between,
 )
-from certreg.certificate.producing import produce_similarity
-from certreg.geometry import rotation_matrix, squared_norm
-from certreg.objective import Isotropic, Springs
-from certreg.problem import RegistrationProblem, Scale, exact_moments, spring_moments
+from certreg.certificate.producing import produce, produce_similarity
+from certreg.geometry.so3 import rotation_matrix, squared_norm
+from certreg.objective.isotropic import Isotropic
+from certreg.objective.springs import Springs
+from certreg.problem.moments import exact_moments
+from certreg.problem.motion import Scale
+from certreg.problem.problem import RegistrationProblem
 from certreg.results import Limits
 
 LITTLE = Fraction(1, 10**30)  # far below the spacing of the doubles
@@ -105,7 +110,7 @@ def springs() -> tuple[RegistrationProblem, Springs]:
     x, y = instance().source, instance().target
     factors = np.tile(np.diag([1.0, 2.0, 3.0]), (6, 1, 1))
     problem = RegistrationProblem(x, y, factors=factors)
-    return problem, Springs(spring_moments(problem))
+    return problem, Springs.of(problem)
 
 
 def test_the_energy_of_general_springs_is_the_sum_of_their_squares():

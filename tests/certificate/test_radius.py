@@ -11,9 +11,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from certreg.certificate import Certificate, produce
-from certreg.objective import Isotropic
-from certreg.problem import RegistrationProblem, exact_moments
+from certreg.certificate.envelope import Certificate
+from certreg.certificate.producing import produce
+from certreg.objective.isotropic import Isotropic
+from certreg.problem.moments import exact_moments
+from certreg.problem.problem import RegistrationProblem
 from certreg.verify import check, room_of_eigenvector
 
 NOT_AN_ANGLE = "radius is not of an angle up to 90 degrees, or not positive"

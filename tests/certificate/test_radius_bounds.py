@@ -17,8 +17,9 @@ from certreg.certificate.radius import (
     isotropic_radius,
     sines,
 )
-from certreg.exact import Dyadic
-from certreg.problem import RegistrationProblem, spring_moments
+from certreg.exact.dyadic import Dyadic
+from certreg.problem.problem import RegistrationProblem
+from certreg.problem.stiffness import spring_moments
 
 WIDER = 1 + Fraction(1, 2**21)  # of what is rounded to 24 bits
 PLACES = 10**60

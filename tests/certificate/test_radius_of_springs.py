@@ -11,10 +11,11 @@ import pytest
 import spring_families as families
 from scipy.spatial.transform import Rotation
 
-from certreg.certificate import Certificate, springs_certificate
-from certreg.objective import Springs
-from certreg.problem import RegistrationProblem, spring_moments
-from certreg.relaxation import find_optimum
+from certreg.certificate.envelope import Certificate
+from certreg.certificate.producing_springs import springs_certificate
+from certreg.objective.springs import Springs
+from certreg.problem.problem import RegistrationProblem
+from certreg.relaxation.optimum import find_optimum
 from certreg.verify import Movable, RefusalError, check
 
 CELLS = [
@@ -26,7 +27,7 @@ CELLS = [
 
 
 def optimum_of(problem):
-    objective = Springs(spring_moments(problem))
+    objective = Springs.of(problem)
     return objective, find_optimum(objective)
 
 

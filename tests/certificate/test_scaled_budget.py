@@ -7,12 +7,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from certreg.certificate import producing_scaled as made
-from certreg.certificate import scaled_consensus_certificate
+from certreg.certificate import producing_consensus as made
+from certreg.certificate.producing_consensus import consensus_certificate
 from certreg.certificate.staging import length_of
 from certreg.errors import UndecidedError
-from certreg.problem import RegistrationProblem, bounded
-from certreg.registration.scaled_consensus import SCALED
+from certreg.problem.bounds import bounded
+from certreg.problem.problem import RegistrationProblem
+from certreg.registration.consensus import proved_consensus
 from certreg.verify import check
 
 
@@ -23,7 +24,7 @@ def all_wrong(n: int, seed: int = 1) -> RegistrationProblem:
 
 
 def searched(problem: RegistrationProblem) -> Any:
-    found = SCALED.search(problem, 1.0)
+    found = proved_consensus(problem, made.ConsensusProver(problem), 1.0)
     assert found is not None
     return found
 
@@ -33,7 +34,7 @@ def searched(problem: RegistrationProblem) -> Any:
 def test_what_is_proved_where_pairs_agree_by_chance_is_accepted(n: int):
     problem = all_wrong(n)
     found = searched(problem)
-    outcome = check(scaled_consensus_certificate(problem, found, None).line())
+    outcome = check(consensus_certificate(problem, found, None).line())
 
     assert outcome.verified, outcome.reason
     assert len(found.met) <= found.upper < n
@@ -51,7 +52,7 @@ def test_cutting_ends_where_ever_more_ranges_stay_open(monkeypatch):
     assert len(few.pieces) <= len(more.pieces)
     assert more.upper <= few.upper
     for found in (few, more):
-        assert check(scaled_consensus_certificate(problem, found, None).line()).verified
+        assert check(consensus_certificate(problem, found, None).line()).verified
 
 
 @pytest.mark.slow
@@ -65,7 +66,7 @@ def test_stages_of_all_ranges_together_are_no_longer_than_they_may_be(monkeypatc
     assert len(short.pieces) <= len(whole.pieces)
     assert whole.upper <= short.upper
     assert sum(length_of(piece.stages) for piece in short.pieces) < length
-    assert check(scaled_consensus_certificate(problem, short, None).line()).verified
+    assert check(consensus_certificate(problem, short, None).line()).verified
 
 
 @pytest.mark.slow
@@ -75,4 +76,4 @@ def test_a_proof_that_no_certificate_holds_is_undecided(monkeypatch):
     monkeypatch.setattr(made, "MOST", 3)
 
     with pytest.raises(UndecidedError, match="12 pairs with a free scale is longer than a certif"):
-        scaled_consensus_certificate(problem, found, None)
+        consensus_certificate(problem, found, None)

@@ -11,14 +11,16 @@ import jsonschema
 import numpy as np
 import pytest
 
-from certreg.certificate import Certificate, ScaledProver, verify
-from certreg.certificate.producing_scaled import scaled_consensus_certificate
-from certreg.certificate.scaled_consensus import ScaleRange
-from certreg.certificate.scaled_pairs import ScaledPairs
+from certreg.certificate.checking import verify
+from certreg.certificate.consensus import ScaleRange
+from certreg.certificate.consistency import ConsistentPairs
+from certreg.certificate.envelope import Certificate
+from certreg.certificate.producing_consensus import ConsensusProver, consensus_certificate
 from certreg.certificate.staging import Stager
 from certreg.certificate.thinning import Graph
-from certreg.geometry import rotation_matrix
-from certreg.problem import Consensus, RegistrationProblem
+from certreg.geometry.so3 import rotation_matrix
+from certreg.problem.losses import Consensus
+from certreg.problem.problem import RegistrationProblem
 
 checker = import_module("certreg.verify")
 ROOT = Path(__file__).parents[2]
@@ -64,7 +66,7 @@ def planted(seed):
 def test_no_pair_of_a_planted_consensus_is_struck_in_a_piece_that_holds_its_scale(count):
     for seed in range(count):
         problem, rows, scale = planted(seed)
-        pairs, s = ScaledPairs(problem), Fraction(scale)
+        pairs, s = ConsistentPairs(problem), Fraction(scale)
         mine, n = sum(1 << i for i in rows), problem.n
         content = problem.data_bytes()
         own, _ = checker.bounded_rows(content[content.index(b"\0") + 9 :], n)
@@ -103,13 +105,13 @@ def test_a_proof_is_accepted_whatever_motion_is_its_witness():
     for seed in range(4):
         problem, rows, _ = planted(seed)
         x, y = problem.source[rows], problem.target[rows]
-        prover = ScaledProver(problem, effort=0.2)
+        prover = ConsensusProver(problem, effort=0.2)
         turn, _, factor = _similarity(x, y)
         shift = y.mean(axis=0) - factor * turn @ x.mean(axis=0)
         for scale in (factor, factor * 1.3):
-            found = prover.prove(scale, turn, shift)
+            found = prover.prove(turn, shift, scale)
             if found is not None:
-                made = scaled_consensus_certificate(problem, found, None)
+                made = consensus_certificate(problem, found, None)
                 assert verify(made.to_json()).proved, (seed, verify(made.to_json()))
 
 

@@ -10,13 +10,16 @@ import numpy as np
 import pytest
 from spring_families import lidar, line, mixed, plane, statement
 
-from certreg.certificate import ExactPose, pose_bounds, produce, spring_pose_bounds
-from certreg.certificate.bounds import sin2_half_angle_between
-from certreg.certificate.spring_bounds import FARTHEST, NO_SHIFT, SHIFT_IS_FREE
-from certreg.exact import Dyadic
-from certreg.geometry import quadratic_form, rotation_matrix, squared_norm
-from certreg.objective import Isotropic, Springs
-from certreg.problem import RegistrationProblem, exact_moments, lift, spring_moments
+from certreg.certificate.bounds import ExactPose, pose_bounds, sin2_half_angle_between
+from certreg.certificate.producing import produce
+from certreg.certificate.spring_bounds import FARTHEST, NO_SHIFT, SHIFT_IS_FREE, spring_pose_bounds
+from certreg.exact.dyadic import Dyadic
+from certreg.geometry.so3 import quadratic_form, rotation_matrix, squared_norm
+from certreg.objective.isotropic import Isotropic
+from certreg.objective.springs import Springs
+from certreg.problem.lifting import lift
+from certreg.problem.moments import exact_moments
+from certreg.problem.problem import RegistrationProblem
 
 FAMILIES = {"plane": plane, "line": line, "mixed": mixed, "lidar": lidar}
 
@@ -49,7 +52,7 @@ def integers(q: Any) -> tuple[int, ...]:
 
 def objective_of(family: str) -> Springs:
     made = FAMILIES[family](np.random.default_rng(3), 20, 0.1)
-    return Springs(spring_moments(RegistrationProblem(**statement(made))))
+    return Springs.of(RegistrationProblem(**statement(made)))
 
 
 def apart(objective: Springs, pose: ExactPose, q: tuple[int, ...]) -> float:
@@ -111,7 +114,7 @@ def test_without_an_angle_or_with_a_free_shift_nothing_is_said_of_it():
 
     points = np.random.default_rng(0).integers(-5, 6, (8, 3)).astype(float)
     walls = np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]] * 4)
-    free = Springs(spring_moments(RegistrationProblem(points, points, normals=walls)))
+    free = Springs.of(RegistrationProblem(points, points, normals=walls))
     bounds = spring_pose_bounds(free, claiming(u, Told(Fraction(0))), pose)
     assert bounds.stated("shift_upper") == SHIFT_IS_FREE
 
@@ -121,7 +124,7 @@ def test_of_springs_alike_the_centre_goes_to_one_place_at_every_rotation():
     x, y = rng.normal(size=(2, 6, 3))
     plain = RegistrationProblem(x, y)
     general = RegistrationProblem(x, y, factors=np.tile([1.0, 0.0, 1.0, 0.0, 0.0, 1.0], (6, 1)))
-    objective = Springs(spring_moments(general))
+    objective = Springs.of(general)
     pose = ExactPose.of_doubles(rng.normal(size=4), rng.normal(size=3))
     shift = spring_pose_bounds(objective, claiming((1, 0, 0, 0), None), pose).shift_upper
     isotropic = Isotropic(exact_moments(plain))

@@ -11,17 +11,17 @@ from typing import Any
 
 import numpy as np
 
-from certreg.certificate import ExactPose, spring_pose_bounds
-from certreg.certificate.bounds import NO_ANGLE
+from certreg.certificate.bounds import NO_ANGLE, ExactPose
 from certreg.certificate.spring_bounds import (
     CONSTANT,
     FAR,
     NOT_CLAIMED,
     _differences,
     least_range,
+    spring_pose_bounds,
 )
-from certreg.objective import Springs
-from certreg.problem import RegistrationProblem, spring_moments
+from certreg.objective.springs import Springs
+from certreg.problem.problem import RegistrationProblem
 
 Energy = Callable[[tuple[int, ...]], Fraction]
 
@@ -91,7 +91,7 @@ def springs(*, exact: bool = False) -> Springs:
     x = rng.integers(-9, 9, size=(5, 3)) / 2.0
     y = x + np.array([1.0, 2.0, 3.0]) if exact else x + rng.integers(-2, 3, size=(5, 3)) / 8.0
     factors = np.tile(np.diag([1.0, 2.0, 3.0]), (5, 1, 1))
-    return Springs(spring_moments(RegistrationProblem(x, y, factors=factors)))
+    return Springs.of(RegistrationProblem(x, y, factors=factors))
 
 
 def at_best(objective: Springs, q: tuple[int, ...]) -> ExactPose:
@@ -129,7 +129,7 @@ def test_where_every_rotation_costs_the_same_only_the_translation_costs():
     problem = RegistrationProblem(
         np.zeros((4, 3)), np.diag([1.0, 2.0, 3.0, 4.0])[:, :3], factors=factors
     )
-    objective, best = Springs(spring_moments(problem)), (1, 2, 3, 4)
+    objective, best = Springs.of(problem), (1, 2, 3, 4)
     t = objective.best_translation(best)
     pose = ExactPose(quaternion=(1, 0, 0, 0), translation=(t[0], t[1], t[2] + Fraction(1, 3)))
     bounds = spring_pose_bounds(objective, body(best), pose)

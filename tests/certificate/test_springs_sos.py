@@ -14,21 +14,22 @@ import pytest
 from exact_springs import choi_lam
 from springs_certified import certified
 
-from certreg.certificate import (
-    Certificate,
-    ExactPose,
-    blockwise,
-    sin2_half_angle_between,
-)
+from certreg.certificate import blockwise, checking, producing, producing_springs, spring_bounds
+from certreg.certificate.bounds import ExactPose, sin2_half_angle_between
+from certreg.certificate.envelope import Certificate
 from certreg.certificate.squares import sos_body
-from certreg.objective import Isotropic, Springs
-from certreg.problem import RegistrationProblem, exact_moments, spring_moments
-from certreg.relaxation import find_optimum
+from certreg.objective.isotropic import Isotropic
+from certreg.objective.springs import Springs
+from certreg.problem.moments import exact_moments
+from certreg.problem.problem import RegistrationProblem
+from certreg.relaxation.optimum import find_optimum
 
 checker: Any = import_module("certreg.verify")
-proofs: Any = import_module("certreg.certificate")  # whose results may be None, and are not here
-spring_pose_bounds, produce = proofs.spring_pose_bounds, proofs.produce
-springs_certificate, verify = proofs.springs_certificate, proofs.verify
+# Whose results may be None, and are not here.
+spring_pose_bounds: Any = spring_bounds.spring_pose_bounds
+springs_certificate: Any = producing_springs.springs_certificate
+produce: Any = producing.produce
+verify: Any = checking.verify
 SCHEMAS = Path(checker.__file__).parent / "report" / "schemas"
 CELLS = [
     ("plane", 7, 0.1),
@@ -50,7 +51,7 @@ def answer(doc, clouds=None):
 
 def sums_of(problem):
     return checker.spring_moments(
-        problem.data_bytes()[len(checker.SpringsStatement.prefix) + 8 :], problem.n
+        problem.data_bytes()[len(checker.SpringsStatement.prefixes[0]) + 8 :], problem.n
     )
 
 
@@ -225,7 +226,7 @@ def test_a_certificate_is_about_its_factors_alone():
 def test_an_objective_that_is_constant_is_certified_with_no_angle():
     points = np.array([[1.0, 2.0, 3.0]])
     problem = RegistrationProblem(points, 2 * points, factors=[[1.0, 0.0, 1.0, 0.0, 0.0, 1.0]])
-    objective = Springs(spring_moments(problem))
+    objective = Springs.of(problem)
     certificate = springs_certificate(problem, objective, find_optimum(objective))
     verdict = verify(certificate, problem)
 
@@ -246,7 +247,7 @@ def wall(normals):
 @pytest.mark.slow
 def test_of_one_wall_a_gap_is_proved_and_the_optimum_proved_not_unique():
     problem = wall([[1, 2, 2]])
-    objective = Springs(spring_moments(problem))
+    objective = Springs.of(problem)
     certificate = springs_certificate(problem, objective, find_optimum(objective))
     verdict = verify(certificate, problem)
 
@@ -265,7 +266,7 @@ def test_of_one_wall_a_gap_is_proved_and_the_optimum_proved_not_unique():
 
 def test_where_the_relaxation_is_not_tight_its_own_gap_is_proved():
     problem = choi_lam()
-    objective = Springs(spring_moments(problem))
+    objective = Springs.of(problem)
     found = find_optimum(objective)
     body: Any = sos_body(objective, found)
     relaxed: Any = found.relaxation
@@ -314,7 +315,7 @@ def test_isotropic_data_have_the_same_optimum_by_both_kinds():
     general = RegistrationProblem(x, y, factors=np.tile([1.0, 0.0, 1.0, 0.0, 0.0, 1.0], (10, 1)))
     plain = RegistrationProblem(x, y)
     one = produce(plain, Isotropic(exact_moments(plain)))
-    objective = Springs(spring_moments(general))
+    objective = Springs.of(general)
     other = springs_certificate(general, objective, find_optimum(objective))
 
     assert verify(one, plain).proved

@@ -10,13 +10,15 @@ import numpy as np
 import pytest
 
 from benchmarks.rates.consensus_labels import Cell
-from certreg.certificate import ConsensusProver, consensus_certificate, staging
-from certreg.certificate.consistency import ExactRows, consistent_pairs
+from certreg.certificate import staging
+from certreg.certificate.consensus import RIGID
+from certreg.certificate.consistency import ConsistentPairs, ExactRows, consistent_pairs
+from certreg.certificate.producing_consensus import ConsensusProver, consensus_certificate
 from certreg.certificate.staging import Stager
 from certreg.certificate.thinning import transversal
-from certreg.native import mask_of, rows_of
-from certreg.native.bit_rows import colours, linked
-from certreg.problem import RegistrationProblem, bounded
+from certreg.native.bit_rows import colours, linked, mask_of, rows_of
+from certreg.problem.bounds import bounded
+from certreg.problem.problem import RegistrationProblem
 from certreg.registration.consensus import proved_consensus
 
 checker = import_module("certreg.verify")
@@ -127,6 +129,15 @@ def test_lengths_on_the_edge_of_the_bounds_are_decided_exactly(bound):
     ]
     assert ((near[0] >> 1 & 1), (near[0] >> 2 & 1)) == ((1, 1) if bound == 1.0 else (0, 0))
     assert not near[0] >> 3 & 1
+    assert ConsistentPairs(problem).within(RIGID).integers == near.integers
+
+
+def test_pairs_that_a_rigid_motion_may_meet_are_those_of_scales_from_one_to_one():
+    for seed in range(20):
+        points = np.random.default_rng(seed).normal(size=(2, 40, 3)).round(seed % 3)
+        pairs = ConsistentPairs(bounded(RegistrationProblem(*points), 0.5))
+
+        assert pairs.near().integers == pairs.within(RIGID).integers
 
 
 @pytest.mark.parametrize(("bound", "met"), [(1.0, [0, 1, 2]), (1.0 - 2.0**-52, [0, 1])])
@@ -153,7 +164,7 @@ def test_what_is_asked_for_first_is_less_and_agrees_with_all(shared):
 
     assert brief is not None
     assert brief.labels == found.labels
-    table = prover.consistent.table
+    table = prover.graph.near.table
     assert np.array_equal(table, table.T)
     assert [mask_of(np.flatnonzero(row).tolist()) for row in table] == ([*prover.graph.near])
 
@@ -164,8 +175,8 @@ def test_labels_are_the_same_without_compiled_code(cell, monkeypatch):
     """Undecided ones, too; rows that colours strike in the same order."""
     problems = [cell.problem(cell.instance(seed)) for seed in range(6)]
     compiled = [proved_consensus(problem, ConsensusProver(problem), 1.0) for problem in problems]
-    for module in ("bit_rows", "lawson"):
-        monkeypatch.setattr(f"certreg.native.{module}.library_if_any", lambda: None)
+    for name in ("bit_rows.little_library", "lawson.library_if_any"):
+        monkeypatch.setattr(f"certreg.native.{name}", lambda: None)
     for problem, found in zip(problems, compiled, strict=True):
         plain = proved_consensus(problem, ConsensusProver(problem), 1.0)
 
@@ -173,8 +184,8 @@ def test_labels_are_the_same_without_compiled_code(cell, monkeypatch):
         assert plain is not None
         assert (plain.labels, plain.upper) == (found.labels, found.upper)
         strikes = [
-            [(stage.least, strike.struck) for stage in one.stages[:1] for strike in stage.strikes]
-            for one in (plain, found)
+            [(stage.least, strike.struck) for strike in stage.strikes]
+            for stage in (plain.pieces[0].stages[0], found.pieces[0].stages[0])
         ]
         assert strikes[0] == strikes[1]
 

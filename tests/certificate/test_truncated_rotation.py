@@ -11,9 +11,13 @@ import pytest
 from jsonschema import Draft202012Validator
 from rotated_pairs import rotated_pairs
 
-from certreg.certificate import Certificate, truncated_certificate, verify
-from certreg.problem import Loss, RegistrationProblem, bounded
-from certreg.relaxation import BoxSearch, search_boxes
+from certreg.certificate.checking import verify
+from certreg.certificate.envelope import Certificate
+from certreg.certificate.truncated import truncated_certificate
+from certreg.problem.bounds import bounded
+from certreg.problem.problem import RegistrationProblem
+from certreg.problem.support import Loss
+from certreg.relaxation.rotation_boxes import BoxSearch, search_boxes
 
 TURN = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
 

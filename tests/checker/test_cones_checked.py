@@ -18,10 +18,10 @@ import spring_families
 from exact_springs import LEAST, RANGE, choi_lam, perturbed, two_optima
 
 from certreg.certificate.cones import cones_body
-from certreg.exact import Dyadic, dyadic_above, dyadic_below
-from certreg.objective import Springs
-from certreg.problem import RegistrationProblem, spring_moments
-from certreg.relaxation import find_optimum
+from certreg.exact.dyadic import Dyadic, dyadic_above, dyadic_below
+from certreg.objective.springs import Springs
+from certreg.problem.problem import RegistrationProblem
+from certreg.relaxation.optimum import find_optimum
 
 checker = import_module("certreg.verify")
 HAIR = Fraction(1, 2**20)
@@ -41,7 +41,7 @@ def document(problem: RegistrationProblem, body: Any) -> dict[str, Any]:
 
 @cache
 def objective_of(name: str) -> Springs:
-    return Springs(spring_moments(problem_of(name)))
+    return Springs.of(problem_of(name))
 
 
 @cache
@@ -300,7 +300,7 @@ def test_an_optimum_is_not_tied_with_itself():
     """Exact planes through exact points: the identity is stationary, and the only optimum."""
     points = np.random.default_rng(1).integers(-4, 5, size=(12, 3)).astype(float)
     problem = RegistrationProblem(points, points, normals=np.tile(np.eye(3), (4, 1)))
-    body: Any = cones_body(Springs(spring_moments(problem)), [(1, 0, 0, 0)]).body
+    body: Any = cones_body(Springs.of(problem), [(1, 0, 0, 0)]).body
     alone = document(problem, body)
     alone["claims"] |= {"unique": False, "sin2_half_angle": None}
     alone["proof"]["mu"] = [0, 0]

@@ -20,8 +20,9 @@ import numpy as np
 import pytest
 from consensus_forgeries import met_by, rotation, staged, stepped
 
-from certreg.certificate import ConsensusProver, consensus_certificate
-from certreg.problem import RegistrationProblem, bounded
+from certreg.certificate.producing_consensus import ConsensusProver, consensus_certificate
+from certreg.problem.bounds import bounded
+from certreg.problem.problem import RegistrationProblem
 
 checker = import_module("certreg.verify")
 Document = dict[str, Any]

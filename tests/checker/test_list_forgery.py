@@ -24,7 +24,7 @@ from list_boundaries import (
 from springs_forgeries import dumped, mutations, number
 
 from certreg.certificate.envelope import body_of
-from certreg.problem import RegistrationProblem
+from certreg.problem.problem import RegistrationProblem
 
 checker = import_module("certreg.verify")
 SECONDS = 2.0

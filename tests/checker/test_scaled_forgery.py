@@ -21,9 +21,9 @@ import numpy as np
 import pytest
 from consensus_forgeries import met_by, rotation, staged, stepped
 
-from certreg.certificate import ScaledProver
-from certreg.certificate.producing_scaled import scaled_consensus_certificate
-from certreg.problem import RegistrationProblem, bounded
+from certreg.certificate.producing_consensus import ConsensusProver, consensus_certificate
+from certreg.problem.bounds import bounded
+from certreg.problem.problem import RegistrationProblem
 
 checker = import_module("certreg.verify")
 Document = dict[str, Any]
@@ -106,11 +106,11 @@ def known(seed: int) -> Known:
     best = np.argsort(-sure.sum(axis=1), kind="stable")
     points = RegistrationProblem(x, y, scale="asymmetric")
     problem = bounded(points, bounds)
-    prover, documents = ScaledProver(problem, effort=0.1), list[Document]()
+    prover, documents = ConsensusProver(problem, effort=0.1), list[Document]()
     for k in (best[0], best[len(best) // 4]):
-        found = prover.prove(float(s[k]), R[k], t[k])
+        found = prover.prove(R[k], t[k], float(s[k]))
         if found is not None:
-            made = scaled_consensus_certificate(problem, found, None)
+            made = consensus_certificate(problem, found, None)
             documents.append(json.loads(made.to_json()))
     found = {
         Motion(Fraction(float(scale)), frozenset(np.flatnonzero(row).tolist()))

@@ -14,8 +14,8 @@ from springs_certified import certified
 from springs_forgeries import dumped, holds, minimum_of, mutations, spurious_minima
 
 from certreg.certificate.squares import sos_body
-from certreg.problem import RegistrationProblem
-from certreg.relaxation import find_optimum
+from certreg.problem.problem import RegistrationProblem
+from certreg.relaxation.optimum import find_optimum
 
 checker = import_module("certreg.verify")
 CELLS = [("plane", 7, 0.1), ("plane", 20, 0.1), ("aniso", 3, 0.1), ("mixed", 6, 0.1)]

@@ -27,12 +27,10 @@ from strategies import BENT, LINE, ZOO, random_problem, random_rotation
 
 import certreg as package
 from certreg import RegistrationProblem
+from certreg.cli import certified_clouds, registering
 from certreg.cli import main as cli
-from certreg.cli import options as cloud_options
-from certreg.cli import registering
 from certreg.io.problems import read_problem
-from certreg.registration import agreement
-from certreg.registration import certification as pipeline
+from certreg.registration import agreement, linear, squares
 from certreg.registration import examples as demo
 from certreg.registration.headlines import CERTIFIED
 from certreg.results import Ruling, Verdict
@@ -41,6 +39,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from numpy.typing import NDArray
+
 
 CHECKER = Path(package.__file__).parent / "verify.py"
 COMMANDS = (
@@ -442,7 +441,7 @@ def test_labels_pair_the_points_in_whatever_order(tmp_path: Path):
 
 
 def test_a_pose_without_a_certificate_ends_with_code_4(data: Path, tmp_path: Path, monkeypatch):
-    monkeypatch.setattr(pipeline, "produce", lambda *_, **__: None)
+    monkeypatch.setattr(linear, "produce", lambda *_, **__: None)
     run = certreg("certify", *SURVEY.paths(data), "--json", "--out", tmp_path)
     told = certreg("certify", *SURVEY.paths(data), "--out", tmp_path)
 
@@ -465,7 +464,7 @@ def test_two_methods_that_disagree_end_with_code_1(data: Path, monkeypatch):
 
 def test_a_refused_certificate_of_its_own_ends_with_code_1(data: Path, tmp_path: Path, monkeypatch):
     refusal = Verdict(ruling=Ruling.REFUTED, words="because")
-    monkeypatch.setattr(pipeline, "check_own", lambda *_: refusal)
+    monkeypatch.setattr(squares, "check_own", lambda *_: refusal)
     run = certreg("certify", *SURVEY.paths(data), "--out", tmp_path / "out")
 
     assert (run.code, run.out) == (1, "")
@@ -819,7 +818,7 @@ def test_any_weight_is_refused_where_the_weights_are_in_the_digest_only(
     assert certreg("certify", *clouds, "--out", tmp_path).code == 0
     certificate = tmp_path / "certificate.json"
     for most, code in ((5, 0), (4, 2)):
-        monkeypatch.setattr(cloud_options, "INLINE_MAX", most)
+        monkeypatch.setattr(certified_clouds, "INLINE_MAX", most)
         run = certreg("verify", certificate, *clouds, "--any-weight")
         assert run.code == code, run.err
     assert "--any-weight is for 4 points at most: give --sigma" in run.err

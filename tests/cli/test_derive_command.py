@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 from pathlib import Path
-from types import SimpleNamespace
 
 import pytest
 from claim_outcomes import TAKEN, outcome, taken_as_proved
@@ -69,8 +68,8 @@ def test_out_takes_the_latex_and_the_code(anew, tmp_path: Path, monkeypatch):
     """That what is generated anew is what is committed, tests/native asks as well."""
     committed = (GENERATED / "dynamics.c").read_bytes()
     if not anew:
-        standing_in = SimpleNamespace(generated_files=lambda *_: {"dynamics.c": committed})
-        monkeypatch.setattr(derivation, "native", standing_in)
+        generated = "certreg.native.codegen.emit.generated_files"
+        monkeypatch.setattr(generated, lambda *_: {"dynamics.c": committed})
         monkeypatch.setattr(derivation._module("emit"), "definitions", tuple)
 
     run = certreg("derive", "davenport", "--out", tmp_path / "proofs")

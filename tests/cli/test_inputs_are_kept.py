@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from commands import certreg
 
-from certreg.report import FILES
+from certreg.report.file_names import FILES
 
 if TYPE_CHECKING:
     from collections.abc import Callable

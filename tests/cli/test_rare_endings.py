@@ -10,7 +10,7 @@ import pytest
 from commands import certreg, write_csv
 
 from certreg import __version__, _loading
-from certreg.campaign import PairCampaign, Tally
+from certreg.campaign.pairs import PairCampaign, Tally
 from certreg.cli import campaigns, memory, progress
 from certreg.cli import main as program
 from certreg.errors import MissingToolError

@@ -13,16 +13,17 @@ from strategies import AXES, BENT, LINE, MIRROR, TALL, ZOO
 
 import certreg as package
 from certreg import RegistrationProblem
+from certreg.dynamics.body import SimulationStatus
 from certreg.dynamics.integrators import SimulationSettings
-from certreg.dynamics.status import SimulationStatus
 from certreg.errors import InvalidProblemError
 from certreg.io.problems import read_problem
-from certreg.registration import certification as pipeline
-from certreg.registration import optimally_damped
+from certreg.registration import linear as pipeline
+from certreg.registration.simulation import optimally_damped
 from certreg.results import Absent
 
 if TYPE_CHECKING:
     from pathlib import Path
+
 
 KEYS = {
     "schema",
@@ -127,7 +128,7 @@ def test_step_and_damping_are_obeyed(data: Path):
 
 def test_a_run_that_does_not_converge_ends_with_code_four(data: Path, monkeypatch):
     few = SimulationSettings(max_steps=10)
-    monkeypatch.setattr("certreg.registration.certification.DEFAULT_SETTINGS", few)
+    monkeypatch.setattr("certreg.registration.simulation.DEFAULT_SETTINGS", few)
     run = certreg("simulate", *survey(data))
     document = certreg("simulate", *survey(data), "--json").document
 
@@ -344,7 +345,7 @@ def test_certify_says_which_method_it_left_out_and_why(tmp_path: Path, monkeypat
     reason = certreg(*euler, "--json").document["reasons"]["simulation"]
     assert certreg("certify", *thin, "--json").document["simulation"]["converged"]
     asked = certreg("certify", *thin, "--no-simulation", "--no-relaxation")
-    monkeypatch.setattr(pipeline, "_relaxation", lambda *_: Absent("out of luck"))
+    monkeypatch.setattr(pipeline.LinearProver, "relaxed", lambda *_: Absent("out of luck"))
     unlucky = certreg("certify", *thin, "--no-simulation")
 
     assert f"  simulation        left out: {reason}\n" in told.out

@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
 
 from certreg import RegistrationProblem
-from certreg.dynamics import SimulationSettings, Trajectory, simulate
+from certreg.dynamics.integrators import SimulationSettings
+from certreg.dynamics.simulation import simulate
 from certreg.errors import InvalidProblemError
-from certreg.native import Integrator
-from certreg.registration.simulation import objective_of
+from certreg.native.loops import Integrator
+from certreg.objective.objective import objective_of
 from certreg.results import Absent
+
+if TYPE_CHECKING:
+    from certreg.dynamics.trajectory import Trajectory
+
 
 RNG = np.random.default_rng(21)
 SOURCE = RNG.normal(size=(9, 3))

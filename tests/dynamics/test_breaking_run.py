@@ -12,9 +12,11 @@ from wrong_pairs import wrong_pairs
 from certreg.dynamics import breaking
 from certreg.dynamics.breaking import BreakingRun, BreakingStatus, run_breaking
 from certreg.errors import DegenerateProblemError
-from certreg.native import Integrator
-from certreg.problem import Loss, RegistrationProblem, bounded
-from certreg.registration import register
+from certreg.native.loops import Integrator
+from certreg.problem.bounds import bounded
+from certreg.problem.problem import RegistrationProblem
+from certreg.problem.support import Loss
+from certreg.registration.closed_form import register
 
 OFFSET = 1e6  # of both clouds, apart: bounds that no spring reaches are skipped
 SEEDS = (0, 1, 3, 4)

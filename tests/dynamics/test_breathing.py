@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from certreg.dynamics.body import BreathingStatus
 from certreg.dynamics.breathing import breathing_body
 from certreg.dynamics.integrators import SimulationSettings
 from certreg.dynamics.simulation import simulate
 from certreg.dynamics.states import breathing_state
-from certreg.dynamics.status import BreathingStatus
 from certreg.equilibrium.breathing import breathing_equilibria
 from certreg.equilibrium.presentation import unit_double
 from certreg.errors import DegenerateProblemError

@@ -16,6 +16,7 @@ from test_simulation import proved_end
 from certreg.dynamics import integrators
 from certreg.dynamics.basin import basins_of, certified_basin
 from certreg.dynamics.batch import Bodies, Ends, bodies_of, simulate_many
+from certreg.dynamics.body import SimulationStatus
 from certreg.dynamics.integrators import (
     SimulationSettings,
     _halved,
@@ -24,7 +25,6 @@ from certreg.dynamics.integrators import (
 )
 from certreg.dynamics.rigid import rigid_body
 from certreg.dynamics.simulation import optimal_damping, simulate
-from certreg.dynamics.status import SimulationStatus
 from certreg.errors import DegenerateProblemError, InvalidProblemError
 from certreg.geometry.so3 import rotation_matrix
 from certreg.native.engine import current_engine
@@ -43,6 +43,7 @@ from certreg.native.loops import LARGEST_TURN, Batch, Ending, Integrator
 from certreg.objective.isotropic import Isotropic
 from certreg.problem.moments import exact_moments
 from certreg.problem.problem import RegistrationProblem
+from certreg.registration.closed_form import register
 
 COMPILED = isinstance(current_engine(), Library)
 # instances; without a compiler each takes a millisecond
@@ -274,12 +275,24 @@ def test_the_springs_of_one_body_are_those_of_many():
         spring_ratios(bodies.records[[0]], bodies.basins[[0]])
 
 
+def test_the_translations_at_the_ends_are_those_of_least_squares():
+    clouds = random_clouds(np.random.default_rng(34), 5, 9)
+    targets = clouds.targets + np.array([3.0, -50.0, 0.25])
+    for integrator in Integrator:
+        ends = simulate_many(bodies_of(clouds.sources, targets), integrator)
+        best = [register(*pair) for pair in zip(clouds.sources, targets, strict=True)]
+        expected = np.array([pose.translation for pose in best])
+
+        assert (ends.at_rest == ends.converged).all()
+        assert np.abs(ends.translations - expected)[ends.converged].max() < 0.05
+
+
 def test_the_springs_of_one_body_are_the_same_without_compiled_code(monkeypatch):
     clouds = random_clouds(np.random.default_rng(32), 40, 5)
     bodies = bodies_of(clouds.sources, clouds.targets)
     rows = [(bodies.records[[k]], bodies.basins[[k]]) for k in range(40)]
     compiled = np.array([spring_ratios(*row)[0] for row in rows])
-    monkeypatch.setattr("certreg.dynamics.pencil.library_if_any", lambda: None)
+    monkeypatch.setattr("certreg.dynamics.integrators.library_if_any", lambda: None)
     plain = np.array([spring_ratios(*row)[0] for row in rows])
 
     assert (np.diff(compiled) >= 0).all()

@@ -18,29 +18,31 @@ from certreg.certificate.checking import check_own, verify
 from certreg.certificate.isotropic import RotationState
 from certreg.certificate.producing import produce, proves_basin
 from certreg.dynamics import integrators
+from certreg.dynamics.body import SimulationStatus
 from certreg.dynamics.integrators import SimulationSettings
 from certreg.dynamics.rigid import rigid_body
 from certreg.dynamics.simulation import optimal_damping, simulate
 from certreg.dynamics.states import state_at_rest
-from certreg.dynamics.status import SimulationStatus
 from certreg.equilibrium.presentation import rotation_double, unit_double
 from certreg.equilibrium.spectral import by_eigenspaces
 from certreg.errors import ContradictionError, DegenerateProblemError, InvalidProblemError
 from certreg.exact.dyadic import dyadic_below
 from certreg.geometry.so3 import rotation_matrix
-from certreg.native import Integrator
-from certreg.native.engine import current_engine
-from certreg.native.evaluator import evaluator
+from certreg.native.engine import current_engine, evaluator
+from certreg.native.loops import Integrator
 from certreg.objective.isotropic import Isotropic
 from certreg.problem.lifting import lift
 from certreg.problem.moments import exact_moments
 from certreg.problem.problem import RegistrationProblem
-from certreg.registration import certified, certify
 from certreg.registration.agreement import require_sound_trajectory
+from certreg.registration.certification import certify
 from certreg.registration.examples import STORIES, tell
 from certreg.registration.exit_codes import DONE, code_of_registration
+from certreg.registration.pipeline import Asked
 from certreg.registration.simulation import final_state
-from certreg.report import registration_summary, result_document
+from certreg.registration.squares import certified_squares
+from certreg.report.document import result_document
+from certreg.report.summary import registration_summary
 from certreg.results import Optimality
 
 STORY_NAMES = [story.name for story in STORIES]
@@ -258,7 +260,8 @@ def test_a_body_that_weak_springs_leave_far_away_contradicts_nothing():
         source, 1e-5 * source @ random_rotation(rng).T, damping=math.sqrt(8.0)
     )
     few = SimulationSettings(max_steps=1000)
-    registration: Any = certified(problem, relaxation=False, integrator="euler", settings=few)
+    asked = Asked(simulation=Integrator.EULER, settings=few)
+    registration: Any = certified_squares(problem, asked)
     words, document = registration_summary(registration), result_document(registration)
 
     assert registration.status is Optimality.CERTIFIED

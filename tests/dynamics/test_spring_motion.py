@@ -10,12 +10,11 @@ import pytest
 from engines import engine as either
 
 from benchmarks.rates.spring_stability import counted, unstable_directions
-from certreg.dynamics.body import steps_of
+from certreg.dynamics.body import SpringStatus, steps_of
 from certreg.dynamics.integrators import SimulationSettings
 from certreg.dynamics.simulation import simulate
 from certreg.dynamics.springs import SprungBody, spring_body, without_traces
 from certreg.dynamics.states import CUBE
-from certreg.dynamics.status import SpringStatus
 from certreg.errors import DegenerateProblemError, InvalidProblemError
 from certreg.geometry.so3 import rotation_matrix
 from certreg.native.layout import QUATERNION_STATE, plain
@@ -23,8 +22,8 @@ from certreg.native.loops import Batch, Ending, Integrator, Rules
 from certreg.objective.isotropic import Isotropic
 from certreg.objective.springs import Springs
 from certreg.problem.moments import exact_moments
-from certreg.problem.moments_of_springs import spring_moments
 from certreg.problem.problem import RegistrationProblem
+from certreg.problem.stiffness import spring_moments
 
 STEPS = (Integrator.MIDPOINT, Integrator.SPLITTING)
 RULES = Rules(speed_tolerance=1e-6, rest_share=1e-7, first_perturbation=1e-3, max_steps=20_000)
@@ -49,7 +48,7 @@ def matrices(n: int = 9, seed: int = 1) -> RegistrationProblem:
 
 
 def objective_of(problem: RegistrationProblem) -> Springs:
-    return Springs(spring_moments(problem))
+    return Springs.of(problem)
 
 
 def any_state(seed: int) -> Any:

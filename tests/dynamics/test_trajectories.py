@@ -6,9 +6,9 @@ import io
 
 import numpy as np
 
-from certreg.dynamics.trajectories import Record
-from certreg.registration.certification import simulate
+from certreg.dynamics.trajectory import Record
 from certreg.registration.examples import STORIES, stated
+from certreg.registration.simulation import simulate
 
 
 def test_a_trajectory_comes_back_as_it_was_written():

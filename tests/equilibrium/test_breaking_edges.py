@@ -12,12 +12,12 @@ import numpy as np
 import pytest
 
 from certreg.equilibrium import breaking
-from certreg.equilibrium.breaking import Labels, SpringSet, _Residuals, _roots
+from certreg.equilibrium.breaking import Labels, SpringSet, _agree, _Residuals, _roots
 from certreg.equilibrium.eigenlines import _eigenline, _splits, energy_is_at_least
-from certreg.equilibrium.spring_sets import _agree
 from certreg.errors import UndecidedError
-from certreg.objective import Isotropic
-from certreg.problem import RegistrationProblem, exact_moments
+from certreg.objective.isotropic import Isotropic
+from certreg.problem.moments import exact_moments
+from certreg.problem.problem import RegistrationProblem
 from certreg.results import ComponentKind
 
 LITTLE = Fraction(1, 10**30)

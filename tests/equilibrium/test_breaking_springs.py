@@ -11,20 +11,31 @@ import numpy as np
 import pytest
 from strategies import random_rotation
 
-from certreg.equilibrium import spring_sets
-from certreg.equilibrium.breaking import Labels, RestPose, SpringSet, _Residuals, _roots
+from certreg.equilibrium import breaking
+from certreg.equilibrium.breaking import (
+    Labels,
+    RestPose,
+    SpringSet,
+    _Residuals,
+    _roots,
+    consistent_springs,
+    label_sets,
+)
 from certreg.equilibrium.eigenlines import Eigenline, _eigenline, eigenlines
-from certreg.equilibrium.spring_sets import consistent_springs, label_sets
 from certreg.errors import InvalidProblemError, UndecidedError
-from certreg.geometry import rotation_matrix
-from certreg.objective import Isotropic
-from certreg.problem import Loss, RegistrationProblem, bounded, exact_springs
+from certreg.geometry.so3 import rotation_matrix
+from certreg.objective.isotropic import Isotropic
+from certreg.problem.bounds import bounded
+from certreg.problem.lifting import exact_springs
+from certreg.problem.problem import RegistrationProblem
+from certreg.problem.support import Loss
 from certreg.results import ComponentKind
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from numpy.typing import NDArray
+
 
 ENOUGH = 10_000  # sets
 CLEAR = 1e-7  # in the unit of the clouds: far above the rounding of doubles
@@ -446,7 +457,7 @@ def test_a_budget_of_sets_is_kept():
 
 def test_a_search_without_an_end_is_given_up(monkeypatch):
     problem = mixed(0, bound=0.8)
-    monkeypatch.setattr(spring_sets, "BRANCHES_A_SET", 0)
+    monkeypatch.setattr(breaking, "BRANCHES_A_SET", 0)
 
     with pytest.raises(UndecidedError, match="sets of springs may hold together"):
         list(label_sets(problem, 3, ENOUGH))

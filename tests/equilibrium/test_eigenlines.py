@@ -14,8 +14,8 @@ from certreg.equilibrium.eigenlines import (
     energy_is_at_least,
 )
 from certreg.errors import UndecidedError
-from certreg.objective import Isotropic
-from certreg.problem import RegistrationProblem
+from certreg.objective.isotropic import Isotropic
+from certreg.problem.problem import RegistrationProblem
 
 TINY = Fraction(1, 1 << 90)
 AXES = np.vstack([np.eye(3), -np.eye(3)])

@@ -22,8 +22,7 @@ from certreg.equilibrium.stability import Oscillations, linearised_spectrum
 from certreg.errors import InvalidProblemError
 from certreg.geometry.so3 import davenport_matrix, rotation_matrix
 from certreg.native import stationary
-from certreg.native.engine import current_engine
-from certreg.native.evaluator import evaluator
+from certreg.native.engine import current_engine, evaluator
 from certreg.native.layout import plain, symmetric
 from certreg.objective.isotropic import Isotropic
 from certreg.problem.moments import exact_moments

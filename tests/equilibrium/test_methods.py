@@ -16,12 +16,13 @@ from certreg.equilibrium.critical_set import Completeness
 from certreg.equilibrium.groebner import eliminate, fibres
 from certreg.equilibrium.homotopy import EigenBalls, HomotopyStatus, continuation
 from certreg.equilibrium.krawczyk import are_distinct, proved_root
-from certreg.equilibrium.methods import METHODS, compare, search
+from certreg.equilibrium.methods import FINDERS, compare, search
 from certreg.equilibrium.presentation import unit_double
 from certreg.errors import ContradictionError, InvalidProblemError, UndecidedError
 from certreg.exact.balls import exact_matrix
 from certreg.geometry.so3 import davenport_matrix, dot
 from certreg.objective.isotropic import Isotropic
+from certreg.objective.structure import Structure
 from certreg.problem.moments import exact_moments
 from certreg.problem.problem import RegistrationProblem
 from certreg.registration.enumeration import enumerated
@@ -45,7 +46,7 @@ def met(K):
 def critical_sets(problem):
     """The critical set by each method."""
     objective = Isotropic(exact_moments(problem))
-    return [checked(search(objective, name).critical) for name in METHODS]
+    return [checked(search(objective, name).critical) for name in FINDERS[Structure.LINEAR]]
 
 
 def turned_apart(p, q):
@@ -111,7 +112,7 @@ def test_near_degeneracy_is_decided_exactly_and_the_homotopy_is_right_or_says_so
         np.vstack([source, -source]) @ U.T, np.vstack([np.eye(3), -np.eye(3)]) @ V.T
     )
     objective = Isotropic(exact_moments(problem))
-    first, second, third = (search(objective, name) for name in METHODS)
+    first, second, third = (search(objective, name) for name in FINDERS[Structure.LINEAR])
 
     assert [checked(each.critical).pattern for each in (first, second)] == [(1, 1, 1, 1)] * 2
     sets = [each.critical for each in (first, second, third) if each.critical is not None]

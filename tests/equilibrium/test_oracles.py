@@ -20,13 +20,15 @@ import strategies
 from oracles.exports import as_msolve, as_phcpack, as_singular, value_unit
 from oracles.systems import line_system, quaternion_system, rotation_system
 
-from certreg.equilibrium import LineSet, search, unit_double
 from certreg.equilibrium.groebner import eliminate, fibres
+from certreg.equilibrium.line_set import LineSet
+from certreg.equilibrium.methods import search
+from certreg.equilibrium.presentation import unit_double
 from certreg.geometry.so3 import davenport_matrix, rotation_matrix
-from certreg.objective import Springs
 from certreg.objective.polynomials import multiplier_system
-from certreg.problem import RegistrationProblem, spring_moments
+from certreg.objective.springs import Springs
 from certreg.problem.moments import exact_moments
+from certreg.problem.problem import RegistrationProblem
 
 FOLDER = os.environ.get("CERTREG_ORACLES")
 SEEDS = range(12)
@@ -158,7 +160,7 @@ def springs(seed):
         pytest.skip("half a minute each: make test-oracles")
     cell = spring_families.LISTED[seed % len(spring_families.LISTED)]
     stated = spring_families.statement(spring_families.instance(cell, seed))
-    objective = Springs(spring_moments(RegistrationProblem(**stated)))
+    objective = Springs.of(RegistrationProblem(**stated))
     found = search(objective, "homotopy").critical
     assert isinstance(found, LineSet)
     return objective.quartic, found

@@ -14,11 +14,12 @@ from scipy.optimize import least_squares
 
 import certreg
 from certreg import RegistrationProblem, solve_many_springs
-from certreg.equilibrium import PathsOutcome, search, unit_double
+from certreg.equilibrium.methods import search
+from certreg.equilibrium.paths import PathsOutcome
+from certreg.equilibrium.presentation import unit_double
 from certreg.errors import InvalidProblemError
-from certreg.geometry import rotation_matrix
-from certreg.objective import Springs
-from certreg.problem import spring_moments
+from certreg.geometry.so3 import rotation_matrix
+from certreg.objective.springs import Springs
 from certreg.results import Guarantee
 
 EACH = 2  # problems of a family
@@ -40,7 +41,7 @@ def instances(cell):
 def listed_alone(one) -> Any:
     """The proved list of one instance, by itself."""
     problem = RegistrationProblem(one.source, one.target, **one.springs)
-    return search(Springs(spring_moments(problem)), "homotopy").critical
+    return search(Springs.of(problem), "homotopy").critical
 
 
 @pytest.mark.one_in(4)

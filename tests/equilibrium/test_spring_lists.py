@@ -18,7 +18,6 @@ from flint import acb, fmpz
 
 from benchmarks.rates import spring_lists
 from certreg import RegistrationProblem
-from certreg.equilibrium import compare, critical_lines, search, unit_double
 from certreg.equilibrium.critical_set import Completeness, Critical
 from certreg.equilibrium.line_boxes import BallQuartic, all_different, boxed, index_of
 from certreg.equilibrium.line_ranks import (
@@ -29,12 +28,16 @@ from certreg.equilibrium.line_ranks import (
     plane,
 )
 from certreg.equilibrium.line_set import Finiteness, line_set
+from certreg.equilibrium.methods import compare, search
+from certreg.equilibrium.paths import critical_lines
+from certreg.equilibrium.presentation import unit_double
 from certreg.equilibrium.spring_homotopy import by_forty_paths
 from certreg.errors import ContradictionError
-from certreg.objective import Isotropic, Springs
+from certreg.objective.isotropic import Isotropic
 from certreg.objective.levelling import levelled_exactly, norm_fourth
 from certreg.objective.quartics import MONOMIALS, gradient
-from certreg.problem import exact_moments, spring_moments
+from certreg.objective.springs import Springs
+from certreg.problem.moments import exact_moments
 from certreg.results import Guarantee
 
 CLOUDS = (degenerate_springs.POINTS, np.asarray(degenerate_springs.isotropic().target))
@@ -46,9 +49,9 @@ RANKS = import_module("certreg.equilibrium.line_ranks")
 def objective(name):
     """Of a degenerate configuration by name, or of a random problem by the number of its cell."""
     if isinstance(name, str):
-        return Springs(spring_moments(degenerate_springs.NAMED[name]()))
+        return Springs.of(degenerate_springs.NAMED[name]())
     made = spring_families.instance(spring_families.LISTED[name], 0)
-    return Springs(spring_moments(RegistrationProblem(**spring_families.statement(made))))
+    return Springs.of(RegistrationProblem(**spring_families.statement(made)))
 
 
 @functools.cache
@@ -270,10 +273,8 @@ def test_a_line_counts_once_where_two_paths_end_at_it(monkeypatch):
 
 
 def test_an_energy_that_is_constant_has_every_rotation():
-    springs = Springs(
-        spring_moments(
-            RegistrationProblem(np.zeros((2, 3)), np.eye(3)[:2], factors=np.eye(6)[[0, 0]])
-        )
+    springs = Springs.of(
+        RegistrationProblem(np.zeros((2, 3)), np.eye(3)[:2], factors=np.eye(6)[[0, 0]])
     )
     found = checked(search(springs, "homotopy").critical)
 
@@ -373,7 +374,7 @@ def twins_of_springs(off: float) -> Springs:
     target[0, 0] = off
     source = np.vstack([x, x * [-1.0, -1.0, 1.0]])
     stated = RegistrationProblem(source, target, normals=np.vstack([normals, normals]))
-    return Springs(spring_moments(stated))
+    return Springs.of(stated)
 
 
 @pytest.mark.slow

@@ -10,7 +10,8 @@ from flint import arb, ctx
 from hypothesis import given
 from hypothesis import strategies as st
 
-from certreg.exact import as_given, at_least, at_most, degrees_above
+from certreg.exact.decimals import as_given, at_least, at_most
+from certreg.exact.dyadic import degrees_above
 
 positive = st.builds(
     lambda n, d, e: Fraction(n, d) * Fraction(10) ** e,

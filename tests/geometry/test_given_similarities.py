@@ -14,7 +14,7 @@ from strategies import random_rotation
 
 from certreg import Pose, Similarity
 from certreg.errors import InvalidFileError, InvalidProblemError
-from certreg.geometry import given_pose
+from certreg.geometry.given import given_pose
 from certreg.io.poses import parse_pose
 
 if TYPE_CHECKING:

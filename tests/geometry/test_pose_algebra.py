@@ -13,7 +13,7 @@ from certreg import Pose
 from certreg.errors import InvalidProblemError, OutOfRangeError
 from certreg.geometry import so3
 from certreg.geometry.given import given_pose
-from certreg.geometry.orthogonality import why_no_rotation
+from certreg.geometry.pose_matrix import why_no_rotation
 from certreg.geometry.so3 import (
     canonical,
     davenport_matrices,

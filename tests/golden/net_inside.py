@@ -12,24 +12,14 @@ from typing import TYPE_CHECKING, Any
 
 from answers import answered
 from commands import checked
-from net_python import (
-    bare,
-    lost,
-    page,
-    problem,
-    refused,
-    sentences_of,
-    told,
-    uncertified,
-    whole,
-)
+from net_python import bare, lost, page, problem, refused, sentences_of, told, uncertified, whole
 
 from certreg import Registration, SimulationSettings, certify, equilibria
-from certreg.equilibrium import equilibrium_set
-from certreg.registration import STORIES, differences, tell
-from certreg.report import html_page
+from certreg.equilibrium.presentation import equilibrium_set
+from certreg.registration.examples import STORIES, differences, tell
 from certreg.report.lines import explained_words
 from certreg.report.page import Report
+from certreg.report.pages import html_page
 from certreg.report.remedies import why_warned
 from certreg.report.uncertainty import uncertainty_rows
 from certreg.report.words import weak_words
@@ -95,7 +85,8 @@ def doubts() -> str:
     }.items():
         first = checked(searches[0].critical)
         one_set = equilibrium_set(first, found.objective, 2.0)
-        doubted = type(listed).of(replace(found, searches=searches, equilibria=one_set))
+        made = replace(found, searches=searches, equilibria=one_set)
+        doubted = type(listed)(**made.kept(), enumeration=made)
         document = one_set.to_dict()
         document["equilibria"]["components"] = []
         texts[name] = "\n".join((_untimed(doubted), json.dumps(document)))

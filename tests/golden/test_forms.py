@@ -39,7 +39,6 @@ NOT_RECORDED = {
     "beside sources and targets, whose certificates": "in tests/certificate/test_many.py",
     "projective planes": "of two, which no problem has",
     "the balls are too wide to tell the signs": "a search that fails",
-    "the translation of the optimal pose exceeds the range": "at the end of the doubles",
     "it is not computed where the scale is free": "of a problem with a covariance and a scale",
     # Of general springs, in no record yet:
     "the certificate holds no springs": "a certificate of many pairs, without its problem",

@@ -22,8 +22,8 @@ from certreg import RegistrationProblem, errors
 from certreg.campaign import runner, store, workers
 from certreg.campaign.table import require_parquet
 from certreg.certificate.coq import find_coqc
-from certreg.dynamics import bodies_of
-from certreg.equilibrium import solve_many
+from certreg.dynamics.batch import bodies_of
+from certreg.equilibrium.batch import solve_many
 from certreg.errors import (
     CampaignError,
     CertregError,
@@ -33,7 +33,7 @@ from certreg.errors import (
     MissingToolError,
     OutOfRangeError,
 )
-from certreg.exact import at_most
+from certreg.exact.decimals import at_most
 from certreg.io.clouds import read_cloud
 from certreg.io.poses import read_pose
 from certreg.io.problems import read_problem, read_weights

@@ -24,8 +24,7 @@ import certreg as package
 from certreg.certificate import private_folder
 from certreg.cli.main import main
 from certreg.errors import InvalidFileError
-from certreg.io import write_atomically, write_files
-from certreg.io.atomic import write_together
+from certreg.io.atomic import write_atomically, write_files, write_together
 from certreg.verify import shown
 
 if TYPE_CHECKING:

@@ -35,7 +35,7 @@ ALLOWED = {  # what the last digit of a number to the nearest is worth, and wher
     """,
     "of a result in the `repr`": """
         results.py {float(value):.6g}
-        registration/any_registration.py {self.rmse:.6g}
+        registration/result.py {self.rmse:.6g}
         registration/assessed.py {away:.6g}
     """,
     "a constant, rounded down: 1 and 3.14159, below pi": """
@@ -76,7 +76,7 @@ ALLOWED = {  # what the last digit of a number to the nearest is worth, and wher
         report/scene_words.py {here / best:.3g}
         report/scene_words.py {math.degrees(worst.angle_to_optimum):.4g}
         report/words.py {ran[name]:.3g}
-        io/pose_values.py {norm:.6g}
+        io/poses.py {norm:.6g}
         io/pairing.py {here:.16g}
         io/pairing.py {there:.16g}
         io/text.py {column[0]:.0f}

@@ -22,6 +22,7 @@ from certreg.verify import check
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
+
 ROOT = Path(certreg.__file__).parents[1]
 DATA = ROOT / "certreg" / "data"
 PAIR = (DATA / "survey_source.csv", DATA / "survey_target.csv")
@@ -111,15 +112,14 @@ def test_help_and_verify_load_no_numerical_library(which: str, tmp_path: Path):
 # What is of another kind of problem, of another format, or of a report that nobody asked for.
 OF_OTHERS = re.compile(
     r"certreg[.](?:\w+[.]\w*(?:spring|consensus|scaled|truncated|breath|breaking|similarity)"
-    r"|registration[.]valley"
+    r"|problem[.]\w*stiffness|registration[.](?:valley|quartic)"
     r"|report[.]\w*(?:page|picture|card|document|overview|folder)"
     r"|certificate[.](?:cones|listing|squares|refuting|consistency|coq|blockwise)"
     r"|equilibrium[.](?:paths|tracking|quartics|methods|line_)"
-    r"|io[.](?:cif|np[yz]|obj|pairs|pcd|pdb|ply|scans|stl|trajectories|xyz)$)"
+    r"|io[.](?:cif|np[yz]|obj|pairs|pcd|atoms|ply|scans|stl|trajectories)$)"
     r"|scipy[.](?:sparse|optimize|spatial)"
 )
 ANY_PROBLEM = {  # names of what stands in problems, or may stand in the files of any
-    "certreg.certificate.similarity",
     "certreg.geometry.similarity",
     "certreg.io.springs",
     "certreg.problem.spring_factors",
@@ -135,7 +135,7 @@ def test_certify_loads_nothing_of_other_kinds_of_problems():
     others = {name for name in loaded if OF_OTHERS.match(name)}
 
     assert others == ANY_PROBLEM
-    assert {"certreg.registration.certification", "scipy.linalg"} <= loaded
+    assert {"certreg.registration.linear", "scipy.linalg"} <= loaded
 
 
 @pytest.fixture

@@ -20,14 +20,15 @@ import certreg
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+
 PACKAGE = Path(certreg.__file__).parent
 ANSWERS = ("problem/support.py", "verify.py")  # the table; and the checker, which shares no code
 CLASSES = re.compile(
     r"(Problem|Registration|Body|Trajectory|Equilibria|Similarity)$|^(Isotropic|Springs)$"
 )
-ENUMERATIONS = {"Loss", "Scale"}
+ENUMERATIONS = {"Loss", "Scale", "Structure"}
 ATTRIBUTES = {"factors", "rotation_only", "scaled"}
-MOST = 182  # now; it only falls
+MOST = 143  # now; it only falls
 
 
 def named(node: ast.AST) -> Iterator[str]:

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from certreg.errors import InvalidFileError
-from certreg.io import reading, write_atomically, write_together
+from certreg.io.atomic import write_atomically, write_together
+from certreg.io.streams import reading
 
 if TYPE_CHECKING:
     from collections.abc import Callable

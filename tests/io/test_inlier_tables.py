@@ -11,7 +11,10 @@ import pytest
 from commands import certreg as run
 from commands import write_csv
 
-from certreg.io import PAIR_COLUMNS, Pairing, csv_field, read_inliers, read_problem
+from certreg.io.labels import csv_field
+from certreg.io.pairing import Pairing
+from certreg.io.problems import read_problem
+from certreg.io.row_values import PAIR_COLUMNS, read_inliers
 
 if TYPE_CHECKING:
     from pathlib import Path

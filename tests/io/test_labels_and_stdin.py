@@ -16,7 +16,7 @@ from certreg import RegistrationProblem, read_problem
 from certreg.errors import InvalidFileError
 from certreg.io.clouds import read_cloud
 from certreg.io.pairing import Pairing
-from certreg.io.standard_input import format_of
+from certreg.io.streams import format_of
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -188,7 +188,7 @@ def test_how_an_input_begins_tells_its_format(beginning: bytes, suffix: str):
 
 
 def test_an_endless_input_is_refused(monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr("certreg.io.standard_input.MAX_TEXT_BYTES", 8)
+    monkeypatch.setattr("certreg.io.streams.MAX_TEXT_BYTES", 8)
     given(monkeypatch, TEXT)
     with pytest.raises(InvalidFileError, match="standard input: more than 8 bytes"):
         read_cloud("-")

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 import pytest
 from commands import certreg
 
-from certreg.campaign import read_listing
+from certreg.campaign.listing import read_listing
 from certreg.campaign.store import MANIFEST, Manifest, require_same
 from certreg.certificate.envelope import certificate_bytes
-from certreg.certificate.mistaken import why_no_certificates
+from certreg.certificate.refusals import why_no_certificates
 from certreg.errors import InvalidFileError
 from certreg.io.clouds import read_cloud
 from certreg.io.streams import reading

@@ -14,12 +14,12 @@ from commands import checked
 from strategies import random_problem
 
 import certreg
-from certreg.certificate import count_certificate, produce
+from certreg.certificate.producing import count_certificate, produce
 from certreg.errors import InvalidFileError
-from certreg.geometry import ROTATION_TOLERANCE
+from certreg.geometry.pose_matrix import ROTATION_TOLERANCE
 from certreg.io.poses import MAX_POSE_BYTES, parse_line, parse_pose
-from certreg.objective import Isotropic
-from certreg.problem import exact_moments
+from certreg.objective.isotropic import Isotropic
+from certreg.problem.moments import exact_moments
 
 
 def stated(apart: float) -> bytes:

@@ -12,9 +12,10 @@ import pytest
 
 import certreg
 from certreg.errors import CertregError, InvalidFileError, InvalidProblemError
-from certreg.io import BY_LABEL, SpringSource, read_problem, stated_problem
-from certreg.io.pairing import Pairing
-from certreg.io.springs import _of_target
+from certreg.io.objects import stated_problem
+from certreg.io.pairing import BY_LABEL, Pairing
+from certreg.io.problems import read_problem
+from certreg.io.springs import SpringSource, _of_target
 
 RNG = np.random.default_rng(11)
 X, Y, N = (RNG.standard_normal((5, 3)) for _ in range(3))

@@ -13,7 +13,12 @@ import pytest
 from certreg.errors import InvalidFileError
 from certreg.io import scans
 from certreg.io.clouds import Cloud, parse_cloud
-from certreg.io.columns import named_columns
+from certreg.io.columns import (
+    DecimalCommas,
+    named_columns,
+    noise_of_columns,
+    separated_by_semicolons,
+)
 from certreg.io.labels import (
     LABEL_CHARACTERS,
     LABEL_NODES,
@@ -23,15 +28,12 @@ from certreg.io.labels import (
     rows_by_label,
     unused_labels_note,
 )
-from certreg.io.noise import noise_of_columns
 from certreg.io.objects import pair
 from certreg.io.pairing import require_same_rows
 from certreg.io.pairs import parse_pairs, repeated_rows_note
-from certreg.io.pose_values import PoseSource, of_array
-from certreg.io.poses import parse_line
+from certreg.io.parsed import RowNumbers
+from certreg.io.poses import PoseSource, of_array, parse_line
 from certreg.io.problems import read_problem
-from certreg.io.row_numbers import RowNumbers
-from certreg.io.semicolons import DecimalCommas, separated_by_semicolons
 from certreg.io.streams import MAX_LINE_BYTES, Place, lines, typed_number
 from certreg.problem import arrays
 

@@ -7,8 +7,16 @@ from itertools import combinations
 import numpy as np
 import pytest
 
-from certreg.native import BitRows, agreeing, library_if_any, mask_of, rows_of
-from certreg.native.bit_rows import CompiledThinned, PlainThinned, thinned
+from certreg.native.bit_rows import (
+    BitRows,
+    CompiledThinned,
+    PlainThinned,
+    agreeing,
+    mask_of,
+    rows_of,
+    thinned,
+)
+from certreg.native.library import library_if_any
 
 ENGINES = ("compiled", "plain")
 SIZES = (1, 5, 64, 65, 130)

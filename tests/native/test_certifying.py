@@ -13,8 +13,8 @@ from engines import c_compiler
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from certreg.exact import is_positive_definite
-from certreg.native import GENERATED, HERE
+from certreg.exact.elimination import is_positive_definite
+from certreg.native.kernels import GENERATED, HERE
 from certreg.verify import multiplicities
 
 pytestmark = pytest.mark.slow

@@ -8,11 +8,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from certreg.native import ConesEnding, kernels, search_cones
+from certreg.native import kernels
 from certreg.native.cones import (
     MONOMIALS,
+    ConesEnding,
     bernstein_on_orthants,
     search_compiled,
+    search_cones,
     search_in_python,
 )
 from certreg.native.library import Library

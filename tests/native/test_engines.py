@@ -18,7 +18,7 @@ from certreg.dynamics.rigid import rigid_body
 from certreg.equilibrium import batch as instances
 from certreg.geometry.so3 import body_frame, rotation_matrix
 from certreg.native import loops
-from certreg.native.evaluator import evaluator
+from certreg.native.engine import evaluator
 from certreg.native.layout import named, plain
 from certreg.native.stationary import SHAPES
 from certreg.objective.isotropic import Isotropic

@@ -6,11 +6,13 @@ import numpy as np
 import pytest
 from strategies import random_rotation
 
-from certreg.exact import integer_eigenbasis
-from certreg.geometry import davenport_matrix, dot
-from certreg.native import FIXED_BITS, fixed_eigenbasis, library_if_any
-from certreg.objective import Isotropic
-from certreg.problem import RegistrationProblem, exact_moments
+from certreg.exact.eigenbasis import integer_eigenbasis
+from certreg.geometry.so3 import davenport_matrix, dot
+from certreg.native.eigenbasis import FIXED_BITS, fixed_eigenbasis
+from certreg.native.library import library_if_any
+from certreg.objective.isotropic import Isotropic
+from certreg.problem.moments import exact_moments
+from certreg.problem.problem import RegistrationProblem
 
 LAST_PLACES = 1 << 12  # with what rounding over a difference of 2^-5 makes of them
 ONE = 1 << FIXED_BITS

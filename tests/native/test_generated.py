@@ -12,6 +12,7 @@ import pytest
 import sympy
 from engines import c_compiler
 from engines import engine as either
+from reference_engine import reference
 
 from certreg.dynamics.rigid import rigid_body
 from certreg.dynamics.simulation import simulate
@@ -19,7 +20,6 @@ from certreg.dynamics.states import start_at_rest
 from certreg.io.atomic import write_files
 from certreg.native.codegen.emit import generated_files
 from certreg.native.codegen.translate import Definition, casadi_function, port
-from certreg.native.evaluator import evaluator
 from certreg.native.kernels import GENERATED
 from certreg.native.library import Library
 from certreg.objective.isotropic import Isotropic
@@ -82,7 +82,7 @@ def test_a_mutated_derivation_changes_the_code(tmp_path, monkeypatch):
 @pytest.mark.parametrize("name", ["certreg_rate", "certreg_euler_step"])
 def test_python_gives_the_bits_of_casadi(name, definitions):
     definition = next(each for each in definitions if each.name == name)
-    function, call = casadi_function(definition), evaluator().calls[name]
+    function, call = casadi_function(definition), reference().calls[name]
     rng = np.random.default_rng(6)
     many = [rng.normal(size=(len(port.entries), 5)) for port in definition.arguments]
     together = call.of_arrays(many)
@@ -98,7 +98,7 @@ def test_where_c_has_infinity_or_no_number_the_evaluator_has_the_same():
     for name, shape in compiled.shapes.items():
         for value in (0.0, -1.0, math.nan):  # of zeros, the splitting step divides by zero
             arguments = [np.full(size, value) for size in shape.arguments]
-            one, other = (each.evaluate(name, *arguments) for each in (compiled, evaluator()))
+            one, other = (each.evaluate(name, *arguments) for each in (compiled, reference()))
             beyond += value == 0.0 and any(np.isnan(mine).any() for mine in one)
             for mine, theirs in zip(one, other, strict=True):
                 assert (np.isnan(mine) == np.isnan(theirs)).all(), name
@@ -117,7 +117,7 @@ def test_where_c_has_infinity_or_no_number_the_evaluator_has_the_same():
 )
 def test_the_compiled_code_and_the_evaluator_agree(name):
     rng = np.random.default_rng(3)
-    compiled, interpreted = library_or_skip(), evaluator()
+    compiled, interpreted = library_or_skip(), reference()
     for _ in range(20):
         arguments = [rng.normal(size=n) for n in compiled.shapes[name].arguments]
         pairs = zip(
@@ -128,7 +128,7 @@ def test_the_compiled_code_and_the_evaluator_agree(name):
 
 
 def test_a_wrong_size_is_refused_by_both_engines():
-    for engine in (library_or_skip(), evaluator()):
+    for engine in (library_or_skip(), reference()):
         with pytest.raises(ValueError, match="certreg_rate takes"):
             engine.evaluate("certreg_rate", np.zeros(17), np.zeros(23))
 

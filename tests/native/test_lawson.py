@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from benchmarks.rates.consensus_labels import Cell
-from certreg.certificate.refuting import SIZES, WEIGHT_MAX, PointRows
-from certreg.native import library_if_any
+from certreg.certificate.consistency import ConsistentPairs
+from certreg.certificate.refuting import SIZES, WEIGHT_MAX
+from certreg.native.library import library_if_any
 from certreg.relaxation import edge_rows
 from certreg.relaxation.paired_rows import paired_rows, squared_ratios
 
@@ -40,7 +41,11 @@ def refuted_exactly(problem, group, row: int) -> bool:
 @pytest.mark.parametrize("seed", range(6))
 def test_a_refutation_holds_in_integers_and_is_found_where_numpy_finds_one(seed: int):
     problem, rng = problem_of(seed), np.random.default_rng(seed)
-    points, kinds, right = PointRows.of(problem), set[bool](), right_rows(CELL.instance(seed))
+    points, kinds, right = (
+        ConsistentPairs(problem).points(),
+        set[bool](),
+        right_rows(CELL.instance(seed)),
+    )
     for _ in range(20):
         row, *rows = rng.choice(CELL.n, rng.integers(3, 40), replace=False).tolist()
         if rng.random() < 0.5:  # most of them are right
@@ -58,7 +63,7 @@ def test_a_refutation_holds_in_integers_and_is_found_where_numpy_finds_one(seed:
 
 
 def test_a_few_rows_do_where_many_were_given():
-    points = PointRows.of(problem_of(0))
+    points = ConsistentPairs(problem_of(0)).points()
     group = points.refutation(0, range(1, CELL.n))
 
     assert group is not None
@@ -67,7 +72,7 @@ def test_a_few_rows_do_where_many_were_given():
 
 def test_rows_that_one_motion_meets_are_not_refuted():
     made = CELL.instance(3)
-    points = PointRows.of(Cell(n=60, wrong=50, beta=9.0).problem(made))
+    points = ConsistentPairs(Cell(n=60, wrong=50, beta=9.0).problem(made)).points()
     first, *others = right_rows(made)
 
     assert points.refutation(first, others) is None

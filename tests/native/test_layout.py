@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from engines import c_compiler
 
-from certreg.native import eigenbasis, layout, library
+from certreg.native import eigenbasis, layout, library, sums
 from certreg.native.codegen.records import RecordLayout, layout_files
 from certreg.native.engine import current_engine
 from certreg.native.kernels import GENERATED, HERE
@@ -53,6 +53,8 @@ def printed(folder, lines: list[str], include=GENERATED) -> list[int]:
         "stationary.h",
         "sums.h",
         "exact.h",
+        "exact_springs.h",
+        "fixed.h",
         "pose.h",
         "eigenbasis.h",
     )
@@ -149,6 +151,10 @@ def test_numbers_that_c_and_python_share_are_equal(tmp_path):
         "CERTREG_FEW_WORDS",
         "CERTREG_SUMMED",
         "CERTREG_NOT_FINITE",
+        "CERTREG_FIXED_SUMMED",
+        "CERTREG_FIXED_NOT_FINITE",
+        "CERTREG_SPRINGS",
+        "CERTREG_SPRINGS_WORDS",
         "CERTREG_SCRATCH",
         "CERTREG_GO_ON",
         "CERTREG_CONVERGED",
@@ -163,10 +169,11 @@ def test_numbers_that_c_and_python_share_are_equal(tmp_path):
 
     assert printed(tmp_path, lines) == [
         eigenbasis.FIXED_WORDS,
-        library.EXACT_WORDS,
-        library.FEW_WORDS,
-        library.SUMMED,
-        library.NOT_FINITE,
+        sums.EXACT_WORDS,
+        sums.FEW_WORDS,
+        *[sums.SUMMED, sums.NOT_FINITE] * 2,
+        sums.SPRING_SUMS,
+        sums.SPRING_WORDS,
         library.SCRATCH,
         *(
             int(end)

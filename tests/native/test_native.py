@@ -10,7 +10,7 @@ import subprocess
 import sys
 import warnings
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
@@ -19,16 +19,17 @@ from rotations import saddle_start
 from scipy.spatial.transform import Rotation
 from strategies import ZOO, random_problem
 
-from certreg.dynamics import SimulationStatus, Trajectory, simulation
 from certreg.dynamics import body as dynamics
 from certreg.dynamics import integrators as integration
+from certreg.dynamics import simulation
 from certreg.dynamics.basin import certified_basin
+from certreg.dynamics.body import SimulationStatus
 from certreg.dynamics.integrators import SimulationSettings
 from certreg.dynamics.rigid import rigid_body
 from certreg.errors import DegenerateProblemError
 from certreg.native import engine as engines
 from certreg.native import loops
-from certreg.native.evaluator import evaluator
+from certreg.native.engine import evaluator
 from certreg.native.kernels import PYTHON, VARIANT
 from certreg.native.layout import named, width
 from certreg.native.library import loaded_library
@@ -36,6 +37,10 @@ from certreg.native.runs import least_curvature
 from certreg.objective.isotropic import Isotropic
 from certreg.problem.moments import exact_moments
 from certreg.problem.problem import RegistrationProblem
+
+if TYPE_CHECKING:
+    from certreg.dynamics.trajectory import Trajectory
+
 
 ROOT = Path(__file__).parents[2]
 DATA = ROOT / "certreg" / "data"
@@ -110,6 +115,35 @@ def test_python_is_warned_once():
     run = python(code, **WITHOUT)
 
     assert (run.stdout, run.stderr) == ("['SlowSimulationWarning']\n", "")
+
+
+@pytest.mark.slow
+def test_without_compiled_code_other_motions_are_refused_in_one_line_and_all_is_certified():
+    code = (
+        "import certreg, tempfile, numpy\n"
+        "x = numpy.random.default_rng(0).normal(size=(9, 3))\n"
+        "for options in ({'normals': x + 1.0}, {'scale': 'asymmetric'}):\n"
+        "    problem = certreg.RegistrationProblem(x, 1.1 * x, **options)\n"
+        "    try:\n"
+        "        certreg.simulate(problem)\n"
+        "    except certreg.CertregError as error:\n"
+        "        print(error)\n"
+        "    found = certreg.certify(problem)\n"
+        "    with tempfile.TemporaryDirectory() as folder:\n"
+        "        found.report(folder + '/page.html')\n"
+        "    print(found.status.name)\n"
+        "print(found.solution.trajectory)\n"
+    )
+    run = python(code, **WITHOUT)
+    refused = (
+        "the motion on general springs, or with a free scale, needs the compiled library: "
+        "CERTREG_VARIANT is python\n"
+    )
+
+    assert (run.stdout.replace(refused, "no\n"), run.stderr) == (
+        f"no\nCERTIFIED\nno\nCERTIFIED\nAbsent(reason={refused.strip()!r})\n",
+        "",
+    )
 
 
 def test_other_warnings_stay_warnings(monkeypatch, data):

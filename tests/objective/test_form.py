@@ -3,17 +3,26 @@
 from __future__ import annotations
 
 from fractions import Fraction
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
 from strategies import ZOO, Specimen
 
-from certreg.exact import power_of_two
-from certreg.geometry import homogeneous, rotation_matrix, squared_norm
-from certreg.objective import Form, Isotropic, Springs, quartic_of_form
+from certreg.exact.dyadic import power_of_two
+from certreg.geometry.constraints import homogeneous
+from certreg.geometry.so3 import dot, rotation_matrix, squared_norm
 from certreg.objective import quartics as forms
-from certreg.problem import RegistrationProblem, spring_moments
+from certreg.objective.isotropic import Isotropic
+from certreg.objective.quartics import quartic_of_form
+from certreg.objective.springs import Springs
+from certreg.problem.motion import Motion
+from certreg.problem.problem import RegistrationProblem
+from certreg.problem.stiffness import SPRUNG, spring_moments_of
+
+if TYPE_CHECKING:
+    from certreg.objective.form import Form
+
 
 QUATERNIONS = ((1, 0, 0, 0), (2, -1, 3, 5), (0, 1, 1, 0), (-7, 3, 0, 11))
 LOWER = ((0, 0), (1, 0), (1, 1), (2, 0), (2, 1), (2, 2))
@@ -46,7 +55,7 @@ def point_factors() -> Any:
 
 def springs(unit: float, factors: Any = FACTORS) -> Form:
     given = RegistrationProblem(unit * SOURCE, unit * TARGET, factors=factors)
-    return Springs(spring_moments(given)).joint_form
+    return Springs.of(given).joint_form
 
 
 def points(unit: float, **motion: Any) -> Form:
@@ -87,7 +96,7 @@ def test_the_quartic_of_the_form_is_that_of_one_weight_per_pair(specimen: Specim
     for weight in (1.0, 0.3):
         given = RegistrationProblem(source, target, weights=np.full(len(source), weight))
         objective = Isotropic.of(given)
-        form = objective.joint_form.reduced
+        form = objective.joint_form.restricted(Motion())
         ratio = form.unit / objective.unit
         quartic = [ratio * c for c in quartic_of_form(form.rows)]
 
@@ -108,16 +117,16 @@ def test_what_is_left_without_the_translation_is_the_least_over_it(motion: Any):
     wall[:, 3] = WEIGHTS  # springs along the third axis alone
     r = z_of(motion)[:10]
     for form, free in ((springs(1.0), ()), (springs(1.0, wall), ((1, 0, 0), (0, 1, 0)))):
-        best = form.reduced.best_translation([2 * entry for entry in r], 2)
+        best = form.restricted(Motion()).best_translation([2 * entry for entry in r], 2)
         least = form.energy([*r, *best])
         value = sum(
             a * b * entry
-            for a, row in zip(r, form.reduced.rows, strict=True)
+            for a, row in zip(r, form.restricted(Motion()).rows, strict=True)
             for b, entry in zip(r, row, strict=True)
         )
 
-        assert form.free_translations == free
-        assert least == value * form.reduced.unit
+        assert form.free_translations(Motion()) == free
+        assert least == value * form.restricted(Motion()).unit
         for k in range(3):
             moved = [
                 form.energy([*r, *(t + s * (i == k) for i, t in enumerate(best))]) for s in (1, -1)
@@ -132,7 +141,7 @@ def test_centred_sums_make_what_the_elimination_makes(specimen: Specimen, motion
     source, target = OFFSET + np.array(specimen.source), 0.3 * np.array(specimen.target)
     weights = np.arange(1.0, len(source) + 1.0)
     objective = Isotropic.of(RegistrationProblem(source, target, weights=weights, **motion))
-    fast, slow = objective.reduced, objective.joint_form.reduced
+    fast, slow = objective.reduced, objective.joint_form.restricted(Motion())
 
     assert fast.length_exponent == slow.length_exponent
     assert fast.stiffness == slow.stiffness
@@ -151,3 +160,38 @@ def test_a_translation_is_counted_in_the_units_of_the_form():
     assert form.length_exponent < -300
     shifted = form.energy([0] * 10 + [power_of_two(-300), 0, 0])
     assert shifted == power_of_two(-600) * Fraction(int((WEIGHTS**2).sum()))
+
+
+@pytest.mark.parametrize("motion", MOTIONS)
+def test_without_a_translation_the_form_is_the_energy_of_the_motion_alone(motion: Any):
+    """Of the very sums: those about the origin are others only beside a translation."""
+    still = Motion(rotation_only=True)
+    r = z_of(motion)[:10]
+    for form in (springs(1.0), points(1.0)):
+        kept = form.restricted(still)
+        value = sum(a * dot(row, r) for a, row in zip(r, kept.rows, strict=True))
+
+        assert value * kept.unit == form.energy([*r, 0, 0, 0])
+        assert kept.best_translation(r, 1) == (0, 0, 0)
+        assert form.free_translations(still) == ()
+
+
+def test_springs_without_a_translation_are_about_the_origin():
+    still = Motion(rotation_only=True)
+    given = RegistrationProblem(SOURCE, TARGET, factors=FACTORS)
+    about = spring_moments_of(SPRUNG.of(given), given.n, about_origin=True)
+    whole, objective = Springs.of(given), Springs(about, still)
+
+    assert objective.centre == (0, 0, 0)
+    assert objective.free_translations == ()
+    assert objective.reduced.rows == whole.joint_form.restricted(still).rows
+    assert objective.mass_moments.mass == whole.mass_moments.mass
+    for q in QUATERNIONS:
+        assert objective.best_translation(q) == (0, 0, 0)
+        assert objective.translation_energy(q, (Fraction(0),) * 3) == 0
+        z = [
+            Fraction(e, squared_norm(q))
+            for row in zip(*rotation_matrix(q), strict=True)
+            for e in row
+        ]
+        assert objective.energy(q) == energy_at(1.0, FACTORS, [1, *z, 0, 0, 0])

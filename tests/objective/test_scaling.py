@@ -8,7 +8,7 @@ from itertools import product
 import pytest
 
 from certreg.objective.scaling import Scaling, root_bounds
-from certreg.problem import Scale
+from certreg.problem.motion import Scale
 
 SPREADS = [(2, 3), (2, 1), (1, 3), (5, 1), (1, 6), (7, 1), (4, 9)]  # with roots of both halves
 TRACELESS = [  # eigenvalues of Davenport's matrix

@@ -8,7 +8,7 @@ from math import isqrt
 import pytest
 
 from certreg.objective.scaling import ROOT_BITS, Scaling, root_bounds
-from certreg.problem import Scale
+from certreg.problem.motion import Scale
 
 PLACES = 10**100
 FREE = Scaling(Scale.ASYMMETRIC, Fraction(4), Fraction(9))

@@ -17,7 +17,6 @@ from certreg.objective.levelling import levelled_exactly, norm_fourth
 from certreg.objective.quartics import MONOMIALS
 from certreg.objective.springs import FARTHEST, FARTHEST_OF_FIVE, Springs
 from certreg.problem.moments import exact_moments
-from certreg.problem.moments_of_springs import spring_moments
 from certreg.problem.problem import RegistrationProblem
 
 QUATERNIONS = ((1, 0, 0, 0), (2, -1, 3, 5), (0, 1, 1, 0), (-7, 3, 0, 11))
@@ -68,7 +67,7 @@ def energy_at(source, target, factors, q, translation):
 @pytest.mark.parametrize(("scale", "offset"), [(1.0, 0.0), (1e-3, 1e8), (1e150, 0.0)])
 def test_value_form_and_energy_are_the_least_sum_over_the_points_exactly(kind, scale, offset):
     points = data(kind, scale=scale, offset=offset)
-    springs = Springs(spring_moments(problem_of(*points)))
+    springs = Springs.of(problem_of(*points))
     for q in QUATERNIONS:
         norm, best = squared_norm(q), springs.best_translation(q)
         energy = energy_at(*points, q, best)
@@ -88,7 +87,7 @@ def test_a_wall_leaves_two_shifts_and_the_turn_about_its_normal():
     source, target, _ = data("plane")
     factors = np.tile([0.0, 0.0, 0.0, 0.0, 0.0, 0.0], (len(source), 1))
     factors[:, 3] = 2.0  # L = (0, 0, 2)^T
-    springs = Springs(spring_moments(problem_of(source, target, factors)))
+    springs = Springs.of(problem_of(source, target, factors))
 
     assert springs.free_translations == ((1, 0, 0), (0, 1, 0))
     assert springs.symmetry == ((0, 0, 1, 0, 0, 0),)
@@ -106,11 +105,11 @@ def test_isotropic_springs_have_the_energy_of_their_weights():
     source, target, _ = data("full")
     roots = np.arange(1.0, 7.0)
     factors = np.outer(roots, [1.0, 0.0, 1.0, 0.0, 0.0, 1.0])
-    springs = Springs(spring_moments(problem_of(source, target, factors)))
+    springs = Springs.of(problem_of(source, target, factors))
     isotropic = Isotropic(exact_moments(RegistrationProblem(source, target, weights=roots**2)))
 
     assert springs.isotropic_like
-    assert not Springs(spring_moments(problem_of(*data("full")))).isotropic_like
+    assert not Springs.of(problem_of(*data("full"))).isotropic_like
     assert springs.symmetry == ()
     of_weights = quartics.quartic_of_form(isotropic.form())
     assert [springs.unit * c for c in springs.quartic] == [isotropic.unit * c for c in of_weights]
@@ -121,7 +120,7 @@ def test_isotropic_springs_have_the_energy_of_their_weights():
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_no_two_energies_are_further_apart_than_the_oscillation(kind):
-    springs = Springs(spring_moments(problem_of(*data(kind, n=20))))
+    springs = Springs.of(problem_of(*data(kind, n=20)))
     energies = [springs.energy(q) for q in product((-2, -1, 0, 1, 2), repeat=4) if any(q)]
 
     assert max(energies) - min(energies) <= springs.oscillation
@@ -130,7 +129,7 @@ def test_no_two_energies_are_further_apart_than_the_oscillation(kind):
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_the_variance_over_all_rotations_is_that_of_both_parts(kind):
-    springs = Springs(spring_moments(problem_of(*data(kind))))
+    springs = Springs.of(problem_of(*data(kind)))
     terms = list(zip(quartics.MONOMIALS, springs.quartic, strict=True))
     mean = sum(c * sphere_mean(m) for m, c in terms)
     square = sum(c * d * sphere_mean((*m, *n)) for m, c in terms for n, d in terms)
@@ -167,7 +166,7 @@ def test_no_two_rotations_are_farther_apart_than_said_nor_in_what_they_do_to_ten
 def test_the_oscillation_is_exact_where_two_singular_values_are_equal_and_one_is_zero():
     corners = np.array([[1.0, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0]])
     factors = np.tile([1.0, 0.0, 1.0, 0.0, 0.0, 1.0], (4, 1))
-    springs = Springs(spring_moments(problem_of(corners, corners, factors)))
+    springs = Springs.of(problem_of(corners, corners, factors))
 
     assert springs.energy((1, 0, 0, 0)) == 0
     assert springs.energy((0, 0, 0, 1)) == 16
@@ -178,7 +177,7 @@ def test_the_oscillation_holds_where_energies_have_no_linear_part():
     """f = tr(W R X R^T), W = diag(4, 1, 0), X = diag(4, 2, 0): from 18 down to 2."""
     points = np.array([[1.0, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [1, 0, 0], [-1, 0, 0]])
     factors = np.tile([2.0, 0.0, 1.0, 0.0, 0.0, 0.0], (6, 1))
-    springs = Springs(spring_moments(problem_of(points, 0.0 * points, factors)))
+    springs = Springs.of(problem_of(points, 0.0 * points, factors))
     energies = [springs.energy(q) for q in product((-1, 0, 1), repeat=4) if any(q)]
 
     assert (min(energies), max(energies)) == (2, 18)
@@ -191,7 +190,7 @@ def test_the_oscillation_holds_where_both_parts_add_up():
     """Two points, W = diag(1, 0, 4): over all rotations 20, of one part alone 17 at most."""
     points = np.array([[1.0, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0]])
     factors = np.tile([1.0, 0.0, 0.0, 0.0, 0.0, 2.0], (4, 1))
-    springs = Springs(spring_moments(problem_of(points, 1.5 * points, factors)))
+    springs = Springs.of(problem_of(points, 1.5 * points, factors))
     energies = [springs.energy(q) for q in product((-1, 0, 1), repeat=4) if any(q)]
     linear, even = springs.part_sizes
 
@@ -223,7 +222,7 @@ def test_free_shifts_and_symmetries_of_degenerate_configurations(
     name, source, factors, free, symmetries
 ):
     target = source @ np.array([[0.0, -1, 0], [1, 0, 0], [0, 0, 1]]).T + [1.0, 2, 3]
-    springs = Springs(spring_moments(problem_of(source, target, factors)))
+    springs = Springs.of(problem_of(source, target, factors))
 
     assert len(springs.free_translations) == free, name
     assert len(springs.symmetry) == symmetries, name
@@ -258,7 +257,7 @@ def quaternion_product(p, q):
 
 
 def test_derivatives_are_those_of_the_value():
-    springs = Springs(spring_moments(problem_of(*data("line"))))
+    springs = Springs.of(problem_of(*data("line")))
     q = (3, -1, 2, 5)
     gradient, hessian = springs.gradient(q), springs.hessian(q)
 

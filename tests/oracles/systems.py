@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING
 
 from certreg.equilibrium.torques import COLUMNS, TURNS, skew, torque_table
 from certreg.geometry.constraints import rotation_polynomials
-from certreg.objective import MONOMIALS
 from certreg.objective.polynomials import (
     QUATERNION,
     Monomial,
@@ -19,6 +18,7 @@ from certreg.objective.polynomials import (
     collected,
     exponents,
 )
+from certreg.objective.quartics import MONOMIALS
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence

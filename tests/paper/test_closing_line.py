@@ -7,7 +7,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from certreg.paper import closing_line
+from certreg.paper.terminal import closing_line
 from certreg.results import Ruling, Verdict
 
 

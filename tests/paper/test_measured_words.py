@@ -27,7 +27,7 @@ from certreg.paper.monte_carlo import MonteCarlo, pieces, solved
 from certreg.paper.observations import Setup
 from certreg.paper.polygons import SQUARE, TRIANGLE, flipped
 from certreg.paper.scheme import descend
-from certreg.problem import RegistrationProblem
+from certreg.problem.problem import RegistrationProblem
 
 CLOUD: Any = [None]  # of what is not looked at
 

@@ -14,6 +14,7 @@ from commands import certreg, strict_json
 from jsonschema import Draft202012Validator
 from test_reproduce import SCHEMA, shown_texts
 
+from certreg.campaign.table import records_bytes
 from certreg.dynamics.batch import bodies_of, simulate_many
 from certreg.dynamics.integrators import SimulationSettings
 from certreg.equilibrium.batch import solve_many
@@ -28,7 +29,6 @@ from certreg.paper.parameter_sweeps import (
     instance_count,
     measurements,
     sweep_rows,
-    sweep_table,
 )
 from certreg.paper.sweep_figures import WORDS, sweep_drawings
 from certreg.problem.motion import DEFAULT_DAMPING
@@ -155,9 +155,9 @@ def test_the_papers_rule_stops_at_a_saddle_and_certreg_does_not():
 def test_lost_is_what_stops_more_than_90_degrees_from_the_optimum(monkeypatch):
     made = gaussian_instances(np.random.default_rng(2), count=5)
     solutions = solve_many(made.sources, made.targets)
-    best = sweeping._rotations(solutions.quaternions[:, 0])
+    best = sweeping.rotation_matrices(solutions.quaternions[:, 0])
     angles = np.radians([0.0, 89.9, 90.1, 119.0, 179.0])
-    turns = sweeping._rotations(
+    turns = sweeping.rotation_matrices(
         np.column_stack([np.cos(angles / 2), np.sin(angles / 2), 0 * angles, 0 * angles])
     )
     ends = SimpleNamespace(rotations=turns @ best)
@@ -449,7 +449,7 @@ def test_a_row_of_the_table_has_the_numbers_of_its_columns():
 
 @pytest.mark.slow
 def test_the_table_has_a_row_for_each_value_and_the_documents_fields(found):
-    listed = list(csv.DictReader(io.StringIO(sweep_table(found).decode())))
+    listed = list(csv.DictReader(io.StringIO(records_bytes(sweep_rows(found)).decode())))
     fields = SCHEMA["properties"]["maps"]["items"]["properties"]
 
     assert [(row["map"], float(row["value"])) for row in listed] == [
@@ -482,7 +482,7 @@ def test_the_command_writes_the_maps_when_asked(tmp_path, monkeypatch, found, dr
     run = certreg("reproduce", "--runs", "1", "--no-proofs", "--beyond", "--out", tmp_path)
 
     assert run.code == 0
-    assert (tmp_path / "maps.csv").read_bytes() == sweep_table(found)
+    assert (tmp_path / "maps.csv").read_bytes() == records_bytes(sweep_rows(found))
     assert (tmp_path / "figures" / "map-damping.png").exists()
     document = strict_json((tmp_path / "verdicts.json").read_bytes())
     assert Draft202012Validator(SCHEMA).is_valid(document)

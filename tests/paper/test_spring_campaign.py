@@ -15,25 +15,23 @@ from campaign_work import InProcess, finish, tree
 from commands import certreg as run_command
 
 from certreg.campaign.store import MANIFEST, SHARDS
-from certreg.campaign.table import SUMMARY
+from certreg.campaign.table import SUMMARY, records_bytes
 from certreg.cli import reproducing
 from certreg.cli.reproducing import LARGEST_RUNS
 from certreg.errors import InvalidFileError, InvalidProblemError
-from certreg.paper import spring_campaign
-from certreg.paper.spring_campaign import (
-    SPRING_COLUMNS,
-    SpringCampaign,
-    write_spring_results,
-)
-from certreg.paper.spring_maps import (
+from certreg.paper import equilibrium_maps
+from certreg.paper.equilibrium_maps import (
     SPRING_CELLS,
+    SPRING_COLUMNS,
     SPRING_INSTANCES,
     RunEnd,
+    SpringCampaign,
     SpringCell,
     SpringCounts,
     SpringObservation,
     measured,
-    spring_table,
+    spring_rows,
+    write_spring_results,
 )
 
 if TYPE_CHECKING:
@@ -72,7 +70,7 @@ def test_a_campaign_sees_what_is_seen_in_one_process(whole):
     expected = tuple(measured(cell, 5, 3) for cell in CELLS)
 
     assert counts == expected
-    assert spring_table(counts) == spring_table(expected)
+    assert records_bytes(spring_rows(counts)) == records_bytes(spring_rows(expected))
     assert len({seen for each in counts for seen in each.seen}) > 1  # a row knows its instance
 
 
@@ -126,7 +124,7 @@ def test_every_number_of_an_observation_is_kept(tmp_path, monkeypatch):
     )
     expected = SpringCounts(cell=CELLS[0], seen=seen)
     again = iter(expected.seen)
-    monkeypatch.setattr(spring_campaign, "observed", lambda _: next(again))
+    monkeypatch.setattr(equilibrium_maps, "observed", lambda _: next(again))
     kind = SpringCampaign(instances=3, cells=CELLS[:1])
     finish(kind, tmp_path)
 

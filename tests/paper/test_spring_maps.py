@@ -13,10 +13,10 @@ import pytest
 from jsonschema import Draft202012Validator
 from test_reproduce import SCHEMA
 
+from certreg.campaign.table import records_bytes
 from certreg.objective.springs import Springs
-from certreg.paper import spring_maps as mapping
-from certreg.paper.spring_figures import counts_drawing, spring_drawings
-from certreg.paper.spring_maps import (
+from certreg.paper import equilibrium_maps as mapping
+from certreg.paper.equilibrium_maps import (
     SIZES,
     SPRING_CELLS,
     RunEnd,
@@ -29,10 +29,9 @@ from certreg.paper.spring_maps import (
     spring_counts,
     spring_problem,
     spring_rows,
-    spring_table,
     wilson,
 )
-from certreg.problem.moments_of_springs import spring_moments
+from certreg.paper.map_figures import counts_drawing, spring_drawings
 from certreg.problem.problem import RegistrationProblem
 from certreg.relaxation.optimum import find_optimum
 
@@ -107,7 +106,7 @@ def test_one_wall_is_not_counted():
 def test_the_minima_are_those_that_the_search_for_the_optimum_knows():
     cell = SpringCell(family="plane", points=6, noise=0.1)
     problem = spring_problem(generator(cell, 0, 1), cell)
-    found = find_optimum(Springs(spring_moments(problem)))
+    found = find_optimum(Springs.of(problem))
 
     assert observed(problem).stable >= len(found.minima) >= 1
 
@@ -134,7 +133,7 @@ def test_wilsons_interval_holds_the_share_and_is_right_where_it_is_known():
 
 def test_the_table_and_the_document_say_the_same(counts):
     rows = list(spring_rows(counts))
-    listed = list(csv.DictReader(io.StringIO(spring_table(counts).decode())))
+    listed = list(csv.DictReader(io.StringIO(records_bytes(spring_rows(counts)).decode())))
 
     schema = {"$schema": SCHEMA["$schema"], **SCHEMA["properties"]["springs"]}
     assert Draft202012Validator(schema).is_valid(rows)

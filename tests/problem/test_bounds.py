@@ -111,7 +111,7 @@ def test_a_problem_with_bounds_is_one_of_the_same_arrays_and_a_digest_of_its_own
 
 def test_bounds_stand_before_the_factors_of_springs():
     problem = RegistrationProblem(CLOUD, CLOUD, normals=np.ones((4, 3)))
-    factors = problem.spring_block(slice(None)).factors
+    factors = problem.block(slice(None)).springs
 
     found = bounded(problem, 0.25)
 

@@ -15,16 +15,17 @@ from samples import examples
 from certreg import RegistrationProblem
 from certreg.errors import CertregError
 from certreg.native import library as native
+from certreg.native import sums as compiled_sums
 from certreg.native.kernels import MissingLibraryError
 from certreg.problem import exact_sums
 from certreg.problem.exact_sums import (
     EMPTY,
     FACTORS,
     UPPER,
+    WEIGHTED,
     SumMethod,
     fastest_method,
     second_method,
-    sums,
     sums_by,
 )
 from certreg.problem.moments import exact_moments, moments_of
@@ -97,13 +98,13 @@ def test_the_integers_do_not_depend_on_how_the_points_are_divided(problem):
     for one in (exact_sums._by_integers, exact_sums._by_few_limbs):
         parts = [one(problem.block(row)) for row in rows]
 
-        assert sum(parts, start=EMPTY) == sum(reversed(parts), start=EMPTY) == sums(problem)
+        assert sum(parts, start=EMPTY) == sum(reversed(parts), start=EMPTY) == WEIGHTED.of(problem)
 
 
 @pytest.mark.one_in(4)
 @pytest.mark.usefixtures("compiled")
 @pytest.mark.parametrize("step", [2, 71, 72, 73, 74, 400])
-@pytest.mark.parametrize("n", [2, native.FEW_POINTS, native.FEW_POINTS + 1])
+@pytest.mark.parametrize("n", [2, compiled_sums.FEW_POINTS, compiled_sums.FEW_POINTS + 1])
 def test_few_points_of_near_and_of_far_exponents_have_the_sums_of_the_definition(step: int, n: int):
     """Squares span 16^36 at 2^72, the most that the accumulators of few points hold."""
     sizes = np.where(np.arange(3 * n) % 5 == 0, 2.0**-step, 1.0).reshape(n, 3)
@@ -179,7 +180,7 @@ def test_one_other_weight_among_powers_of_two_counts(row):
 @pytest.mark.usefixtures("compiled")
 def test_points_without_weights_count_nothing():
     points = np.random.default_rng(3).normal(size=(MANY, 3))
-    found = native.loaded_library().exact_sums(points, points, np.zeros(MANY))
+    found = compiled_sums.sums_by_exponent(native.loaded_library(), points, points, np.zeros(MANY))
 
     assert not any(found.integers)
     assert found.lowest[2] is None
@@ -250,7 +251,7 @@ def test_what_does_not_fit_into_fixed_point_is_never_added_up_twice_by_exponents
     assert fastest_method(wide) is SumMethod.BY_EXPONENT
     assert second_method(wide) is SumMethod.FIXED_POINT
     expected = sums_by(SumMethod.BY_EXPONENT, wide)
-    monkeypatch.setattr(native.Library, "exact_sums", None)
+    monkeypatch.setattr(exact_sums, "sums_by_exponent", None)
     assert sums_by(SumMethod.FIXED_POINT, wide) == expected
 
 
@@ -280,7 +281,7 @@ def test_without_integers_of_128_bits_there_is_no_compiled_method(monkeypatch):
     def refused(*_):
         raise MissingLibraryError("no integers of 128 bits")
 
-    monkeypatch.setattr(native.Library, "exact_sums", refused)
+    monkeypatch.setattr(exact_sums, "sums_by_exponent", refused)
     exact_sums._compiled.cache_clear()
     try:
         assert exact_sums._compiled() is None
@@ -297,7 +298,7 @@ def test_exact_moments_of_many_points_are_those_of_integers():
 
 
 @pytest.mark.usefixtures("compiled")
-@pytest.mark.parametrize("method", ["exact_sums", "fixed_sums"])
+@pytest.mark.parametrize("method", ["sums_by_exponent", "sums_in_fixed_point"])
 @pytest.mark.parametrize("bad", [np.inf, -np.inf, np.nan])
 def test_the_compiled_sums_refuse_what_is_not_finite(bad, method):
     points = np.ones((4, 3))
@@ -308,15 +309,15 @@ def test_the_compiled_sums_refuse_what_is_not_finite(bad, method):
         (np.ones((4, 3)), np.ones((4, 3)), points[:, 1]),
     ):
         with pytest.raises(ValueError, match="not finite"):
-            getattr(native.loaded_library(), method)(source, target, weights)
+            getattr(compiled_sums, method)(native.loaded_library(), source, target, weights)
 
 
 @pytest.mark.usefixtures("compiled")
-@pytest.mark.parametrize("method", ["exact_sums", "fixed_sums"])
+@pytest.mark.parametrize("method", ["sums_by_exponent", "sums_in_fixed_point"])
 def test_the_compiled_sums_refuse_arrays_that_do_not_belong_together(method):
     for shapes in (((4, 3), (3, 3), (4,)), ((4, 2), (4, 2), (4,)), ((3, 3), (3, 3), (4,))):
         with pytest.raises(ValueError, match="expected"):
-            getattr(native.loaded_library(), method)(*(np.ones(shape) for shape in shapes))
+            getattr(compiled_sums, method)(native.loaded_library(), *map(np.ones, shapes))
 
 
 @pytest.mark.usefixtures("compiled")
@@ -324,7 +325,7 @@ def test_a_failure_in_a_thread_ends_the_sums(monkeypatch):
     def fails(*_):
         raise CertregError("as planned")
 
-    monkeypatch.setattr(native.Library, "exact_sums", fails)
+    monkeypatch.setattr(exact_sums, "sums_by_exponent", fails)
     problem = strategies.random_problem(np.random.default_rng(5), n=30)
     with pytest.raises(CertregError, match="as planned"):
         sums_by(SumMethod.BY_EXPONENT, problem)

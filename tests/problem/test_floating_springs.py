@@ -5,12 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from certreg.exact import power_of_two
-from certreg.native import library_if_any
+from certreg.exact.dyadic import power_of_two
+from certreg.native.library import library_if_any
 from certreg.objective.springs import Springs
-from certreg.problem import floating_springs
-from certreg.problem.floating_springs import floating_spring_moments
-from certreg.problem.moments_of_springs import spring_moments
+from certreg.problem import floating_stiffness
+from certreg.problem.floating_stiffness import floating_spring_moments
 from certreg.problem.problem import RegistrationProblem
 
 ROUNDING = 1e-12  # of the largest entry of the form; 1000 points
@@ -25,9 +24,11 @@ def problem_of(n=1000, *, scale=1.0, stiff=1.0, offset=0.0, seed=3):
 def worst_entry(problem):
     """The largest difference of both forms, over the largest entry of the exact one."""
     found = floating_spring_moments(problem)
-    exact, unit = Springs(spring_moments(problem)).floating_form()
+    objective = Springs.of(problem)
+    one = max(abs(entry) for row in objective.form() for entry in row)
+    exact = np.array([[entry / one for entry in row] for row in objective.form()])
     own = power_of_two(found.weight_exponent + 2 * found.length_exponent)
-    worth = float(unit / own)
+    worth = float(objective.unit * one / own)
     return np.abs(found.form / worth - exact).max() / np.abs(exact).max()
 
 
@@ -49,7 +50,7 @@ def test_the_form_is_near_the_exact_one(problem):
 
 def test_numpy_finds_the_same(monkeypatch):
     want = floating_spring_moments(problem_of()).sums
-    monkeypatch.setattr(floating_springs, "library_if_any", lambda: None)
+    monkeypatch.setattr(floating_stiffness, "library_if_any", lambda: None)
 
     np.testing.assert_allclose(floating_spring_moments(problem_of()).sums, want, rtol=1e-9)
 
@@ -68,9 +69,9 @@ def test_a_few_first_points_far_from_the_rest_do_not_matter():
 @pytest.mark.skipif(library_if_any() is None, reason="nothing is compiled")
 def test_one_pass_is_enough_for_most(monkeypatch):
     passes = []
-    summed = floating_springs._summed
+    summed = floating_stiffness._summed
     monkeypatch.setattr(
-        floating_springs, "_summed", lambda *given: passes.append(1) or summed(*given)
+        floating_stiffness, "_summed", lambda *given: passes.append(1) or summed(*given)
     )
     floating_spring_moments(problem_of(offset=1e3))
 

@@ -22,7 +22,7 @@ from certreg.certificate.producing import count_certificate
 from certreg.errors import RefusedCertificateError
 from certreg.exact.dyadic import Dyadic
 from certreg.problem.exact_sums import SumMethod, fastest_method, second_method, sums_by
-from certreg.registration.certification import solve
+from certreg.registration.squares import solve
 from certreg.results import Optimality, Ruling
 from certreg.verify import check, moments
 

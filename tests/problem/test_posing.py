@@ -15,8 +15,8 @@ from hypothesis import strategies as st
 
 import certreg
 from certreg.errors import CertregError
-from certreg.geometry import davenport_matrix
-from certreg.native import library_if_any
+from certreg.geometry.so3 import davenport_matrix
+from certreg.native.library import library_if_any
 from certreg.problem import posing
 from certreg.problem.posing import floating_pose
 from certreg.registration import closed_form

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from certreg.errors import InvalidProblemError
-from certreg.exact import sigma_of_weight, weight_of_sigma
+from certreg.exact.dyadic import sigma_of_weight, weight_of_sigma
 from certreg.problem import arrays as stating
 from certreg.problem.lifting import FEW, Lifted, lift
 from certreg.problem.problem import RegistrationProblem

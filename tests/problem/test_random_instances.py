@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from certreg.errors import InvalidProblemError
-from certreg.problem import outlier_instance
+from certreg.problem.random_instances import outlier_instance
 
 
 def test_right_pairs_differ_by_noise_and_wrong_ones_are_in_a_ball():

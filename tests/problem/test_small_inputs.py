@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 
 from certreg.errors import InvalidProblemError
-from certreg.problem import RegistrationProblem, arrays, floating_sums, moments
+from certreg.problem import arrays, floating_sums, moments
 from certreg.problem.arrays import as_doubles, cloud_array
 from certreg.problem.floating_sums import CloudPair
+from certreg.problem.problem import RegistrationProblem
 from certreg.problem.row_labels import RowLabels, require_same_labels
 
 POINTS = np.random.default_rng(7).standard_normal((7, 3))

@@ -11,7 +11,7 @@ import spring_scalars as scalars
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from certreg.problem.spring_factors import (
+from certreg.problem.factors import (
     covariance_factors,
     information_factors,
     line_factors,

@@ -8,21 +8,12 @@ from engines import libraries_of_all_variants
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from certreg.native import (
-    library_if_any,
-    loaded_library,
-    springs_by_exponent,
-    springs_by_limbs,
-)
+from certreg.native.library import library_if_any, loaded_library
+from certreg.native.sums import springs_by_exponent, springs_by_limbs
 from certreg.problem.arrays import row_blocks
-from certreg.problem.exact_sums import SumMethod
-from certreg.problem.moments_of_springs import spring_moments
+from certreg.problem.exact_sums import SumMethod, fastest_method, second_method, sums_by
 from certreg.problem.problem import RegistrationProblem
-from certreg.problem.spring_sums import (
-    fastest_spring_method,
-    second_spring_method,
-    spring_sums_by,
-)
+from certreg.problem.stiffness import spring_moments
 
 COMPILED = (SumMethod.BY_EXPONENT, SumMethod.LIMBS)
 EXPONENTS = st.integers(-1074, 1023)
@@ -59,7 +50,7 @@ def of(seed, n, *, planes=False, scales=(1.0, 1.0, 1.0), decades=0.0):
     ],
 )
 def test_compiled_code_finds_the_integers_that_python_finds(method, problem):
-    assert spring_sums_by(method, problem) == spring_sums_by(SumMethod.INTEGERS, problem)
+    assert sums_by(method, problem) == sums_by(SumMethod.INTEGERS, problem)
 
 
 @pytest.mark.slow
@@ -70,9 +61,9 @@ def test_numbers_of_all_sizes_are_summed_exactly(rows):
     numbers = np.array([[np.ldexp(float(m), e - 53) for m in row] for e, *row in rows])
     numbers[0, 6] = 1.0  # of springs that are all zero no problem is made
     problem = RegistrationProblem(numbers[:, :3], numbers[:, 3:6], factors=numbers[:, 6:])
-    want = spring_sums_by(SumMethod.INTEGERS, problem)
+    want = sums_by(SumMethod.INTEGERS, problem)
 
-    assert [spring_sums_by(method, problem) for method in COMPILED] == [want, want]
+    assert [sums_by(method, problem) for method in COMPILED] == [want, want]
 
 
 @pytest.mark.one_in(4)
@@ -85,8 +76,8 @@ def test_the_largest_mantissas_and_a_full_block_do_not_overflow(method, size):
     one, many = (
         RegistrationProblem(ones[:n, :3], ones[:n, :3], factors=ones[:n, 3:]) for n in (1, rows)
     )
-    want = spring_sums_by(SumMethod.INTEGERS, one)
-    found = spring_sums_by(method, many)
+    want = sums_by(SumMethod.INTEGERS, one)
+    found = sums_by(method, many)
 
     assert found.integers == tuple(rows * k for k in want.integers)
     assert found.weight_exponent == want.weight_exponent
@@ -94,8 +85,8 @@ def test_the_largest_mantissas_and_a_full_block_do_not_overflow(method, size):
 
 @compiled
 def test_every_variant_gives_the_same_integers():
-    block = of(11, 300, scales=(3.0, 1e-4, 7.0)).spring_block(slice(300))
-    points = (block.source, block.target, block.factors)
+    block = of(11, 300, scales=(3.0, 1e-4, 7.0)).block(slice(300))
+    points = (block.source, block.target, block.springs)
     found = [springs_by_limbs(library, *points) for library in libraries_of_all_variants()]
 
     assert found[0] is not None
@@ -127,17 +118,17 @@ def test_blocks_of_a_mapped_file_add_up_to_the_same_integers(tmp_path, monkeypat
 
     assert spring_moments(problem) == want
     for method in COMPILED:
-        assert spring_sums_by(method, problem) == spring_sums_by(SumMethod.INTEGERS, whole)
+        assert sums_by(method, problem) == sums_by(SumMethod.INTEGERS, whole)
 
 
 @compiled
 def test_points_of_too_many_sizes_for_limbs_go_by_exponents_and_then_by_integers():
     problem = of(12, 1100, decades=290.0)
 
-    assert fastest_spring_method(problem) is SumMethod.BY_EXPONENT
-    assert fastest_spring_method(of(12, 1100)) is SumMethod.LIMBS
-    block = problem.spring_block(slice(1100))
-    points = (block.source, block.target, block.factors)
+    assert fastest_method(problem) is SumMethod.BY_EXPONENT
+    assert fastest_method(of(12, 1100)) is SumMethod.LIMBS
+    block = problem.block(slice(1100))
+    points = (block.source, block.target, block.springs)
     assert springs_by_limbs(loaded_library(), *points) is None
 
 
@@ -146,4 +137,4 @@ def test_points_of_too_many_sizes_for_limbs_go_by_exponents_and_then_by_integers
 def test_the_second_method_is_another_one(n):
     problem = of(10, n)
 
-    assert fastest_spring_method(problem) is not second_spring_method(problem) or n < 6
+    assert fastest_method(problem) is not second_method(problem) or n < 6

@@ -6,18 +6,23 @@ import math
 from dataclasses import replace
 from fractions import Fraction
 from importlib import import_module
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
 from strategies import random_rotation
 
 from certreg.errors import ContradictionError
-from certreg.geometry import rotation_matrix
-from certreg.problem import FloatingPose, RegistrationProblem, floating_moments, lift
-from certreg.registration import certify
+from certreg.geometry.so3 import rotation_matrix
+from certreg.problem.lifting import lift
+from certreg.problem.moments import floating_moments
+from certreg.problem.problem import RegistrationProblem
 from certreg.registration.agreement import CLOSED_FORM_LOSS
+from certreg.registration.certification import certify
 from certreg.registration.closed_form import arun, horn
+
+if TYPE_CHECKING:
+    from certreg.problem.posing import FloatingPose
 
 AXES = np.vstack([np.diag([3.0, 2.0, 1.0]), -np.diag([3.0, 2.0, 1.0])])
 TURN = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])

@@ -8,23 +8,19 @@ import numpy as np
 import pytest
 from strategies import random_rotation
 
-from certreg.problem import RegistrationProblem
-from certreg.registration import (
-    NEARLY_AMBIGUOUS,
-    assess,
-    certify,
-    equilibria,
-    headline_of,
-)
+from certreg.problem.problem import RegistrationProblem
 from certreg.registration import headlines as listed
-from certreg.registration.ambiguity import PAIRS_IN_DOUBT
+from certreg.registration.ambiguity import NEARLY_AMBIGUOUS, PAIRS_IN_DOUBT
+from certreg.registration.assessment import assess
+from certreg.registration.certification import certify
+from certreg.registration.enumeration import equilibria
+from certreg.registration.headlines import headline_of
 from certreg.registration.outlying import independent_rows
-from certreg.report import html_page, registration_summary
 from certreg.report.equilibria import equilibria_words
-from certreg.report.lines import (
-    warnings,
-)
+from certreg.report.lines import warnings
 from certreg.report.page import Report
+from certreg.report.pages import html_page
+from certreg.report.summary import registration_summary
 
 TURN = random_rotation(np.random.default_rng(3))
 

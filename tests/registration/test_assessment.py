@@ -18,7 +18,7 @@ import certreg
 from certreg import RegistrationProblem, assess
 from certreg.certificate.bounds import ExactPose, pose_energy
 from certreg.errors import InvalidProblemError
-from certreg.exact import double_above
+from certreg.exact.dyadic import double_above
 from certreg.objective.isotropic import Isotropic
 from certreg.problem.moments import exact_moments
 from certreg.registration.rounding import rounding_cost

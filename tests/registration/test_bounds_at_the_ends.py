@@ -11,7 +11,7 @@ from rotated_pairs import BOUND, rotated_pairs
 
 import certreg
 from certreg.errors import InvalidProblemError
-from certreg.problem.row_lengths import apart, diameter, lengths
+from certreg.problem.arrays import apart, diameter, lengths
 from certreg.registration.pair_angles import angles_between, widest_angles
 
 ROTATIONS: dict[str, Any] = {"rotation_only": True, "objective": "truncated"}

@@ -8,21 +8,23 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
+import twin_motions
 from wrong_pairs import wrong_pairs
 
 import certreg
-from certreg.dynamics import BreakingStatus, SimulationSettings
-from certreg.equilibrium import Labels, SpringSet
+from certreg.dynamics.breaking import BreakingStatus
+from certreg.dynamics.integrators import SimulationSettings
+from certreg.equilibrium.breaking import Labels, SpringSet
 from certreg.errors import InvalidProblemError, UndecidedError
-from certreg.problem import Loss, RegistrationProblem, bounded
+from certreg.problem.bounds import bounded
+from certreg.problem.problem import RegistrationProblem
+from certreg.problem.support import Loss
 from certreg.registration import breaking
-from certreg.registration.breaking import _fewest, _optimum_listed
-from certreg.registration.breaking_simulation import _end
-from certreg.registration.examples import TWIN_MOTIONS as TWINS
+from certreg.registration.breaking import _end, _fewest, _optimum_listed
 from certreg.results import OUT_OF_RANGE, ComponentKind
 
 if TYPE_CHECKING:
-    from certreg.registration import BreakingEquilibria
+    from certreg.registration.breaking import BreakingEquilibria
 
 
 def clouds(seed: int, n: int, wrong: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -66,9 +68,9 @@ def test_where_no_pose_is_found_three_are_looked_for(monkeypatch: pytest.MonkeyP
 
 
 def test_twin_motions_have_two_stable_equilibria_and_the_better_one_is_the_optimum():
-    found = certreg.breaking_equilibria(TWINS.source, TWINS.target, max_residual=TWINS.max_residual)
+    found = certreg.breaking_equilibria(twin_motions.SOURCE, twin_motions.TARGET, max_residual=1.0)
 
-    assert [(each.unbroken, each.energy) for each in found.stable] == list(TWINS.stable)
+    assert [(each.unbroken, each.energy) for each in found.stable] == twin_motions.STABLE
     assert found.complete
     assert found.optimum_listed
     first, second = found.stable
@@ -224,7 +226,9 @@ def test_the_optimum_is_listed_unless_a_doubtful_pose_may_be_a_minimum(labels: L
 @pytest.mark.parametrize("least", [2, 8])
 def test_a_number_of_springs_that_hold_no_pose_is_refused(least):
     with pytest.raises(InvalidProblemError) as refused:
-        certreg.breaking_equilibria(TWINS.source, TWINS.target, max_residual=1.0, least=least)
+        certreg.breaking_equilibria(
+            twin_motions.SOURCE, twin_motions.TARGET, max_residual=1.0, least=least
+        )
     assert str(refused.value) == (
         f"least is {least}: give a number of springs from 3 to 7; fewer hold the body in no pose, "
         "it turns about their line"
@@ -276,7 +280,7 @@ def test_the_same_arguments_give_the_same_run():
 
 def test_the_body_may_end_in_the_worse_of_two_stable_equilibria():
     """Released at the pose of the three shifted points, with bounds that hardly shrink the rest."""
-    x, y = np.array(TWINS.source, float), np.array(TWINS.target, float) - [4, 0, 0]
+    x, y = np.array(twin_motions.SOURCE, float), np.array(twin_motions.TARGET, float) - [4, 0, 0]
     weights = [1, 1, 1, 1, 4, 4, 4]
     found = certreg.breaking_equilibria(x, y, max_residual=1.0, weights=weights)
     light = [certreg.simulate_breaking(x, y, max_residual=1.0, weights=w) for w in (None, weights)]
@@ -291,7 +295,7 @@ def test_a_run_that_does_not_settle_says_so():
     short = certreg.simulate_breaking(
         x, y, max_residual=0.06, settings=SimulationSettings(max_steps=1)
     )
-    assert short.run.status is BreakingStatus.OUT_OF_STEPS
+    assert short.status is BreakingStatus.OUT_OF_STEPS
     assert short.end is None
     assert short.ending == (
         "The steps ran out before the body was at rest. 20 of 20 springs held then."
@@ -299,7 +303,7 @@ def test_a_run_that_does_not_settle_says_so():
 
     rng = np.random.default_rng(0)
     loose = certreg.simulate_breaking(*rng.normal(size=(2, 6, 3)), max_residual=1e-3)
-    assert loose.run.status is BreakingStatus.LOOSE
+    assert loose.status is BreakingStatus.LOOSE
     assert loose.ending.startswith(f"{BreakingStatus.LOOSE.value} ")
     assert not loose.self_consistent
 
@@ -323,19 +327,18 @@ def test_a_run_does_not_end_at_a_rest_pose_from_which_the_energy_falls():
     """At the best rotation of the three the fourth holds, too; at another it is broken."""
     cloud = np.array([[0, 0, 0], [0, 0, 2], [4, 3, 1], [9, 9, 9.0]])
     problem = bounded(RegistrationProblem(cloud, cloud), 2.5, Loss.BREAKING)
-    held = np.array([True, True, True, False])
-    run: Any = SimpleNamespace(
-        status=BreakingStatus.SETTLED, stages=(SimpleNamespace(held=held, count=3),)
-    )
+    run: Any = SimpleNamespace(status=BreakingStatus.SETTLED, problem=problem, unbroken=(0, 1, 2))
     found = list(SpringSet(problem, (0, 1, 2)).rest_poses())
 
     assert [(pose.index, pose.labels) for pose in found] == [(1, Labels.PROVED)]
-    assert _end(problem, run) is None
+    assert _end(run) is None
 
 
 @pytest.mark.parametrize("shrinking", [1.0, float("nan"), 1e7])
 def test_bounds_that_do_not_shrink_are_refused(shrinking):
     with pytest.raises(InvalidProblemError) as refused:
-        certreg.simulate_breaking(TWINS.source, TWINS.target, max_residual=1.0, shrinking=shrinking)
+        certreg.simulate_breaking(
+            twin_motions.SOURCE, twin_motions.TARGET, max_residual=1.0, shrinking=shrinking
+        )
     told = f"shrinking is {shrinking}: give a number above 1, up to 1e6; 1.4 is usual"
     assert str(refused.value) == told

@@ -14,11 +14,15 @@ import pytest
 from strategies import AXES, BENT, random_problem
 
 import certreg
-from certreg.dynamics import SimulationSettings, Trajectory, optimal_damping
+from certreg.dynamics.integrators import SimulationSettings
+from certreg.dynamics.simulation import optimal_damping
+from certreg.dynamics.trajectory import Trajectory
 from certreg.errors import ContradictionError, InvalidFileError, InvalidProblemError
-from certreg.objective import Isotropic
-from certreg.problem import RegistrationProblem, exact_moments
-from certreg.registration import certify
+from certreg.objective.isotropic import Isotropic
+from certreg.problem.moments import exact_moments
+from certreg.problem.problem import RegistrationProblem
+from certreg.registration.assessment import assess
+from certreg.registration.certification import certify
 from certreg.registration.simulation import ProblemTrajectory, final_state, proved_end
 from certreg.relaxation.conic import ConicSolution, RelaxationStatus
 from certreg.results import Absent, Limits, Optimality, Ruling, Verdict
@@ -26,9 +30,11 @@ from certreg.results import Absent, Limits, Optimality, Ruling, Verdict
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from certreg.registration import Registration
+    from certreg.registration.result import Registration
 
-CERTIFICATION = import_module("certreg.registration.certification")
+
+LINEAR = import_module("certreg.registration.linear")
+SIMULATION = import_module("certreg.registration.simulation")
 TURN = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
 PROBLEM = random_problem(np.random.default_rng(4), n=8, noise=0.1, scale=8.0)
 
@@ -58,14 +64,14 @@ def test_what_is_not_asked_for_is_not_computed(bare: Registration, monkeypatch: 
     def computed(*_: object, **__: object) -> NoReturn:
         raise AssertionError
 
-    monkeypatch.setattr(CERTIFICATION, "relax", computed)
-    monkeypatch.setattr(CERTIFICATION, "simulated_motion", computed)
-    import_module("certreg.registration").assess(PROBLEM, np.eye(3), np.zeros(3))
+    monkeypatch.setattr(LINEAR, "relax", computed)
+    monkeypatch.setattr(LINEAR, "simulated_motion", computed)
+    assess(PROBLEM, np.eye(3), np.zeros(3))
 
 
 def simulated(problem: RegistrationProblem, settings: SimulationSettings | None = None) -> Any:
     """A motion with what is proved of its end."""
-    run = CERTIFICATION.simulate(problem, settings=settings)
+    run = SIMULATION.simulate(problem, settings=settings)
     assert isinstance(run, ProblemTrajectory)
     return proved_end(run)
 
@@ -121,7 +127,7 @@ def test_a_trajectory_below_the_certified_minimum_is_a_contradiction(
     monkeypatch: pytest.MonkeyPatch, command: object
 ):
     """Below by more than its rounding; by less, as in every run to the end, is none."""
-    run = CERTIFICATION.simulated_motion
+    run = SIMULATION.simulated_motion
 
     def sunk(*arguments: object, **more: object) -> Trajectory:
         trajectory = run(*arguments, **more)
@@ -130,7 +136,8 @@ def test_a_trajectory_below_the_certified_minimum_is_a_contradiction(
         return replace(trajectory, course=replace(trajectory.course, samples=samples))
 
     command(PROBLEM)  # type: ignore[operator]
-    monkeypatch.setattr(CERTIFICATION, "simulated_motion", sunk)
+    for module in (LINEAR, SIMULATION):
+        monkeypatch.setattr(module, "simulated_motion", sunk)
     with pytest.raises(ContradictionError, match="below the certified minimum"):
         command(PROBLEM)  # type: ignore[operator]
 
@@ -155,7 +162,7 @@ def test_of_a_mapped_file_nothing_is_left_to_be_read(tmp_path: Path):
 
 
 def test_a_relaxation_without_a_value_says_why(monkeypatch: pytest.MonkeyPatch):
-    def lost(*_: object) -> ConicSolution:
+    def lost(*_: object, **__: object) -> ConicSolution:
         return ConicSolution(status=RelaxationStatus.FAILED, said="")
 
     monkeypatch.setattr(import_module("certreg.relaxation.shor"), "solve", lost)

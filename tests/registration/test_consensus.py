@@ -13,10 +13,11 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import certreg
-from certreg.certificate import Certificate
+from certreg.certificate.envelope import Certificate
 from certreg.errors import InvalidFileError, InvalidProblemError, UndecidedError
-from certreg.problem import RegistrationProblem, bounded
-from certreg.registration import ConsensusRegistration
+from certreg.problem.bounds import bounded
+from certreg.problem.problem import RegistrationProblem
+from certreg.registration.consensus import ConsensusRegistration
 from certreg.registration.pair_warnings import few_warning
 from certreg.report.consensus_page import ConsensusReport
 

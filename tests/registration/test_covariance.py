@@ -24,7 +24,7 @@ from certreg.objective.isotropic import Isotropic
 from certreg.problem import arrays as problems
 from certreg.problem.moments import exact_moments
 from certreg.problem.problem import RegistrationProblem
-from certreg.registration.any_certification import certify
+from certreg.registration.certification import certify
 from certreg.registration.covariance import (
     LEAST_CORRELATION,
     PoseCovariance,

@@ -15,10 +15,10 @@ import numpy as np
 import pytest
 from strategies import random_rotation
 
-from certreg.geometry import rotation_matrix, squared_norm
-from certreg.objective import Isotropic
-from certreg.problem import RegistrationProblem
-from certreg.registration import certify
+from certreg.geometry.so3 import rotation_matrix, squared_norm
+from certreg.objective.isotropic import Isotropic
+from certreg.problem.problem import RegistrationProblem
+from certreg.registration.certification import certify
 from certreg.registration.covariance import pose_covariance
 
 DIGITS, STEP = 80, mpmath.mpf(10) ** -25  # of which a difference of second order leaves thirty

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from certreg.certificate.radius import Radius
-from certreg.exact import Dyadic
+from certreg.exact.dyadic import Dyadic
 from certreg.registration import scale_range
 from certreg.registration.robustness import Robustness
 from certreg.registration.rounding import rounding_cost, rounding_errors

@@ -10,13 +10,15 @@ import pytest
 from answers import answered
 from commands import checked
 
-from certreg.registration import HEADLINES, STORIES, certify, differences, stated
 from certreg.registration import exit_codes as codes
+from certreg.registration.certification import certify
+from certreg.registration.examples import STORIES, differences, stated
 from certreg.registration.exit_codes import worst
+from certreg.registration.headlines import HEADLINES
 from certreg.results import Limits
 
 if TYPE_CHECKING:
-    from certreg.registration import Headline
+    from certreg.registration.headlines import Headline
 
 
 def test_the_worst_code_is_the_first_of_2_1_4_3_0():

@@ -12,11 +12,13 @@ from scipy import stats
 
 from benchmarks.rates import fit_warnings as rates
 from benchmarks.rates.fit_warnings import MEASURED, fit
-from certreg.objective import Isotropic
-from certreg.problem import RegistrationProblem, exact_moments
+from certreg.objective.isotropic import Isotropic
 from certreg.problem import arrays as problems
-from certreg.registration import STORIES, misfits, outlying, stated
+from certreg.problem.moments import exact_moments
+from certreg.problem.problem import RegistrationProblem
 from certreg.registration import fit as fit_module
+from certreg.registration import misfits, outlying
+from certreg.registration.examples import STORIES, stated
 from certreg.registration.misfits import ChiSquared, FitCode, FitSums
 from certreg.results import Absent
 

@@ -11,10 +11,12 @@ from rotated_pairs import rotated_pairs
 from scipy.spatial.transform import Rotation
 
 import certreg
-from certreg.dynamics import SimulationSettings
-from certreg.registration import ConsensusRegistration, TruncatedRegistration, certification
+from certreg.dynamics.integrators import SimulationSettings
+from certreg.registration import linear
+from certreg.registration.consensus import ConsensusRegistration
 from certreg.registration.row_names import RowNames
-from certreg.relaxation import relax
+from certreg.registration.truncated import TruncatedRegistration
+from certreg.relaxation.shor import relax
 
 BOUND, SIGMA, WRONG, N = 0.05, 0.003, 5, 16
 RNG = np.random.default_rng(2)
@@ -78,7 +80,7 @@ def solvers(monkeypatch) -> list[str]:
         asked.append(str(solver))
         return relax(objective)
 
-    monkeypatch.setattr(certification, "relax", relaxed)
+    monkeypatch.setattr(linear, "relax", relaxed)
     return asked
 
 

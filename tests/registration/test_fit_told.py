@@ -12,18 +12,22 @@ import pytest
 from campaign_work import InProcess
 from commands import certreg, write_csv
 
-from certreg.problem import RegistrationProblem
-from certreg.registration import FitDemands, certify, code_of_registration, headline_of
+from certreg.problem.problem import RegistrationProblem
 from certreg.registration import headlines as listed
-from certreg.report import registration_summary, report_of, result_document
+from certreg.registration.certification import certify
+from certreg.registration.exit_codes import FitDemands, code_of_registration
+from certreg.registration.headlines import headline_of
+from certreg.report.document import result_document
 from certreg.report.page import Report
 from certreg.report.pages import html_page
+from certreg.report.reload import report_of
+from certreg.report.summary import registration_summary
 from certreg.results import Limits
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from certreg.registration import Registration
+    from certreg.registration.result import Registration
 
 CLOUD = np.random.default_rng(1).standard_normal((12, 3))
 NOISY = CLOUD + 0.01 * np.random.default_rng(2).standard_normal((12, 3))

@@ -17,16 +17,16 @@ from certreg.certificate.springs_basin import Barrier, barrier_of, basin_of_spri
 from certreg.equilibrium.breaking import Labels
 from certreg.equilibrium.line_set import Finiteness, LineSet
 from certreg.equilibrium.presentation import WEAK_MARGIN, EquilibriumSet
-from certreg.equilibrium.spring_batch import SpringSolutions
+from certreg.equilibrium.spring_batch import QuarticSolutions
 from certreg.objective.classification import Classification
 from certreg.registration import headlines
-from certreg.registration.any_registration import AnyRegistration
-from certreg.registration.breaking import BreakingEquilibria, BreakingEquilibrium
-from certreg.registration.breaking_simulation import SimulatedBreaking
+from certreg.registration.breaking import BreakingEquilibria, BreakingEquilibrium, SimulatedBreaking
 from certreg.registration.breathing import ScaledEquilibria
 from certreg.registration.consensus import ConsensusRegistration
+from certreg.registration.consensus_words import ranges_words
 from certreg.registration.kept_pairs import KeptPairs, LabelsVerdict
-from certreg.registration.scaled_consensus import ScaledConsensusRegistration, ranges_words
+from certreg.registration.quartic import QuarticSolution
+from certreg.registration.result import Registration
 from certreg.registration.spring_equilibria import (
     SAME_ENERGY,
     TIED,
@@ -36,18 +36,10 @@ from certreg.registration.spring_equilibria import (
     _optimal,
 )
 from certreg.registration.spring_findings import SpringFindings
-from certreg.registration.spring_result import SpringSolution
 from certreg.registration.truncated import TruncatedRegistration
 from certreg.registration.truncated_labels import TruncatedLabels
 from certreg.registration.valley import SimulatedSprings
-from certreg.results import (
-    Absent,
-    ComponentKind,
-    Guarantee,
-    Limits,
-    Optimality,
-    Ruling,
-)
+from certreg.results import Absent, ComponentKind, Guarantee, Limits, Optimality, Ruling
 
 LITTLE = Fraction(1, 10**30)
 BOTH = (False, True)
@@ -191,7 +183,7 @@ def test_many_lists_of_springs_are_enclosed_where_each_is_decided_and_proved():
         decided, found = np.array(flags[:2]), np.array(flags[2:])
         for lists in (None, (object(), object())):
             guarantee = asked(
-                SpringSolutions, "guarantee", decided=decided, found=found, lists=lists
+                QuarticSolutions, "guarantee", decided=decided, found=found, lists=lists
             )
 
             proved = all(flags[:2]) and lists is not None
@@ -265,15 +257,15 @@ def test_one_rotation_is_optimal_as_far_as_a_certificate_says():
         certificate = SimpleNamespace(body=SimpleNamespace(claims=SimpleNamespace(unique=claimed)))
         freedom = SimpleNamespace(moves_optimum=moves, translations=())
         rotation = asked(
-            SpringSolution, "unique_rotation", certificate=certificate, freedom=freedom
+            QuarticSolution, "unique_rotation", certificate=certificate, freedom=freedom
         )
 
         assert rotation is (claimed if claimed is not None else False if moves else None)
-        without = asked(SpringSolution, "unique_rotation", certificate=None, freedom=freedom)
+        without = asked(QuarticSolution, "unique_rotation", certificate=None, freedom=freedom)
         assert without is (False if moves else None)
         for free in ((), (1,)):
             freedom = SimpleNamespace(translations=free)
-            unique = asked(SpringSolution, "unique", freedom=freedom, unique_rotation=rotation)
+            unique = asked(QuarticSolution, "unique", freedom=freedom, unique_rotation=rotation)
             assert unique is (False if free else rotation)
 
 
@@ -312,14 +304,14 @@ def test_a_certified_pose_is_unique_or_one_of_several_or_bounded():
             "unique": unique,
             "limits": None,
         }
-        status = asked(AnyRegistration, "status", **fields)
+        status = asked(Registration, "status", **fields)
         good = Optimality.CERTIFIED if unique else Optimality.CERTIFIED_NOT_UNIQUE
         bounded = Optimality.BOUNDED if unique is None or not met else good
 
         assert status is (bounded if proved else Optimality.NOT_CERTIFIED)
         assert limits in ([], [turned is True])
         for missing in ("verdict", "bounds"):
-            lost = asked(AnyRegistration, "status", **fields | {missing: None})
+            lost = asked(Registration, "status", **fields | {missing: None})
             assert lost is Optimality.NOT_CERTIFIED
 
 
@@ -336,12 +328,8 @@ def test_equilibria_with_a_scale_are_as_many_as_those_without():
 @pytest.mark.parametrize("beside", [-LITTLE, Fraction(0), LITTLE])
 def test_an_interval_of_scales_and_its_words_are_rounded_outwards(beside: Fraction):
     low, high = (Fraction(end) + beside for end in (0.1, 0.75))
-    body = SimpleNamespace(
-        scale_lower=SimpleNamespace(value=low), scale_upper=SimpleNamespace(value=high)
-    )
-    found = asked(
-        ScaledConsensusRegistration, "scale_interval", certificate=SimpleNamespace(body=body)
-    )
+    body = SimpleNamespace(scales=(low, high))
+    found = asked(ConsensusRegistration, "scale_interval", certificate=SimpleNamespace(body=body))
 
     assert found[0] <= low < math.nextafter(found[0], 1.0)
     assert math.nextafter(found[1], 0.0) < high <= found[1]

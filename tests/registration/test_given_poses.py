@@ -14,7 +14,7 @@ from strategies import random_problem
 import certreg
 from certreg import Pose, Registration, assess
 from certreg.errors import InvalidProblemError
-from certreg.geometry import given_pose
+from certreg.geometry.given import given_pose
 from certreg.results import PoseVerdict
 
 if TYPE_CHECKING:

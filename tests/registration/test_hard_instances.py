@@ -10,9 +10,10 @@ import pytest
 from strategies import random_problem
 
 from benchmarks.rates.hard_instances import FAMILIES, outcome
-from certreg.dynamics import SimulationSettings
-from certreg.problem import RegistrationProblem
-from certreg.registration import DONE, NOT_CERTIFIED, simulate
+from certreg.dynamics.integrators import SimulationSettings
+from certreg.problem.problem import RegistrationProblem
+from certreg.registration.exit_codes import DONE, NOT_CERTIFIED
+from certreg.registration.simulation import simulate
 from certreg.results import Optimality
 
 

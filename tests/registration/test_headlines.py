@@ -17,28 +17,30 @@ from commands import certreg, checked, write_csv
 from mpmath.libmp import to_rational
 from strategies import ZOO, random_rotation
 
-from certreg.campaign import PairCampaign, read_listing
-from certreg.certificate import PoseBounds
-from certreg.dynamics import SimulationStatus
-from certreg.exact import at_most, rational_root_above, root_above
-from certreg.geometry import rotation_matrix
-from certreg.objective import Isotropic
-from certreg.problem import RegistrationProblem, exact_moments
-from certreg.registration import (
-    HEADLINES,
-    assess,
-    certify,
-    code_of_registration,
-    headline_of,
-    headline_words,
-)
+from certreg.campaign.listing import read_listing
+from certreg.campaign.pairs import PairCampaign
+from certreg.certificate.bounds import PoseBounds
+from certreg.dynamics.body import SimulationStatus
+from certreg.exact.decimals import at_most
+from certreg.exact.dyadic import rational_root_above, root_above
+from certreg.geometry.so3 import rotation_matrix
+from certreg.objective.isotropic import Isotropic
+from certreg.problem.moments import exact_moments
+from certreg.problem.problem import RegistrationProblem
 from certreg.registration import headlines as listed
-from certreg.report import html_page, registration_summary, result_document
+from certreg.registration.assessment import assess
+from certreg.registration.certification import certify
+from certreg.registration.exit_codes import code_of_registration
+from certreg.registration.headlines import HEADLINES, headline_of, headline_words
+from certreg.report.document import result_document
 from certreg.report.page import Report
+from certreg.report.pages import html_page
+from certreg.report.summary import registration_summary
 from certreg.results import Limits, Optimality
 
 if TYPE_CHECKING:
-    from certreg.registration import Registration
+    from certreg.registration.result import Registration
+
 
 SCHEMAS = Path(__file__).parents[2] / "certreg" / "report" / "schemas"
 CLAIMS = Path(__file__).parents[2] / "derivations" / "claims"

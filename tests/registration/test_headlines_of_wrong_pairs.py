@@ -18,14 +18,12 @@ from test_consensus import certified, wrong_pairs
 from test_kept_pairs import judged
 
 import certreg
-from certreg.certificate import CommonMotion
-from certreg.registration import (
-    KeptPairs,
-    ScaledConsensusRegistration,
-    TruncatedLabels,
-    TruncatedRegistration,
-    consensus_words,
-)
+from certreg.certificate.shared_motion import CommonMotion
+from certreg.registration import consensus_words
+from certreg.registration.consensus import ConsensusRegistration
+from certreg.registration.kept_pairs import KeptPairs
+from certreg.registration.truncated import TruncatedRegistration
+from certreg.registration.truncated_labels import TruncatedLabels
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -35,7 +33,7 @@ TITLE = "\n## Of pairs that may be wrong\n"
 ROW = re.compile(r"^\| `(?P<line>[^`]+)` \| (?P<codes>[\d, ]+) \| .+ \|$", re.MULTILINE)
 LISTED_BRACES = re.compile(r"^\| (?P<names>(?:`\{\w+\}` ?)+) \| .+ \|$", re.MULTILINE)
 BRACES = re.compile(r"\{(\w+)\}")
-KINDS = (ScaledConsensusRegistration, TruncatedRegistration, KeptPairs, TruncatedLabels)
+KINDS = (ConsensusRegistration, TruncatedRegistration, KeptPairs, TruncatedLabels)
 
 
 def section() -> str:

@@ -13,12 +13,11 @@ from commands import write_csv
 from test_consensus import BOUND, twins, wrong_pairs
 
 import certreg
-from certreg.certificate import CommonMotion
-from certreg.certificate.shared_motion import is_refuted, sets_apart
+from certreg.certificate.shared_motion import CommonMotion, is_refuted, sets_apart
 from certreg.errors import InvalidProblemError
 
 if TYPE_CHECKING:
-    from certreg.registration import KeptPairs
+    from certreg.registration.kept_pairs import KeptPairs
 
 RIGHT = [1] * 14 + [0] * 6
 

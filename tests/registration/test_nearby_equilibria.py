@@ -16,21 +16,23 @@ from commands import certreg, write_csv
 from jsonschema import Draft202012Validator
 from springs_certified import moved_springs
 
-from certreg.geometry import GivenPose
-from certreg.problem import RegistrationProblem
-from certreg.registration import NOT_CERTIFIED, valley
-from certreg.registration.any_certification import certify
+from certreg.geometry.given import GivenPose
+from certreg.problem.problem import RegistrationProblem
+from certreg.registration import valley
 from certreg.registration.assessment import assess
+from certreg.registration.certification import certify
+from certreg.registration.exit_codes import NOT_CERTIFIED
 from certreg.registration.findings import AssessmentSettings
 from certreg.registration.nearby_equilibrium import TIE, NearbyEquilibrium
 from certreg.registration.spring_findings import spring_findings, spring_verdict_of
-from certreg.report import assessment_summary
+from certreg.report.judged_pose import assessment_summary
 from certreg.results import PoseVerdict
 
 if TYPE_CHECKING:
     from pathlib import Path
 
     from certreg.registration.valley import SimulatedSprings
+
 
 OPEN = "; whether its rotation is as good as the best found is not decided."
 AT_REST = "The body is at rest (slower than the tolerance)"

@@ -12,32 +12,23 @@ from commands import checked
 from scipy.stats import chi2
 from strategies import random_rotation
 
-from certreg.problem import RegistrationProblem
-from certreg.registration import (
-    FIT_WARNED,
-    SigmaDistance,
-    assess,
-    certify,
-    headline_words,
-    is_green,
-    is_loose,
-)
+from certreg.problem.problem import RegistrationProblem
 from certreg.registration import headlines as listed
-from certreg.registration.findings import rules_out
+from certreg.registration.assessment import assess
+from certreg.registration.certification import certify
+from certreg.registration.findings import FIT_WARNED, SigmaDistance, rules_out
+from certreg.registration.headlines import headline_words, is_green, is_loose
 from certreg.registration.misfits import LEVEL
-from certreg.report import (
-    assessment_document,
-    assessment_summary,
-    html_page,
-    registration_summary,
-    result_document,
-)
 from certreg.report.cards import GREEN
+from certreg.report.document import result_document
+from certreg.report.judged_pose import assessment_document, assessment_summary
 from certreg.report.page import Report
+from certreg.report.pages import html_page
+from certreg.report.summary import registration_summary
 from certreg.results import Limits, Optimality
 
 if TYPE_CHECKING:
-    from certreg.registration import Registration
+    from certreg.registration.result import Registration
 
 RNG = np.random.default_rng(21)
 CLOUD = RNG.normal(size=(12, 3))

@@ -11,7 +11,7 @@ import pytest
 
 import certreg
 from certreg.errors import InvalidProblemError, UndecidedError
-from certreg.exact import at_least, at_most
+from certreg.exact.decimals import at_least, at_most
 from certreg.registration.nothing_met import nothing_turned
 
 RNG = np.random.default_rng(4)

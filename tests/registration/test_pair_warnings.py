@@ -16,8 +16,8 @@ from commands import strict_json, write_csv
 from jsonschema import Draft202012Validator
 
 import certreg
-from certreg.problem import diameter
-from certreg.registration import FitCode
+from certreg.problem.arrays import diameter
+from certreg.registration.misfits import FitCode
 from certreg.registration.pair_warnings import WIDE, few_warning, poor_warning, reason_against
 from certreg.report.cards import AMBER, GREEN
 from certreg.report.pages import report_on

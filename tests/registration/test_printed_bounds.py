@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from fractions import Fraction
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
@@ -13,14 +13,18 @@ from commands import checked
 from test_consensus import certified
 from test_truncated_results import certified as certified_rotation
 
-from certreg.exact import root_above
-from certreg.problem import RegistrationProblem
-from certreg.registration import TruncatedRegistration, certify
-from certreg.registration.scaled_consensus import ranges_words
+from certreg.exact.dyadic import root_above
+from certreg.problem.problem import RegistrationProblem
+from certreg.registration.certification import certify
+from certreg.registration.consensus_words import ranges_words
 from certreg.registration.weak_shifts import WeakShift, weak_shift_words
-from certreg.report import registration_summary
 from certreg.report.pairs import truncated_summary
+from certreg.report.summary import registration_summary
 from certreg.results import Limits
+
+if TYPE_CHECKING:
+    from certreg.registration.truncated import TruncatedRegistration
+
 
 CLOUD = np.vstack([np.diag([3.0, 2.0, 1.0]), -np.diag([3.0, 2.0, 1.0])])
 LONGER = np.vstack([np.diag([4.0, 2.0, 1.0]), -np.diag([4.0, 2.0, 1.0])])  # off by 1, twice

@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 
 import certreg
-from certreg.dynamics.batch import Bodies
+from certreg.dynamics import batch
 from certreg.equilibrium import batch as solutions
-from certreg.equilibrium.methods import METHODS
+from certreg.equilibrium.methods import FINDERS
+from certreg.objective.structure import Structure
 
 RNG = np.random.default_rng(29)
 SOURCE = RNG.normal(size=(6, 3))
@@ -55,7 +56,8 @@ def test_equilibria_tell_every_search():
     certreg.equilibria(PROBLEM, "all", progress=all_)
 
     assert one == [(1, 1)]
-    assert all_ == [(k + 1, len(METHODS)) for k in range(len(METHODS))]
+    count = len(FINDERS[Structure.LINEAR])
+    assert all_ == [(k + 1, count) for k in range(count)]
 
 
 @pytest.mark.parametrize("threads", [1, 3])
@@ -72,7 +74,7 @@ def test_many_problems_tell_every_portion(monkeypatch: pytest.MonkeyPatch, threa
 def test_many_simulations_tell_every_portion_and_end_where_they_did(
     monkeypatch: pytest.MonkeyPatch,
 ):
-    monkeypatch.setattr(Bodies, "PORTION", 8)
+    monkeypatch.setattr(batch, "PORTION", 8)
     bodies = certreg.bodies_of(SOURCE, TARGETS)
     heard = Heard()
     told = certreg.simulate_many(bodies, progress=heard)

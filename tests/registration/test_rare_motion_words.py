@@ -16,8 +16,7 @@ import certreg
 from certreg import RegistrationProblem
 from certreg.errors import InvalidFileError, InvalidProblemError, OutOfRangeError
 from certreg.registration.enumeration import enumerated, equilibrium_poses
-from certreg.registration.spring_enumeration import enumerated_springs
-from certreg.report import report_of
+from certreg.report.reload import report_of
 from certreg.report.spring_equilibria import (
     spring_enumeration_summary,
     spring_equilibria_document,
@@ -28,8 +27,10 @@ from certreg.report.springs import springs_words
 from certreg.results import Absent
 
 if TYPE_CHECKING:
-    from certreg.registration.spring_enumeration import SpringEnumeration
+    from certreg.registration.enumeration import Enumeration
+    from certreg.registration.spring_equilibria import SpringEquilibria
     from certreg.registration.valley import SimulatedSprings
+
 
 VECTORS = Path(__file__).parents[2] / "vectors"
 SIX, SEVEN = (spring_families.instance(spring_families.LISTED[k], 0) for k in (0, 2))
@@ -40,15 +41,15 @@ def problem_of(made: spring_families.Instance) -> RegistrationProblem:
 
 
 @cache
-def six() -> SpringEnumeration:
+def six() -> Enumeration[SpringEquilibria]:
     """Six planes: several rotations fit exactly."""
-    return enumerated_springs(problem_of(SIX))
+    return enumerated(problem_of(SIX))
 
 
 @cache
-def circles() -> SpringEnumeration:
+def circles() -> Enumeration[SpringEquilibria]:
     """Two optima, alone, and other equilibria on circles: no method has a complete list."""
-    return enumerated_springs(two_optima(), "all")
+    return enumerated(two_optima(), "all")
 
 
 @cache
@@ -67,7 +68,7 @@ def wall() -> SimulatedSprings:
 @cache
 def trapped() -> SimulatedSprings:
     """Seven planes, with the source put at a stable equilibrium that is not the optimum."""
-    found = enumerated_springs(problem_of(SEVEN)).equilibria
+    found = enumerated(problem_of(SEVEN)).equilibria
     pose = next(each.pose for each in found.components[1:] if each.stable)
     moved = SEVEN.source @ pose.rotation.T + pose.translation
     return moved_springs(RegistrationProblem(moved, SEVEN.target, normals=SEVEN.springs["normals"]))
@@ -125,9 +126,9 @@ def test_the_rates_of_a_motion_on_general_springs_are_told_to_be_missing():
 def test_a_method_that_is_none_of_general_springs_is_refused_by_those_there_are():
     words = "have no eigenspaces: take 'homotopy' or 'all'$"
     with pytest.raises(InvalidProblemError, match=words):
-        enumerated_springs(problem_of(SIX), "spectral")
+        enumerated(problem_of(SIX), "spectral")
     with pytest.raises(InvalidProblemError, match="method is 'newton': give 'homotopy'"):
-        enumerated_springs(problem_of(SIX), "newton")
+        enumerated(problem_of(SIX), "newton")
 
 
 @pytest.mark.slow
@@ -175,7 +176,7 @@ def test_where_a_list_is_in_doubt_no_equilibrium_is_called_the_optimum():
 
 
 def test_springs_that_are_one_weight_per_pair_have_four_equilibria_each_proved_in_a_box():
-    told = spring_equilibria_words(enumerated_springs(full_springs(0)).equilibria)
+    told = spring_equilibria_words(enumerated(full_springs(0)).equilibria)
 
     assert "exactly 4, of which 1 stable." in told
     assert (

@@ -11,13 +11,13 @@ import numpy as np
 import pytest
 from exact_springs import two_optima
 
-from certreg.equilibrium import critical_lines
-from certreg.problem import RegistrationProblem
-from certreg.registration import assess, certify
+from certreg.equilibrium.paths import critical_lines
+from certreg.problem.problem import RegistrationProblem
+from certreg.registration.assessment import assess
+from certreg.registration.certification import certify
 from certreg.registration.covariance import OF_SPRINGS, covariance_at
 from certreg.registration.freedom import Freedom
-from certreg.report import html_page
-from certreg.report.pages import report_on
+from certreg.report.pages import html_page, report_on
 from certreg.results import Absent, Limits, PoseVerdict
 
 

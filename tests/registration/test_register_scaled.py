@@ -106,10 +106,16 @@ def test_another_word_is_refused(wrong: dict[str, Any]):
         register(cloud, cloud, **wrong)
 
 
-def test_general_springs_take_neither():
-    model: dict[str, Any]
+def test_general_springs_take_no_scale_and_no_translation():
     cloud = np.random.default_rng(1).normal(size=(8, 3))
     normals = cloud / np.linalg.norm(cloud, axis=1)[:, None]
-    for model in ({"scale": "symmetric"}, {"rotation_only": True}):
+    for scale in ("symmetric", "asymmetric"):
         with pytest.raises(InvalidProblemError, match=r"one weight per pair|not yet with a free"):
-            register(cloud, cloud, normals=normals, **model)
+            register(cloud, cloud, normals=normals, scale=scale)
+
+    moved = register(cloud, cloud + 1.0, normals=normals[::-1])
+    turned = register(cloud, cloud + 1.0, normals=normals[::-1], rotation_only=True)
+    assert moved.translation.tolist() != [0.0] * 3
+    assert turned.translation.tolist() == [0.0] * 3
+    best = certreg.certify(cloud, cloud + 1.0, normals=normals[::-1], rotation_only=True).pose
+    assert (turned.quaternion_wxyz == best.quaternion_wxyz).all()

@@ -10,8 +10,7 @@ from commands import certreg as run
 from commands import write_csv
 
 import certreg
-from certreg.report import html_page
-from certreg.report.pages import report_on
+from certreg.report.pages import html_page, report_on
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -10,7 +10,7 @@ import pytest
 from certreg import RegistrationProblem, certify
 from certreg.certificate.radius import Radius
 from certreg.errors import InvalidProblemError
-from certreg.exact import Dyadic
+from certreg.exact.dyadic import Dyadic
 from certreg.registration.robustness import Robustness
 from certreg.registration.scale_range import proved_scales
 

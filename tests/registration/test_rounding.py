@@ -14,12 +14,12 @@ from strategies import ZOO, random_problem, random_rotation
 
 from certreg import RegistrationProblem, assess, certify
 from certreg.certificate.bounds import ExactPose, pose_bounds, pose_energy
-from certreg.geometry import GivenPose
-from certreg.objective import Isotropic
-from certreg.problem import exact_moments
+from certreg.geometry.given import GivenPose
+from certreg.objective.isotropic import Isotropic
+from certreg.problem.moments import exact_moments
 from certreg.registration.findings import exact_pose
 from certreg.registration.rounding import rounding_cost, rounding_remedy
-from certreg.report import assessment_summary
+from certreg.report.judged_pose import assessment_summary
 from certreg.results import PoseVerdict
 
 if TYPE_CHECKING:

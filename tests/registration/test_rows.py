@@ -14,9 +14,11 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from benchmarks.rates.fit_warnings import fit
-from certreg.problem import PosedPairs, RegistrationProblem
 from certreg.problem import arrays as problems
-from certreg.registration import certify, misfits, outlying
+from certreg.problem.posing import PosedPairs
+from certreg.problem.problem import RegistrationProblem
+from certreg.registration import misfits, outlying
+from certreg.registration.certification import certify
 from certreg.registration.misfits import FitCode
 from certreg.registration.motions import RigidMotion, WeightedPairs
 from certreg.registration.outlying import LISTED, OtherPairing, RowFit, row_fit

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from certreg.exact import Dyadic
+from certreg.exact.dyadic import Dyadic
 from certreg.objective.isotropic import Isotropic
 from certreg.problem.moments import exact_moments
 from certreg.problem.problem import RegistrationProblem

@@ -14,9 +14,10 @@ from strategies import random_rotation
 
 import certreg
 from certreg import Pose, RegistrationProblem, Similarity, assess
-from certreg.certificate import ExactPose
+from certreg.certificate.bounds import ExactPose
 from certreg.errors import InvalidProblemError
-from certreg.objective import Isotropic
+from certreg.geometry.given import given_pose
+from certreg.objective.isotropic import Isotropic
 from certreg.registration.scaled_poses import gap_parts
 from certreg.results import Optimality, PoseVerdict
 
@@ -202,7 +203,7 @@ def test_another_equilibrium_needs_its_own_scale(scale: str):
 
 
 def assess_rotation(q: Any) -> Any:
-    return certreg.geometry.given_pose(q).rotation
+    return given_pose(q).rotation
 
 
 @pytest.mark.parametrize("gap", [Fraction(0), Fraction(1, 3)])

@@ -14,11 +14,12 @@ from strategies import MIRROR, ZOO, random_problem, random_rotation
 import certreg as package
 from benchmarks.rates import convention_errors
 from certreg import Pose, RegistrationProblem, assess, certify
-from certreg.geometry import given_pose
-from certreg.registration import GOOD, SlipCode, judged
-from certreg.registration.assessment import NO_SLIP
+from certreg.geometry.given import given_pose
+from certreg.registration.assessment import NO_SLIP, judged
+from certreg.registration.findings import GOOD
 from certreg.registration.loose_turns import TURNED_FAR
-from certreg.report import assessment_document, assessment_summary
+from certreg.registration.slips import SlipCode
+from certreg.report.judged_pose import assessment_document, assessment_summary
 from certreg.results import PoseVerdict
 
 SAMPLE = 2

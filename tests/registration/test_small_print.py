@@ -14,17 +14,23 @@ from commands import checked
 from scipy import stats
 from scipy.spatial.transform import Rotation
 
-from certreg.dynamics import SimulationStatus
+from certreg.dynamics.body import SimulationStatus
 from certreg.errors import ContradictionError, InvalidProblemError
-from certreg.exact import at_least, at_most
-from certreg.geometry import davenport_matrix, given_pose
-from certreg.problem import RegistrationProblem, arrays
-from certreg.registration import certify, misfits, register, worst
+from certreg.exact.decimals import at_least, at_most
+from certreg.geometry.given import given_pose
+from certreg.geometry.so3 import davenport_matrix
+from certreg.problem import arrays
+from certreg.problem.motion import Motion
+from certreg.problem.problem import RegistrationProblem
+from certreg.registration import misfits
 from certreg.registration.agreement import agreement, require_sound_trajectory
 from certreg.registration.ambiguity import narrow_words
 from certreg.registration.assessment import NO_SLIP, NOT_TRIED, judged
 from certreg.registration.assessment_words import words_of_pose
+from certreg.registration.certification import certify
+from certreg.registration.closed_form import register
 from certreg.registration.covariance import effective_rows
+from certreg.registration.exit_codes import worst
 from certreg.registration.findings import cost_of_rounding, exact_pose, findings
 from certreg.registration.fit import COINCIDENT, NO_SOURCE, ZERO_MEDIAN
 from certreg.registration.misfits import LEVEL, FitCode
@@ -36,7 +42,8 @@ from certreg.results import Absent, PoseVerdict
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from certreg.registration import Registration
+    from certreg.registration.result import Registration
+
 
 RNG = np.random.default_rng(31)
 SOURCE = RNG.standard_normal((9, 3)) * [3.0, 2.0, 1.0]
@@ -216,7 +223,7 @@ def test_another_pairing_fits_better_by_what_its_rows_allow(rows: int):
     degrees = 3 * rows - 6
 
     def better(left: float) -> bool:
-        return misfits._fits_better(OtherPairing(words="", rows=rows, left=left), 6)
+        return misfits._fits_better(OtherPairing(words="", rows=rows, left=left), Motion())
 
     last = threshold(better, 1e-12, 0.499)
     bounds = [

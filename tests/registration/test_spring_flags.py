@@ -11,13 +11,13 @@ import numpy as np
 import pytest
 
 from certreg.registration import spring_findings, valley
+from certreg.registration.quartic import QuarticSolution
 from certreg.registration.spring_findings import (
     FINE_PROOF,
     SLACK,
     _cost_of_rounding,
     spring_verdict_of,
 )
-from certreg.registration.spring_result import SpringSolution
 from certreg.registration.valley import LEVEL, NEAR, TIE, SimulatedSprings
 from certreg.results import PoseVerdict
 
@@ -104,7 +104,7 @@ def test_minima_are_near_up_to_the_proved_gap(beside: Fraction):
 
     def near(minima: list[str], certificate: Any = certificate) -> int:
         found = SimpleNamespace(minima=minima)
-        return asked(SpringSolution, "near_minima", certificate=certificate, found=found, **fields)
+        return asked(QuarticSolution, "near_minima", certificate=certificate, found=found, **fields)
 
     assert near(["best", "next", "far"]) == (1 if beside > 0 else 2)
     assert near(["far"]) == 1

@@ -3,29 +3,29 @@
 from __future__ import annotations
 
 from functools import cache
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
 from commands import checked
+from numpy.typing import NDArray
 from spring_families import lidar, line, mixed, plane, statement
 
 import certreg
-from certreg.equilibrium import critical_lines, unit_double
+from certreg.equilibrium.paths import critical_lines
+from certreg.equilibrium.presentation import unit_double
 from certreg.errors import InvalidProblemError
-from certreg.problem import RegistrationProblem
-from certreg.registration import certify, optimally_damped
+from certreg.problem.problem import RegistrationProblem
 from certreg.registration.assessment import assess
+from certreg.registration.certification import certify
 from certreg.registration.curvature import slope_and_curvature
 from certreg.registration.exit_codes import code_of_registration
+from certreg.registration.simulation import optimally_damped
 from certreg.registration.spring_rows import SpringAxes, lower_triangles
-from certreg.relaxation import refined
+from certreg.relaxation.refining import refined
 from certreg.results import PoseVerdict
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
+Array = NDArray[np.float64]
 
 FAMILIES = {"plane": plane, "line": line, "mixed": mixed, "lidar": lidar}
 
@@ -42,9 +42,9 @@ def registered(family: str, **more: Any) -> Any:
 
 def energy(problem: RegistrationProblem, rotation: Array, translation: Array) -> float:
     """The objective, by the definition."""
-    block = problem.spring_block(slice(None))
+    block = problem.block(slice(None))
     residuals = block.target - block.source @ rotation.T - translation
-    springs = np.einsum("kij,klj->kil", *[lower_triangles(block.factors)] * 2)
+    springs = np.einsum("kij,klj->kil", *[lower_triangles(block.springs)] * 2)
     return float(np.einsum("ki,kij,kj->", residuals, springs, residuals))
 
 
@@ -140,9 +140,9 @@ def test_springs_alike_in_every_way_give_the_numbers_of_the_road_of_one_weight()
 def test_residuals_of_planes_and_lines_are_the_distances_to_them():
     for family in ("plane", "line"):
         found = registered(family)
-        block = found.problem.spring_block(slice(None))
+        block = found.problem.block(slice(None))
         moved = found.pose.apply(block.source)
-        nearest = SpringAxes.of(block.factors).pulled_to(moved, block.target)
+        nearest = SpringAxes.of(block.springs).pulled_to(moved, block.target)
 
         assert found.residuals == pytest.approx(np.linalg.norm(moved - nearest, axis=1), abs=1e-12)
         assert found.rmse == pytest.approx(np.sqrt(np.mean(found.residuals**2)))
@@ -198,6 +198,17 @@ def test_a_reflection_is_no_rotation_whatever_the_springs_are():
     assert judged.verdict is PoseVerdict.NOT_A_ROTATION
 
 
+def test_a_scale_that_a_pose_has_apart_is_judged_whatever_the_springs_are():
+    problem = problem_of("plane")
+    pose = certify(problem).pose
+    given = pose.rotation, pose.translation
+
+    assert assess(problem, (*given, 1.0)).verdict is assess(problem, given).verdict
+    judged = assess(problem, (*given, 1.5))
+    assert judged.verdict is PoseVerdict.NOT_A_ROTATION
+    assert "scales by 1.5" in judged.headline
+
+
 def test_what_is_for_one_weight_per_pair_alone_says_so_in_one_line():
     with pytest.raises(InvalidProblemError, match="optimal damping is computed for") as caught:
         optimally_damped(problem_of("plane"))
@@ -209,7 +220,7 @@ def test_what_is_for_one_weight_per_pair_alone_says_so_in_one_line():
 def test_a_registration_on_springs_is_short_and_shows_itself():
     found = registered("plane")
 
-    assert repr(found).startswith("<SpringRegistration: certified; n=20, rmse=")
+    assert repr(found).startswith("<Registration: certified; n=20, rmse=")
     assert len(repr(found)) <= 200
     assert found.summary() == str(found)
     assert "CERTIFIED" in found._repr_html_()

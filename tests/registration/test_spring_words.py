@@ -8,22 +8,20 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from functools import cache
 from importlib.resources import files
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
-from certreg.problem import RegistrationProblem
-from certreg.registration import DONE, NOT_CERTIFIED, NOT_UNIQUE, code_of_registration
-from certreg.registration.any_certification import certify
+from certreg.problem.problem import RegistrationProblem
 from certreg.registration.assessment import assess
+from certreg.registration.certification import certify
+from certreg.registration.exit_codes import DONE, NOT_CERTIFIED, NOT_UNIQUE, code_of_registration
 from certreg.report.overview import Overview
 from certreg.results import Limits, PoseVerdict
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
+Array = NDArray[np.float64]
 
 SPHERE = [
     (1, 2, 2),

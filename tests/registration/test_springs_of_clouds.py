@@ -11,7 +11,7 @@ import pytest
 
 import certreg
 from certreg.errors import DegenerateProblemError, InvalidProblemError, UnusedSpringsWarning
-from certreg.geometry import Pose
+from certreg.geometry.pose import Pose
 
 if TYPE_CHECKING:
     from collections.abc import Callable

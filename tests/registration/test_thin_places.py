@@ -17,18 +17,19 @@ from certreg.campaign.runner import (
     _changed_words,  # pyright: ignore[reportPrivateUsage]
 )
 from certreg.cli.campaigns import resumable
-from certreg.equilibrium import Search
+from certreg.equilibrium.methods import Search
 from certreg.errors import InvalidFileError, UndecidedError
-from certreg.exact import rational_root_above
-from certreg.geometry import given_pose
+from certreg.exact.dyadic import rational_root_above
+from certreg.geometry.given import given_pose
 from certreg.io.scans import LEAST_HEADER, RECORDS, parse_las
-from certreg.problem import gaussian_instances
-from certreg.registration import enumerated, enumeration
+from certreg.problem.random_instances import gaussian_instances
+from certreg.registration import enumeration
+from certreg.registration.enumeration import enumerated
 from certreg.registration.rounding import rounding_cost
 from certreg.registration.slips import Slipped
 
 if TYPE_CHECKING:
-    from certreg.registration import Registration
+    from certreg.registration.result import Registration
 
 AXES = np.array([[3, 0, 0], [-3, 0, 0], [0, 2, 0], [0, -2, 0], [0, 0, 1], [0, 0, -1]], float)
 LINE = np.outer(np.arange(4.0), [1.0, 2.0, 2.0])

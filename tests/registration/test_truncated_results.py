@@ -19,7 +19,7 @@ from rotated_pairs import BOUND, rotated_pairs
 
 import certreg
 from certreg.errors import InvalidProblemError, UndecidedError
-from certreg.registration import TruncatedRegistration
+from certreg.registration.truncated import TruncatedRegistration
 from certreg.results import Limits
 
 if TYPE_CHECKING:

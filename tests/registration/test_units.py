@@ -11,8 +11,8 @@ import pytest
 from strategies import random_rotation
 
 from certreg import RegistrationProblem
-from certreg.objective import Isotropic
-from certreg.problem import exact_moments
+from certreg.objective.isotropic import Isotropic
+from certreg.problem.moments import exact_moments
 from certreg.registration.misfits import FitSums
 from certreg.registration.units import (
     DEVIATIONS,

@@ -17,7 +17,7 @@ from springs_certified import moved_springs
 
 import certreg
 from certreg.certificate.springs_basin import Barrier, barrier_of, basin_of_springs, state_energy
-from certreg.exact import Dyadic
+from certreg.exact.dyadic import Dyadic
 from certreg.problem.problem import RegistrationProblem
 from certreg.registration.valley import SimulatedSprings
 from certreg.results import Ruling

@@ -12,7 +12,7 @@ import pytest
 from spring_families import plane, statement
 
 import certreg
-from certreg.geometry import given_pose
+from certreg.geometry.given import given_pose
 from certreg.registration.findings import AssessmentSettings, findings, verdict_of
 from certreg.registration.headlines import CERTIFIED, WITHIN_LIMITS, headline_of, is_green
 from certreg.registration.optimum import exact_pose

@@ -11,20 +11,20 @@ import numpy as np
 import pytest
 from springs_certified import moved_springs
 
-from certreg.objective import Form, Springs
-from certreg.problem import RegistrationProblem, spring_moments
-from certreg.registration.any_certification import certify
+from certreg.objective.springs import Springs
+from certreg.problem.problem import RegistrationProblem
 from certreg.registration.assessment import assess
+from certreg.registration.certification import certify
 from certreg.registration.weak_shifts import HARDLY, weak_shift_words, weak_shifts
-from certreg.report import result_document
+from certreg.report.document import result_document
 
 STAMP = "CERTIFIED, BUT A SHIFT IS HARDLY RESISTED: "
 AXIS = np.array([2.0, -1.0, 2.0]) / 3
 
 
-def form_of(normals: list[list[float]]) -> Form:
+def springs_of(normals: list[list[float]]) -> Springs:
     points = np.random.default_rng(0).integers(-9, 10, (len(normals), 3)).astype(float)
-    return Springs(spring_moments(RegistrationProblem(points, points, normals=normals))).joint_form
+    return Springs.of(RegistrationProblem(points, points, normals=normals))
 
 
 def one_across(e: float) -> list[list[float]]:
@@ -56,27 +56,27 @@ def test_the_limit_is_met_from_inside_and_not_from_outside():
     while Fraction(outside) ** 2 <= squared:
         outside = math.nextafter(outside, 1.0)
 
-    (found,) = weak_shifts(form_of(one_across(inside)))
+    (found,) = weak_shifts(springs_of(one_across(inside)))
     assert found.direction.tolist() == [0.0, 0.0, 1.0]
     assert found.share == pytest.approx(float(HARDLY), rel=1e-12)
-    assert weak_shifts(form_of(one_across(outside))) == ()
+    assert weak_shifts(springs_of(one_across(outside))) == ()
 
 
 def test_a_share_that_is_the_limit_is_called_weak():
     """tr S = 10^12, of which 1 resists: 999999^2 + 1414^2 + 24^2 + 5^2 + 1 + 1."""
     across = [[0.0, length, 0.0] for length in (1414.0, 24.0, 5.0, 1.0)]
     for last, weak in ((1.0, 1), (math.nextafter(1.0, 2.0), 0)):
-        form = form_of([[999999.0, 0.0, 0.0], *across, [0.0, 0.0, last]])
-        assert len(weak_shifts(form)) == weak
+        springs = springs_of([[999999.0, 0.0, 0.0], *across, [0.0, 0.0, last]])
+        assert len(weak_shifts(springs)) == weak
 
 
 def test_springs_changed_by_the_share_leave_the_shift_free_exactly():
     e = 2.0**-30
-    form = form_of(one_across(e))
-    (found,) = weak_shifts(form)
+    springs = springs_of(one_across(e))
+    (found,) = weak_shifts(springs)
 
-    assert form.free_translations == ()
-    assert form_of(one_across(0.0)[:-1]).free_translations == ((0, 0, 1),)
+    assert springs.free_translations == ()
+    assert springs_of(one_across(0.0)[:-1]).free_translations == ((0, 0, 1),)
     changed, size = e, math.sqrt(8 + e**2)  # root of the sums of squares: only one is changed
     assert changed / size <= found.share <= changed / size * (1 + 1e-14)
 
@@ -85,7 +85,7 @@ def test_the_share_is_the_next_double_above_the_exact_one():
     """Nearest ones are below it half of the time."""
     for k in range(1, 40):
         e = k * 2.0**-31
-        (found,) = weak_shifts(form_of(one_across(e)))
+        (found,) = weak_shifts(springs_of(one_across(e)))
         squared = Fraction(e) ** 2 / (8 + Fraction(e) ** 2)
 
         assert Fraction(found.share) ** 2 >= squared
@@ -93,8 +93,8 @@ def test_the_share_is_the_next_double_above_the_exact_one():
 
 
 def test_a_free_shift_is_not_called_weak_and_one_beside_it_is():
-    free = form_of(one_across(0.0)[:-1])
-    both = form_of([[1.0, 0.0, 0.0]] * 8 + [[0.0, 2.0**-30, 0.0]])
+    free = springs_of(one_across(0.0)[:-1])
+    both = springs_of([[1.0, 0.0, 0.0]] * 8 + [[0.0, 2.0**-30, 0.0]])
 
     assert weak_shifts(free) == ()
     (found,) = weak_shifts(both)
@@ -103,7 +103,7 @@ def test_a_free_shift_is_not_called_weak_and_one_beside_it_is():
 
 def test_two_weak_shifts_are_told_together():
     found = weak_shifts(
-        form_of([[1.0, 0.0, 0.0]] * 8 + [[0.0, 2.0**-30, 0.0], [0.0, 0.0, 2.0**-40]])
+        springs_of([[1.0, 0.0, 0.0]] * 8 + [[0.0, 2.0**-30, 0.0], [0.0, 0.0, 2.0**-40]])
     )
 
     assert weak_shift_words(found) == (

@@ -8,8 +8,10 @@ import numpy as np
 import pytest
 from wrong_pairs import wrong_pairs
 
-from certreg.native import BitRows, greedy_clique, library_if_any, mask_of, rows_of, triangles
 from certreg.native import cliques as native_cliques
+from certreg.native.bit_rows import BitRows, mask_of, rows_of
+from certreg.native.cliques import greedy_clique, triangles
+from certreg.native.library import library_if_any
 from certreg.relaxation import cliques
 from certreg.relaxation.cliques import CliqueSearch, consistency, core
 from certreg.relaxation.paired_rows import paired_rows
@@ -21,7 +23,7 @@ ALL = (1 << 40) - 1
 def engine(request, monkeypatch):
     """Cliques by C, and by Python."""
     if request.param == "plain":
-        monkeypatch.setattr(native_cliques, "library_if_any", lambda: None)
+        monkeypatch.setattr(native_cliques, "little_library", lambda: None)
     elif library_if_any() is None:
         pytest.skip("no compiled code")
     return request.param
@@ -95,7 +97,7 @@ def test_greedy_cliques_are_the_same_in_c_and_in_python(near, monkeypatch):
         n = len(graph)
         compiled = [greedy_clique(graph, (1 << n) - 1, row).tolist() for row in range(n)]
         with monkeypatch.context() as patch:
-            patch.setattr(native_cliques, "library_if_any", lambda: None)
+            patch.setattr(native_cliques, "little_library", lambda: None)
             plain = [greedy_clique(graph, (1 << n) - 1, row).tolist() for row in range(n)]
         assert compiled == plain
 
@@ -130,7 +132,7 @@ def test_cliques_come_in_the_same_order_and_at_the_same_price_in_c_and_in_python
         return [one.tolist() for one in search.of_size(near, ALL, 4, 50)], search.steps
 
     compiled = told()
-    monkeypatch.setattr(native_cliques, "library_if_any", lambda: None)
+    monkeypatch.setattr(native_cliques, "little_library", lambda: None)
 
     assert told() == compiled
     assert compiled[1] < 0

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from scipy.sparse import csc_matrix
 
-from certreg.objective import MONOMIALS, PAIRS
-from certreg.relaxation import stated_quartic
+from certreg.objective.quartics import MONOMIALS, PAIRS
+from certreg.relaxation import cvxpy_models
 from certreg.relaxation.cones import CONES_FILE, GENERATED, Columns, cones_of
 from certreg.relaxation.conic import called
 from certreg.relaxation.qcqp import RelaxationForm, quadratic_program
@@ -49,8 +49,8 @@ def test_generating_anew_gives_the_committed_bytes():
 
 @pytest.mark.slow
 def test_another_statement_gives_other_bytes(monkeypatch):
-    norm = stated_quartic.norm_fourth()
-    monkeypatch.setattr(stated_quartic, "norm_fourth", lambda: -norm)
+    norm = cvxpy_models.norm_fourth()
+    monkeypatch.setattr(cvxpy_models, "norm_fourth", lambda: -norm)
 
     assert chain.cone_files()[CONES_FILE] != (GENERATED / CONES_FILE).read_bytes()
 

@@ -9,12 +9,14 @@ import numpy as np
 import pytest
 from wrong_pairs import WrongPairs, wrong_pairs
 
-from certreg.geometry import is_reflection
-from certreg.native import BitRows
-from certreg.relaxation import candidates, consensus_search, graduated_nonconvexity
+from certreg.geometry.so3 import is_reflection
+from certreg.native.bit_rows import BitRows
+from certreg.relaxation import consensus_search
 from certreg.relaxation.cliques import consistency
+from certreg.relaxation.consensus_search import candidates
 from certreg.relaxation.edge_rows import grown, held, widened
 from certreg.relaxation.paired_rows import fitted, paired_rows
+from certreg.relaxation.truncated_squares import graduated_nonconvexity
 
 GNC_FAILS = (5, 6, 10)  # seeds of clouds where graduated non-convexity ends at other rows
 EPSILON = 1e-9  # of a bound: what other roundings may add
@@ -127,7 +129,7 @@ def test_all_true_rows_are_found(wrong):
 
 
 def test_the_same_seed_gives_the_same_candidates():
-    first, again = (all_candidates(made(40, 0.9), seed=7, effort=0.2) for _ in range(2))
+    first, again = (all_candidates(made(40, 0.9), effort=0.2) for _ in range(2))
 
     assert [one.inliers.tolist() for one in first] == [one.inliers.tolist() for one in again]
     for one, other in zip(first, again, strict=True):

@@ -14,7 +14,8 @@ import spring_families
 
 from benchmarks.rates import spring_minima
 from certreg import RegistrationProblem
-from certreg.equilibrium import FloatingQuartic, PathsOutcome
+from certreg.equilibrium.paths import PathsOutcome
+from certreg.equilibrium.quartics import FloatingQuartic
 from certreg.geometry.so3 import (
     angle_between,
     body_frame,
@@ -22,13 +23,13 @@ from certreg.geometry.so3 import (
     quaternion_of_rotation,
     squared_norm,
 )
-from certreg.native import critical_point_near
+from certreg.native.paths import critical_point_near
 from certreg.objective.levelling import levelled_exactly, norm_fourth
 from certreg.objective.quartics import MONOMIALS
 from certreg.objective.springs import Springs
-from certreg.problem import spring_moments
-from certreg.relaxation import RelaxationStatus, refining
 from certreg.relaxation import optimum as optimum_module
+from certreg.relaxation import refining
+from certreg.relaxation.conic import RelaxationStatus
 from certreg.relaxation.optimum import (
     CONSTANT_WORDS,
     MOST_MINIMA,
@@ -42,7 +43,7 @@ from certreg.relaxation.refining import POSE_BITS, refined
 @functools.cache
 def springs(family, n, noise, seed=0):
     made = getattr(spring_families, family)(np.random.default_rng(seed), n, noise)
-    return Springs(spring_moments(RegistrationProblem(made.source, made.target, **made.springs)))
+    return Springs.of(RegistrationProblem(made.source, made.target, **made.springs))
 
 
 @functools.cache
@@ -127,7 +128,7 @@ def test_a_minimum_that_is_missed_is_seen(monkeypatch):
 
 def of_factors(source, target, factors):
     rows = [factors] * len(source)
-    return Springs(spring_moments(RegistrationProblem(source, target, factors=rows)))
+    return Springs.of(RegistrationProblem(source, target, factors=rows))
 
 
 @pytest.mark.slow
@@ -153,7 +154,7 @@ def test_a_minimum_of_order_four_is_reached_as_far_as_doubles_go():
     points, rotation = spring_families.directions(rng, 20), spring_families.uniform_rotation(rng)
     normals = points @ rotation.T
     made = RegistrationProblem(points, normals, normals=normals)
-    optimum = find_optimum(Springs(spring_moments(made)))
+    optimum = find_optimum(Springs.of(made))
     q = np.array([entry / 2**POSE_BITS for entry in optimum.quaternion])
 
     assert optimum.words == TIGHT_WORDS

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from certreg.equilibrium import FloatingQuartic, descended
+from certreg.equilibrium.quartics import FloatingQuartic, descended
 from certreg.errors import MissingToolError
 from certreg.objective.levelling import norm_fourth
 from certreg.objective.quartics import MONOMIALS, PAIRS, value

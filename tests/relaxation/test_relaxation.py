@@ -39,7 +39,7 @@ from certreg.geometry.so3 import quadratic_form, rotation_matrix, squared_norm
 from certreg.objective.isotropic import Isotropic
 from certreg.problem.lifting import lift
 from certreg.problem.moments import exact_moments
-from certreg.relaxation import conic, shor, stated
+from certreg.relaxation import conic, cvxpy_models, shor
 from certreg.relaxation.conic import ConicSolution, RelaxationStatus
 from certreg.relaxation.qcqp import (
     RelaxationForm,
@@ -177,7 +177,7 @@ def test_all_matrices_are_symmetric_and_the_constants_are_integers(form):
 
 def solve(form, C) -> Any:
     """The solution, its numbers taken to be there: where one is missing the test fails."""
-    return conic.solve(form, C)
+    return conic.solve(form, C, largest=True)
 
 
 def relaxed(moments, form: str = RelaxationForm.QUATERNION, **options) -> Any:
@@ -192,7 +192,7 @@ def scaled_matrix(rng):
 
 @functools.cache
 def statement(form):
-    return stated.statement(form)
+    return cvxpy_models.statement(form)
 
 
 @pytest.mark.slow
@@ -202,7 +202,7 @@ def statement(form):
 def test_the_direct_call_gives_what_cvxpy_gives(form, seed):
     C = scaled_matrix(np.random.default_rng(seed))
     said = statement(form)
-    said.cross_covariance.value = C
+    said.data.value = C
     reference = said.problem.solve(solver="CLARABEL")
     found = solve(form, C)
 
@@ -211,7 +211,7 @@ def test_the_direct_call_gives_what_cvxpy_gives(form, seed):
     assert found.value == pytest.approx(reference, abs=ACCURACY)
     multiplier = float(said.problem.constraints[0].dual_value)
     assert found.multiplier == pytest.approx(multiplier, abs=ACCURACY)
-    assert np.abs(found.matrix - said.solution.value).max() < 1e-5
+    assert np.abs(found.matrix - said.matrix.value).max() < 1e-5
 
 
 @pytest.mark.slow
@@ -221,7 +221,7 @@ def test_the_direct_call_gives_what_cvxpy_gives(form, seed):
 def test_a_solver_that_is_named_gives_what_clarabel_gives_directly(form, solver):
     """SCS splits, where Clarabel follows the central path: one is a witness of the other."""
     C = scaled_matrix(np.random.default_rng(11))
-    direct, found = solve(form, C), stated.solve_stated(form, C, solver)
+    direct, found = solve(form, C), cvxpy_models.solve_stated(statement(form), C, solver)
 
     assert (found.status, found.said) == (RelaxationStatus.SOLVED, "optimal")
     assert found.value == pytest.approx(direct.value, abs=ACCURACY)
@@ -307,23 +307,22 @@ def test_a_solver_that_stops_short_says_so(monkeypatch):
 
 
 def test_a_named_solver_that_stops_short_says_so(monkeypatch):
-    first, second = (SimpleNamespace(dual_value=value) for value in (3.0, 7.0))
+    first, second = (SimpleNamespace(dual_value=value) for value in (3.0, 7.0 * np.eye(4)))
     asked: dict[str, Any] = {}
     solved = SimpleNamespace(
         status="optimal_inaccurate", value=2.0, constraints=[first, second], solve=asked.update
     )
     parts = SimpleNamespace(value=np.eye(4))
-    program = SimpleNamespace(problem=solved, cross_covariance=parts, solution=parts)
+    program = cvxpy_models.StatedProgram(problem=solved, data=parts, matrix=parts)
     errors = SimpleNamespace(SolverError=ValueError)
     modelling = SimpleNamespace(installed_solvers=lambda: ["SCS"], error=errors)
-    monkeypatch.setattr(stated, "statement", lambda _: program)
-    monkeypatch.setattr(stated, "library", lambda *_: modelling)
+    monkeypatch.setattr(cvxpy_models, "library", lambda *_: modelling)
 
-    found = stated.solve_stated(RelaxationForm.QUATERNION, np.eye(3), "scs")
+    found = cvxpy_models.solve_stated(program, np.eye(3), "scs")
 
     assert (found.status, found.said) == (RelaxationStatus.INACCURATE, solved.status)
     assert (found.value, found.multiplier) == (2.0, 3.0)
-    assert asked == {"solver": "SCS", **stated.OPTIONS["SCS"]}
+    assert asked == {"solver": "SCS", **cvxpy_models.OPTIONS["SCS"]}
 
 
 def test_a_solver_that_is_not_installed_is_a_status(monkeypatch):
@@ -370,7 +369,7 @@ def test_nothing_is_printed_or_warned_and_nothing_is_loaded_before_it_is_used():
         "import sys, numpy as np\n"
         "from certreg import RegistrationProblem\n"
         "from certreg.problem.moments import exact_moments\n"
-        "from certreg.objective import Isotropic\n"
+        "from certreg.objective.isotropic import Isotropic\n"
         "from certreg.relaxation.shor import relax\n"
         "assert not {'cvxpy', 'clarabel', 'scipy'} & set(sys.modules)\n"
         "objective = Isotropic(exact_moments(RegistrationProblem(np.eye(3), np.eye(3))))\n"

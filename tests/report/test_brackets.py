@@ -19,15 +19,16 @@ from benchmarks.rates import brackets
 from benchmarks.rates.brackets import BITS, FAMILIES, Oracle, bounds_of, made
 from certreg.certificate.bounds import ExactPose, PoseBounds, pose_bounds
 from certreg.exact.dyadic import Dyadic
-from certreg.registration.any_certification import certify
-from certreg.report import registration_summary
+from certreg.registration.certification import certify
 from certreg.report.document import result_document
 from certreg.report.page import Report
 from certreg.report.pages import html_page
+from certreg.report.summary import registration_summary
 from certreg.verify import Worth, parse
 
 if TYPE_CHECKING:
     from certreg.registration.result import Registration
+
 
 EVERYWHERE = {  # where bounds are printed; a page or a sentence that is written anew is read anew
     "JSON angle_bound_rad",

@@ -6,16 +6,19 @@ import math
 import re
 import xml.etree.ElementTree as ET
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
+import twin_motions
 from wrong_pairs import wrong_pairs
 
 import certreg
-from certreg.registration import TWIN_MOTIONS as TWINS
-from certreg.registration import SimulatedBreaking
 from certreg.report import breaking
 from certreg.report.breaking import CoursePicture, breaking_course, breaking_fragment
+
+if TYPE_CHECKING:
+    from certreg.registration.breaking import SimulatedBreaking
 
 
 @pytest.fixture(scope="module")
@@ -119,8 +122,8 @@ def test_of_many_stages_some_are_shown_and_that_is_said(run, monkeypatch):
 
 
 def test_where_nothing_moved_there_is_no_picture():
-    run = certreg.simulate_breaking(TWINS.source, TWINS.target, max_residual=1.0)
-    still = replace(run, run=replace(run.run, stages=(replace(run.stages[0], time=0.0),)))
+    run = certreg.simulate_breaking(twin_motions.SOURCE, twin_motions.TARGET, max_residual=1.0)
+    still = replace(run, stages=(replace(run.stages[0], time=0.0),))
 
     assert breaking_course(still).picture is None
     assert "<svg" not in breaking_fragment(still)

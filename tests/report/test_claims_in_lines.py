@@ -9,8 +9,8 @@ from typing import Any
 
 import pytest
 
-from certreg.dynamics import SimulationStatus
-from certreg.registration import Method
+from certreg.dynamics.body import SimulationStatus
+from certreg.registration.result import Method
 from certreg.report import lines, pairs
 from certreg.report.lines import MEANS, UNMET
 from certreg.results import Limits

@@ -14,15 +14,15 @@ import pytest
 from strategies import random_rotation
 
 import certreg
-from certreg.exact import double_above
-from certreg.geometry import Pose
-from certreg.registration import code_of_registration
+from certreg.exact.dyadic import double_above
+from certreg.geometry.pose import Pose
 from certreg.registration.ambiguity import NEARLY_AMBIGUOUS
-from certreg.report import report_of
+from certreg.registration.exit_codes import code_of_registration
 from certreg.report.cards import AMBER, GREEN
 from certreg.report.consensus_page import ConsensusReport
 from certreg.report.consensus_reach import degrees_from, reach_degrees
 from certreg.report.pairs import optimum_degrees
+from certreg.report.reload import report_of
 from certreg.report.viewer import Names
 
 VECTORS = Path(__file__).parents[2] / "vectors"

@@ -14,12 +14,13 @@ import pytest
 
 import certreg
 from certreg.errors import InvalidFileError
-from certreg.report import report_of
 from certreg.report.consensus_page import ConsensusReport
 from certreg.report.consensus_picture import pairs_picture, residual_chart
+from certreg.report.reload import report_of
 
 if TYPE_CHECKING:
     from pathlib import Path
+
 
 BOUND = 0.05
 

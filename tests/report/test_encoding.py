@@ -95,12 +95,22 @@ def test_a_result_explains_exactly_what_is_none_and_can_be_missing(specimen: Spe
         for name in later & set(dir(one)):
             assert isinstance(one.stated(name), Absent) == (getattr(one, name) is None)
     results = explained((registration, solution.equilibria, solution.fit), [])
-    assert {type(one).__name__ for one in results} >= {"Registration", "Solution", "Component"}
+    assert {type(one).__name__ for one in results} >= {
+        "Registration",
+        "LinearSolution",
+        "Component",
+    }
     for one in results:
         missing = {
             name for name in dir(one) if not name.startswith("_") and getattr(one, name) is None
         }
-        unexplained = {"verdict", "doubt", "trajectory", "untested"}  # no fields of a document
+        unexplained = {
+            "verdict",
+            "doubt",
+            "freedom",
+            "trajectory",
+            "untested",
+        }  # no fields of a document
         assert missing - unexplained - later == set(one.absent)
         assert all(one.stated(name) is why for name, why in one.absent.items())
 

@@ -14,21 +14,26 @@ import pytest
 from commands import checked
 from strategies import random_problem
 
-from certreg.exact import double_below
-from certreg.registration import SimulatedRegistration, certify, enumerated, headline_of, is_green
+from certreg.exact.dyadic import double_below
 from certreg.registration import headlines as listed
+from certreg.registration.certification import certify
 from certreg.registration.covariance import worst_residuals
-from certreg.report import registration_summary, result_document
+from certreg.registration.enumeration import enumerated
+from certreg.registration.headlines import headline_of, is_green
+from certreg.registration.simulation import SimulatedRegistration
 from certreg.report.any_report import EMBEDDED_BYTES
-from certreg.report.document import dumps, simulation_document
+from certreg.report.document import dumps, result_document, simulation_document
 from certreg.report.methods import methods_fields, methods_summary, methods_table
 from certreg.report.overview import split
 from certreg.report.page import Report
 from certreg.report.pages import html_page
+from certreg.report.summary import registration_summary
 from certreg.results import OUT_OF_RANGE, Absent, Limits, Optimality
 
 if TYPE_CHECKING:
-    from certreg.registration import Enumeration, Registration
+    from certreg.registration.enumeration import Enumeration
+    from certreg.registration.result import Registration
+
 
 PROBLEM = random_problem(np.random.default_rng(9), n=12, noise=0.2, decades=1.0)
 
@@ -224,11 +229,11 @@ def test_what_is_not_proved_or_not_written_is_null_and_says_why(registration: Re
 
 
 @pytest.fixture(scope="module")
-def enumeration() -> Enumeration:
+def enumeration() -> Enumeration[Any]:
     return enumerated(PROBLEM, "all")
 
 
-def test_the_table_of_methods_has_every_cell_in_its_column(enumeration: Enumeration):
+def test_the_table_of_methods_has_every_cell_in_its_column(enumeration: Enumeration[Any]):
     headings, *rows = methods_table(enumeration).splitlines()
     decided = [one for one in enumeration.searches if one.critical is not None]
     order = [*decided, *(one for one in enumeration.searches if one.critical is None)]
@@ -249,7 +254,7 @@ def test_the_table_of_methods_has_every_cell_in_its_column(enumeration: Enumerat
         assert cells[5] == one.critical.guarantee.label + doubt
 
 
-def test_the_fields_of_methods_are_those_of_the_searches(enumeration: Enumeration):
+def test_the_fields_of_methods_are_those_of_the_searches(enumeration: Enumeration[Any]):
     fields, words = methods_fields(enumeration), methods_summary(enumeration)
     comparison = checked(enumeration.comparison)
     apart = replace(comparison, angle=math.pi / 180, energy=0.25)
@@ -274,7 +279,7 @@ def test_the_fields_of_methods_are_those_of_the_searches(enumeration: Enumeratio
             assert field["guarantee"] == one.critical.guarantee.label
 
 
-def test_what_a_method_leaves_in_doubt_is_said_beside_it(enumeration: Enumeration):
+def test_what_a_method_leaves_in_doubt_is_said_beside_it(enumeration: Enumeration[Any]):
     one = next(each for each in enumeration.searches if each.critical is not None)
     critical = replace(checked(one.critical), completeness=None, doubt="a path was lost")
     doubtful = replace(enumeration, searches=(replace(one, critical=critical),))

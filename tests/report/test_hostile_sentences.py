@@ -16,29 +16,24 @@ from commands import checked
 from strategies import random_rotation
 
 from certreg.campaign.pairs import PAIR_COLUMNS
-from certreg.geometry import why_no_rotation
-from certreg.problem import RegistrationProblem
-from certreg.registration import assess, certify, proved_end, simulate
-from certreg.report import (
-    assessment_summary,
-    lines,
-    registration_summary,
-    simulation_summary,
-)
+from certreg.geometry.pose_matrix import why_no_rotation
+from certreg.problem.problem import RegistrationProblem
+from certreg.registration.assessment import assess
+from certreg.registration.certification import certify
+from certreg.registration.simulation import proved_end, simulate
+from certreg.report import lines
 from certreg.report.any_report import ASSETS
-from certreg.report.scene_words import (
-    component_words,
-    trap_words,
-)
+from certreg.report.judged_pose import assessment_summary
+from certreg.report.scene_words import component_words, trap_words
+from certreg.report.summary import registration_summary, simulation_summary
 from certreg.report.thinning import thinned, unspent_words
 from certreg.report.viewer import WATCH, Names, ended_words, scene_document, viewer_words
-from certreg.report.words import (
-    lie_words,
-)
+from certreg.report.words import lie_words
 from certreg.verify import check
 
 if TYPE_CHECKING:
-    from certreg.registration import Registration
+    from certreg.registration.result import Registration
+
 
 RNG = np.random.default_rng(11)
 CLOUD = RNG.standard_normal((12, 3))

@@ -6,31 +6,34 @@ import math
 import re
 from dataclasses import replace
 from fractions import Fraction
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
 from commands import checked
 from strategies import random_problem
 
-from certreg.dynamics import SimulationStatus
-from certreg.exact import at_least, at_most
-from certreg.problem import RegistrationProblem
-from certreg.registration import Registration, assess, certify, enumerated
+from certreg.dynamics.body import SimulationStatus
+from certreg.exact.decimals import at_least, at_most
+from certreg.problem.problem import RegistrationProblem
 from certreg.registration.agreement import Agreement
+from certreg.registration.assessment import assess
+from certreg.registration.certification import certify
+from certreg.registration.enumeration import enumerated
 from certreg.registration.headlines import interval_words
-from certreg.report import (
-    assessment_document,
-    assessment_summary,
-    registration_summary,
-    result_document,
-    thinning,
-)
+from certreg.report import thinning
+from certreg.report.document import result_document
+from certreg.report.judged_pose import assessment_document, assessment_summary
 from certreg.report.methods import methods_fields
 from certreg.report.pose_words import motion_words
 from certreg.report.reload import WEAKER, _weaker
+from certreg.report.summary import registration_summary
 from certreg.report.viewer import Names, scene_document
 from certreg.report.words import methods_sentence
+
+if TYPE_CHECKING:
+    from certreg.registration.result import Registration
+
 
 AXES = np.vstack([np.diag([3.0, 2.0, 1.0]), -np.diag([3.0, 2.0, 1.0])])
 PI_BELOW = Fraction(314159265358979323846, 10**20)

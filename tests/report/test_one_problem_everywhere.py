@@ -22,15 +22,17 @@ from commands import write_csv
 from scipy.spatial.transform import Rotation
 from scipy.stats import chi2
 
-from certreg.campaign import pairs, read_listing
-from certreg.problem import RegistrationProblem, arrays
-from certreg.registration import certify
-from certreg.report import registration_summary, result_document
+from certreg.campaign import pairs
+from certreg.campaign.listing import read_listing
+from certreg.problem import arrays
+from certreg.problem.problem import RegistrationProblem
+from certreg.registration.certification import certify
 from certreg.report.cards import registration_card
-from certreg.report.document import pose_document
+from certreg.report.document import pose_document, result_document
 from certreg.report.lines import number
 from certreg.report.overview import Overview
 from certreg.report.residual_table import residual_table
+from certreg.report.summary import registration_summary
 from certreg.report.uncertainty import two_digits, uncertainty_rows
 from certreg.results import Limits
 
@@ -39,7 +41,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from certreg.registration import Registration
+    from certreg.registration.result import Registration
 
 N, BLOCK = 11, 4
 KINDS = ("sigma", "sigmas", "weights", "nothing")

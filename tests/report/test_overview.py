@@ -13,7 +13,7 @@ from commands import checked
 from strategies import ZOO, random_rotation
 
 from certreg.problem.problem import RegistrationProblem
-from certreg.registration.any_certification import certify
+from certreg.registration.certification import certify
 from certreg.registration.covariance import NO_RESIDUALS
 from certreg.report.markup import rendered
 from certreg.report.overview import Overview
@@ -25,7 +25,8 @@ from certreg.report.viewer import told_rmse
 from certreg.results import Limits, Optimality
 
 if TYPE_CHECKING:
-    from certreg.registration import Registration
+    from certreg.registration.result import Registration
+
 
 NUMBER = r"[-\d.e+]+"
 QUIET = (

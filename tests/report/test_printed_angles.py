@@ -12,9 +12,10 @@ import numpy as np
 import pytest
 from flint import arb, ctx
 
-from certreg.geometry import Pose
+from certreg.geometry.pose import Pose
 from certreg.problem.motion import Motion, Scale
-from certreg.registration import Method, Robustness
+from certreg.registration.result import Method
+from certreg.registration.robustness import Robustness
 from certreg.report import document, lines
 from certreg.report import words as page_words
 from certreg.report.consensus_reach import degrees_from
@@ -126,7 +127,8 @@ def test_steps_are_at_most_as_long_as_printed():
 def test_the_growth_that_is_told_is_no_more_than_the_proved_one(apart: Fraction):
     """At least mu, rounded down, less delta, rounded up."""
     body = SimpleNamespace(growth=Fraction(1, 2) + apart, gap=Fraction(1, 4) + apart)
-    registration: Any = SimpleNamespace(certificate=SimpleNamespace(body=body))
+    problem = SimpleNamespace(motion=Motion())
+    registration: Any = SimpleNamespace(certificate=SimpleNamespace(body=body), problem=problem)
     (told,) = page_words._growth(registration)
     found = re.search(r"costs at least (\S+) sin²\(a/2\) - (\S+) more", told.words)
     assert found is not None

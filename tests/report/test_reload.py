@@ -7,7 +7,7 @@ from fractions import Fraction
 
 import pytest
 
-from certreg.certificate import PoseBounds
+from certreg.certificate.bounds import PoseBounds
 from certreg.report.reload import WEAKER, _weaker
 
 TINY, OWN = Fraction(1, 1 << 200), Fraction(1, 3)

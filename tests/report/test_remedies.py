@@ -10,12 +10,14 @@ import numpy as np
 import pytest
 from commands import checked
 
-from certreg.problem import MOST_PAIRS, RegistrationProblem
-from certreg.registration import assess, certify
+from certreg.problem.bounds import MOST_PAIRS
+from certreg.problem.problem import RegistrationProblem
 from certreg.registration.ambiguity import NEARLY_AMBIGUOUS
+from certreg.registration.assessment import assess
+from certreg.registration.certification import certify
 from certreg.registration.misfits import PROVE_WRONG
-from certreg.report import registration_summary, result_document
 from certreg.report.cards import registration_card
+from certreg.report.document import result_document
 from certreg.report.judged_pose import assessment_summary
 from certreg.report.lines import OF_PRINTED, number
 from certreg.report.overview import ABOVE, Overview
@@ -31,6 +33,7 @@ from certreg.report.remedies import (
     causes,
     remedies,
 )
+from certreg.report.summary import registration_summary
 from certreg.report.viewer import FAR_MEDIANS, FAR_SIGMAS, Names, colours_end, scene_document
 from certreg.results import Limits
 

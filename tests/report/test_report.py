@@ -28,28 +28,29 @@ from jinja2 import UndefinedError
 from markupsafe import Markup
 from strategies import ZOO, random_rotation
 
-from certreg.dynamics import Trajectory
-from certreg.geometry import quaternion_from_matrix, quaternions_from_matrices
+from certreg.dynamics.trajectory import Trajectory
+from certreg.geometry.so3 import quaternion_from_matrix, quaternions_from_matrices
+from certreg.native.loops import Integrator
 from certreg.problem.problem import RegistrationProblem
-from certreg.registration import Agreement, certified, certify
+from certreg.registration.agreement import Agreement
+from certreg.registration.certification import certify
 from certreg.registration.examples import STORIES, stated, tell
+from certreg.registration.pipeline import Asked
+from certreg.registration.squares import certified_squares
 from certreg.report.any_report import EMBEDDED_BYTES
 from certreg.report.markup import asset, coded, environment_of, inert, inert_json
 from certreg.report.page import Report
 from certreg.report.pages import html_page
 from certreg.report.reload import MotionOptions, _problem, report_of
-from certreg.report.sentences import (
-    THEOREMS,
-)
+from certreg.report.sentences import THEOREMS
 from certreg.report.thinning import simulated_escapes, thinned
 from certreg.report.viewer import Names
-from certreg.report.words import (
-    sentences,
-)
+from certreg.report.words import sentences
 from certreg.verify import Clouds
 
 if TYPE_CHECKING:
     from certreg.registration.result import Registration
+
 
 ROOT = Path(__file__).parents[2]
 DATA = Path(__file__).parents[2] / "certreg" / "data"
@@ -313,7 +314,8 @@ def test_the_report_again_is_the_same_and_says_how_the_motion_is_computed(
 
 @pytest.mark.slow
 def test_a_motion_by_another_integrator_is_shown_again(tmp_path: Path):
-    registration = certified(stated(STORIES[0]), relaxation=False, integrator="splitting")
+    asked = Asked(simulation=Integrator.SPLITTING)
+    registration = certified_squares(stated(STORIES[0]), asked)
     certificate = checked(registration.certificate)
     certificate.save(tmp_path / "certificate.json")
     again = report_of(tmp_path / "certificate.json")

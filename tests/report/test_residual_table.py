@@ -10,7 +10,7 @@ import pytest
 from strategies import random_problem
 
 import certreg
-from certreg.io import csv_field
+from certreg.io.labels import csv_field
 from certreg.report.residual_table import residual_table
 
 LABELS = ["a", "=1+1", "b,c", '"', "+A", "f", "g", "h"]

@@ -11,7 +11,7 @@ import pytest
 import certreg
 from certreg import RegistrationProblem
 from certreg.errors import InvalidProblemError
-from certreg.registration import optimally_damped
+from certreg.registration.simulation import optimally_damped
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -9,7 +9,7 @@ import pytest
 from strategies import random_rotation
 
 from certreg.problem.problem import RegistrationProblem
-from certreg.registration.any_certification import certify
+from certreg.registration.certification import certify
 from certreg.report.viewer import NAMED, Names, scene_document
 
 if TYPE_CHECKING:

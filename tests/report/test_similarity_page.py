@@ -15,14 +15,16 @@ import pytest
 import certreg
 from certreg import RegistrationProblem
 from certreg.errors import RefusedCertificateError
-from certreg.exact import Dyadic, at_least, at_most
-from certreg.report import html_page, report_of
-from certreg.report.pages import report_on
+from certreg.exact.decimals import at_least, at_most
+from certreg.exact.dyadic import Dyadic
+from certreg.report.pages import html_page, report_on
 from certreg.report.pose_words import motion_words
+from certreg.report.reload import report_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
     from pathlib import Path
+
 
 RNG = np.random.default_rng(3)
 SOURCE = RNG.normal(size=(9, 3))

@@ -15,7 +15,7 @@ from commands import certreg, write_csv
 
 from certreg import RegistrationProblem, equilibria, verify
 from certreg.cli import dynamics
-from certreg.registration.spring_enumeration import certified_list, enumerated_springs
+from certreg.registration.enumeration import certified_list, enumerated
 from certreg.registration.spring_equilibria import spring_equilibria
 from certreg.report.spring_equilibria import (
     _road,
@@ -28,9 +28,10 @@ from certreg.results import Absent, Guarantee
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from certreg.equilibrium import LineSet
-    from certreg.registration.spring_enumeration import SpringEnumeration
+    from certreg.equilibrium.line_set import LineSet
+    from certreg.registration.enumeration import Enumeration
     from certreg.registration.spring_equilibria import SpringEquilibria
+
 
 STATED = spring_families.statement(spring_families.instance(spring_families.LISTED[0], 0))
 LEVEL = np.array([0.0, 0.0, 1.0])
@@ -46,16 +47,16 @@ def planes(count: int, seed: int, across: float = 1.0) -> RegistrationProblem:
 
 
 @cache
-def six() -> SpringEnumeration:
-    return enumerated_springs(RegistrationProblem(**STATED))
+def six() -> Enumeration[SpringEquilibria]:
+    return enumerated(RegistrationProblem(**STATED))
 
 
 @cache
-def wall(count: int = 10) -> SpringEnumeration:
+def wall(count: int = 10) -> Enumeration[SpringEquilibria]:
     """Planes of one normal: of one or two every rotation fits."""
     source = np.random.default_rng(7).normal(size=(count, 3))
     normals = np.tile(LEVEL, (count, 1))
-    return enumerated_springs(RegistrationProblem(source, source + 0.5, normals=normals))
+    return enumerated(RegistrationProblem(source, source + 0.5, normals=normals))
 
 
 def without(count: int) -> SpringEquilibria:
@@ -120,7 +121,7 @@ def test_where_the_optimum_is_not_decided_angles_are_to_the_first_row():
 
 
 def test_where_the_optimum_is_known_angles_are_to_it():
-    found = enumerated_springs(planes(12, 0)).equilibria
+    found = enumerated(planes(12, 0)).equilibria
 
     assert found.unique
     assert all(part.angle_to_optimum == part.angle_to_first for part in found.components)
@@ -140,7 +141,7 @@ def test_an_energy_below_what_is_known_of_it_is_0_to_rounding():
 
 
 def test_of_a_row_that_shows_the_energy_of_the_first_it_is_said_by_how_much_it_is_higher():
-    found = enumerated_springs(planes(12, 0)).equilibria
+    found = enumerated(planes(12, 0)).equilibria
     first, second, *_ = found.components
     near = replace(second, energy=first.energy, above=1.24e-16)
     told = spring_equilibria_words(replace(found, components=(first, near)))
@@ -173,7 +174,7 @@ def test_of_one_wall_the_list_names_what_is_undetermined_and_that_there_are_infi
 
 
 def test_of_a_corridor_the_list_says_that_a_shift_is_hardly_resisted():
-    found = enumerated_springs(planes(12, 0, across=1e-13)).equilibria
+    found = enumerated(planes(12, 0, across=1e-13)).equilibria
     told = spring_equilibria_words(found)
 
     assert found.complete

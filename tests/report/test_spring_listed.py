@@ -13,10 +13,12 @@ import pytest
 from test_spring_page import registered, words_of
 
 from certreg.errors import MissingToolError
-from certreg.problem import RegistrationProblem
-from certreg.registration import certify, spring_release
-from certreg.report import html_page, spring_listed
+from certreg.problem.problem import RegistrationProblem
+from certreg.registration import spring_release
+from certreg.registration.certification import certify
+from certreg.report import spring_listed
 from certreg.report.page import Report
+from certreg.report.pages import html_page
 from certreg.report.spring_listed import Listed, listed
 from certreg.report.words import ALONE, not_claimed, sentences
 from certreg.results import Guarantee

@@ -14,14 +14,16 @@ import pytest
 from jsonschema import Draft202012Validator
 from spring_families import line, plane
 
-from certreg.problem import RegistrationProblem
-from certreg.registration import certify
-from certreg.report import html_page, report_of
+from certreg.problem.problem import RegistrationProblem
+from certreg.registration.certification import certify
 from certreg.report.document import dumps, pose_document, result_document
 from certreg.report.page import Report
+from certreg.report.pages import html_page
+from certreg.report.reload import report_of
 
 if TYPE_CHECKING:
     from pathlib import Path
+
 
 OF_ONE_WEIGHT = (  # what is true of one weight per pair alone
     *("eigenvalue", "Davenport", "weighted squared distances", "mbiguity margin", "three.js"),

@@ -10,7 +10,7 @@ import pytest
 from springs_certified import certified
 
 from certreg import certify
-from certreg.problem import RegistrationProblem
+from certreg.problem.problem import RegistrationProblem
 from certreg.report.page import Report
 from certreg.report.picture import springs_picture
 from certreg.report.rest_sections import still_picture

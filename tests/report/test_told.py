@@ -19,26 +19,25 @@ import pytest
 from commands import checked
 from strategies import AXES, LINE, SQUARE, TALL, TETRAHEDRON, random_problem
 
-from certreg.certificate import RotationState
+from certreg.certificate.isotropic import RotationState
 from certreg.errors import CertregError
-from certreg.problem import RegistrationProblem
-from certreg.registration import Agreement, assess, certify
-from certreg.report import (
-    assessment_summary,
-    lines,
-    registration_summary,
-    scene_words,
-    words,
-)
+from certreg.problem.problem import RegistrationProblem
+from certreg.registration.agreement import Agreement
+from certreg.registration.assessment import assess
+from certreg.registration.certification import certify
+from certreg.report import lines, scene_words, words
 from certreg.report.equilibria import count_words, margin_words
+from certreg.report.judged_pose import assessment_summary
 from certreg.report.pose_facts import aligned
 from certreg.report.reload import report_of
+from certreg.report.summary import registration_summary
 from certreg.report.thinning import Run, _packed
 from certreg.report.viewer import _pairs, packed, sample_of, viewer_words
 from certreg.results import Absent, Guarantee
 
 if TYPE_CHECKING:
-    from certreg.registration import Registration
+    from certreg.registration.result import Registration
+
 
 MIRRORED = (TALL, [[2.0 * x for x in row] for row in TETRAHEDRON])  # patterns 2 1 1 and 3 1
 NOISY = random_problem(np.random.default_rng(7), n=9, noise=0.2)

@@ -16,17 +16,18 @@ from strategies import random_rotation
 
 import certreg
 from certreg.errors import InvalidFileError, UndecidedError
-from certreg.exact import Dyadic
+from certreg.exact.dyadic import Dyadic
 from certreg.registration.pair_angles import angles_between, widest_angles
-from certreg.report import report_of
 from certreg.report.consensus_picture import residual_chart
 from certreg.report.pages import report_on
+from certreg.report.reload import report_of
 from certreg.report.truncated_page import TruncatedReport
 from certreg.report.viewer import Names
 from certreg.results import Limits
 
 if TYPE_CHECKING:
     from pathlib import Path
+
 
 TURN = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
 FITTED = (

@@ -14,16 +14,17 @@ from commands import certreg, write_csv
 from scipy.stats import chi2
 from strategies import TETRAHEDRON
 
-from certreg.problem import RegistrationProblem
-from certreg.registration import certify
+from certreg.problem.problem import RegistrationProblem
+from certreg.registration.certification import certify
 from certreg.registration.fit import ChiSquared
 from certreg.registration.loose_turns import LOOSE_SIGMA
 from certreg.registration.misfits import FitCode
-from certreg.report import html_page, registration_summary, result_document
 from certreg.report.cards import registration_card
-from certreg.report.document import pose_document
+from certreg.report.document import pose_document, result_document
 from certreg.report.overview import Overview
 from certreg.report.page import Report
+from certreg.report.pages import html_page
+from certreg.report.summary import registration_summary
 from certreg.report.uncertainty import (
     FINE,
     FIRST_ORDER,
@@ -44,7 +45,8 @@ from certreg.report.uncertainty import (
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from certreg.registration import PoseCovariance, Registration
+    from certreg.registration.covariance import PoseCovariance
+    from certreg.registration.result import Registration
 
 RNG = np.random.default_rng(17)
 CLOUD = RNG.normal(size=(12, 3)) + np.array([3.0, 0.0, -2.0])

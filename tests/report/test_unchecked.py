@@ -14,11 +14,12 @@ import numpy as np
 import pytest
 from commands import certreg
 
-from certreg.dynamics import SimulationSettings
+from certreg.dynamics.integrators import SimulationSettings
 from certreg.report import reload
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+
 
 SURVEY = ("survey_source.csv", "survey_target.csv")
 SENTENCE = re.compile(
@@ -103,7 +104,7 @@ def test_a_forged_state_is_named_and_no_simulation_is_said_to_end_there(folder: 
 
 def test_a_trajectory_of_another_damping_is_never_called_exact(folder: Path, monkeypatch):
     few = SimulationSettings(max_steps=1000)  # a million lead no farther
-    monkeypatch.setattr(reload, "certified", functools.partial(reload.certified, settings=few))
+    monkeypatch.setattr(reload, "Asked", functools.partial(reload.Asked, settings=few))
     edited(folder / "certificate.json", lambda d: d["about"].update(damping=1e9))
     run = certreg("report", folder / "certificate.json")
     page = folder / "report.html"

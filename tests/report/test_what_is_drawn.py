@@ -10,13 +10,13 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from certreg import RegistrationProblem, certify
-from certreg.geometry import rotation_matrix
+from certreg.geometry.so3 import rotation_matrix
 from certreg.report.cards import equilibria_card, registration_card
 from certreg.report.picture import SOURCE, registration_picture
 from certreg.report.thinning import PUSH, simulated_escapes
 
 if TYPE_CHECKING:
-    from certreg.registration import Registration
+    from certreg.registration.result import Registration
 
 AXES = np.array([[3, 0, 0], [-3, 0, 0], [0, 2, 0], [0, -2, 0], [0, 0, 1], [0, 0, -1]], float)
 TURN = Rotation.from_rotvec([0.4, -0.7, 1.1]).as_matrix()

@@ -6,20 +6,26 @@ import html
 import math
 import re
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
 from strategies import ZOO
 
 from certreg import RegistrationProblem
-from certreg.registration import Registration, assess, certify, equilibria
-from certreg.report import equilibria_words, html_page, registration_summary
-from certreg.report.equilibria import count_words
+from certreg.registration.assessment import assess
+from certreg.registration.certification import certify
+from certreg.registration.enumeration import equilibria
+from certreg.report.equilibria import count_words, equilibria_words
 from certreg.report.page import Report
-from certreg.report.scene_words import (
-    component_words,
-)
+from certreg.report.pages import html_page
+from certreg.report.scene_words import component_words
+from certreg.report.summary import registration_summary
 from certreg.results import Limits
+
+if TYPE_CHECKING:
+    from certreg.registration.result import Registration
+
 
 RNG = np.random.default_rng(5)
 SOURCE = RNG.normal(size=(12, 3))

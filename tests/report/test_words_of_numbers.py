@@ -15,24 +15,19 @@ import pytest
 from commands import checked
 from scipy.spatial.transform import Rotation
 
-from certreg.geometry import given_pose
-from certreg.problem import MAX_DAMPING, MIN_DAMPING, RegistrationProblem
-from certreg.registration import CROSS_CHECK, certify, enumerated, judged, simulate
-from certreg.report import (
-    any_report,
-    assessment_document,
-    assessment_summary,
-    lines,
-    methods,
-    page,
-    result_document,
-    summary,
-    thinning,
-    viewer,
-)
+from certreg.geometry.given import given_pose
+from certreg.problem.motion import MAX_DAMPING, MIN_DAMPING
+from certreg.problem.problem import RegistrationProblem
+from certreg.registration.assessment import judged
+from certreg.registration.certification import certify
+from certreg.registration.enumeration import enumerated
+from certreg.registration.linear import CROSS_CHECK
+from certreg.registration.simulation import simulate
+from certreg.report import any_report, lines, methods, page, summary, thinning, viewer
 from certreg.report.cards import assessment_card, registration_card
-from certreg.report.document import NOT_A_BOUND
+from certreg.report.document import NOT_A_BOUND, result_document
 from certreg.report.equilibria import count_words
+from certreg.report.judged_pose import assessment_document, assessment_summary
 from certreg.report.page import Report
 from certreg.report.reload import MotionOptions
 from certreg.report.thinning import FRAMES, thinned
@@ -41,7 +36,8 @@ from certreg.report.viewer import sample_of
 from certreg.results import Limits
 
 if TYPE_CHECKING:
-    from certreg.registration import Registration
+    from certreg.registration.result import Registration
+
 
 RNG = np.random.default_rng(41)
 SOURCE = RNG.standard_normal((9, 3)) * [3.0, 2.0, 1.0]
