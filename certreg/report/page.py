@@ -105,10 +105,11 @@ class Report(AnyReport[Registration]):
     def values(self, names: Names) -> Mapping[str, Any]:
         """Verdict, warnings, pose and fit; a scene or sections; what is proved, and what not."""
         registration, moving = self.registration, self.moving
-        found = None
+        found, untested = None, ""
         if registration.equilibria is None:
             found = spring_listed.listed(registration)
-        untested = untested_words(registration) if registration.problem.motion.options else ""
+        elif registration.problem.motion.options:
+            untested = untested_words(registration)
         return {
             **self.head(),
             "overview": Overview.of(registration),
