@@ -29,8 +29,8 @@ from certreg.errors import OutOfRangeError
 from certreg.problem.problem import RegistrationProblem
 from certreg.registration.assessment import assess
 from certreg.registration.certification import certify
-from certreg.report.document import assessment_document, result_document
-from certreg.report.judged_pose import assessment_summary
+from certreg.report.document import result_document
+from certreg.report.judged_pose import assessment_document, assessment_summary
 from certreg.report.page import Report
 from certreg.report.pages import html_page
 from certreg.report.summary import registration_summary

@@ -51,8 +51,8 @@ from certreg.registration.exit_codes import (
 )
 from certreg.registration.simulation import optimally_damped
 from certreg.registration.truncated import TruncatedRegistration
-from certreg.report.consensus_folder import wrong_pairs_document
 from certreg.report.document import ERROR_SCHEMA, error_document, result_document
+from certreg.report.pair_fields import pairs_document
 from certreg.results import Limits, Optimality
 from certreg.verify import shown
 
@@ -372,7 +372,7 @@ def _entry(row: PairRow, folder: Path, limits: Limits) -> tuple[dict[str, Any], 
 def _told(registration: Any, pair: Pair) -> tuple[dict[str, Any], int]:
     """The document of a registration, and what `certreg certify` would end with."""
     if isinstance(registration, ConsensusRegistration | TruncatedRegistration):
-        return wrong_pairs_document(registration, notes=pair.notes), registration.exit_code
+        return pairs_document(registration, notes=pair.notes), registration.exit_code
     return result_document(registration, notes=pair.notes), code_of_registration(registration)
 
 

@@ -32,9 +32,9 @@ from certreg.registration.findings import GOOD
 from certreg.registration.headlines import NO_ROTATION
 from certreg.registration.label_assessment import judged_labels
 from certreg.registration.truncated_labels import judged_truncated_labels
-from certreg.report.document import assessment_document, dumps
+from certreg.report.document import dumps
 from certreg.report.file_names import REPORT
-from certreg.report.judged_pose import assessment_summary
+from certreg.report.judged_pose import assessment_document, assessment_summary
 from certreg.report.markup import printable
 from certreg.report.pages import html_page
 from certreg.report.reload import certified_pose, report_of

@@ -42,11 +42,11 @@ if TYPE_CHECKING:
     from certreg.io.pairing import Pair
     from certreg.problem.problem import RegistrationProblem
     from certreg.registration.exit_codes import FitDemands
-    from certreg.report import consensus_folder, document, folder, summary
+    from certreg.report import document, folder, pair_fields, summary
 else:
-    consensus_folder = late("certreg.report.consensus_folder")
     document = late("certreg.report.document")
     folder = late("certreg.report.folder")
+    pair_fields = late("certreg.report.pair_fields")
     summary = late("certreg.report.summary")
 
 
@@ -117,10 +117,9 @@ def certify(
     )
     path, whole = None, wrong is None
     if out is not None:
-        write = folder.write_folder if whole else consensus_folder.write_wrong_pairs
-        path = write(result, out, notes=pair.notes)
+        path = folder.write_folder(result, out, notes=pair.notes)
     if as_json:
-        stated = document.result_document if whole else consensus_folder.wrong_pairs_document
+        stated = document.result_document if whole else pair_fields.pairs_document
         click.echo(document.dumps(stated(result, path and str(path), notes=pair.notes)))
     else:
         click.echo(result.summary())

@@ -15,7 +15,7 @@ from certreg.exact.dyadic import degrees_above
 from certreg.registration.loose_turns import LOOSE_SIGMA, axis_words
 from certreg.registration.misfits import FitCode
 from certreg.registration.weakly_constrained import weak_shift_words
-from certreg.results import Limits, Optimality
+from certreg.results import Absent, Limits, Optimality
 
 if TYPE_CHECKING:
     from certreg.certificate.bounds import PoseBounds
@@ -405,7 +405,7 @@ def headline_words(registration: Registration) -> str:
 def _free_words(registration: Registration) -> str:
     """Why others are as good; where nothing is free, two poses tie."""
     free = registration.solution.freedom
-    if free is None:
+    if isinstance(free, Absent):
         return ""
     if registration.solution.unique_rotation:
         return free.shift_words()

@@ -48,6 +48,7 @@ else:
     Solved_co = TypeVar("Solved_co", covariant=True)
 
 HELD = ("covariance", "equilibria", "trajectory")  # by the solution, which says why one is missing
+ALIKE = Absent("each pair has one weight, and a spring alike in every way")
 UNDECIDED = Absent("whether the optimum is unique is not decided")
 
 
@@ -86,9 +87,9 @@ class Solution(Explained, ABC):
     trajectory: SimulatedMotion | Absent
 
     @cached_property
-    def freedom(self) -> Freedom | None:
-        """What springs leave undetermined; None where their equilibria say it."""
-        return None
+    def freedom(self) -> Freedom | Absent:
+        """What springs leave undetermined, exactly; of weights alone the equilibria say it."""
+        return ALIKE
 
     @cached_property
     def weak_shifts(self) -> tuple[WeakShift, ...]:

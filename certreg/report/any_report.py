@@ -8,13 +8,12 @@ import shlex
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from importlib.resources import files
-from typing import TYPE_CHECKING, Any, ClassVar, Generic, Self, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, Self, TypeVar
 
 from certreg import __version__
-from certreg.report.lines import number
 from certreg.report.markup import asset, printable, rendered
+from certreg.report.sentences import THEOREMS, begun, sentence
 from certreg.report.viewer import Names
-from certreg.report.words import THEOREMS, begun, sentence
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -43,11 +42,6 @@ class AnyReport(ABC, Generic[R]):
     be proved. documentation: where its pages lie, to link to.
     """
 
-    TEMPLATE: ClassVar[str]
-    SCRIPT: ClassVar[str | None] = None  # one of the assets
-    DIGESTED: ClassVar[str]
-    GUARANTEES: ClassVar[str] = GUARANTEE_WORDS
-
     registration: R
     certificate: Certificate[Any]
     content: bytes
@@ -69,9 +63,24 @@ class AnyReport(ABC, Generic[R]):
         )
 
     @property
+    def template(self) -> str:
+        """Of the page: still pictures."""
+        return "report/templates/still.html"
+
+    @property
+    def script(self) -> str | None:
+        """One of the assets, where there is something to run."""
+        return None
+
+    @property
+    @abstractmethod
     def digested(self) -> str:
         """What the digest binds, in words."""
-        return self.DIGESTED
+
+    @property
+    def guarantees(self) -> str:
+        """What the words mean that say how something is known."""
+        return GUARANTEE_WORDS
 
     @property
     def embedded(self) -> bool:
@@ -94,10 +103,10 @@ class AnyReport(ABC, Generic[R]):
         """The file's content, in UTF-8."""
         problem = self.registration.problem
         style = (ASSETS / "report.css").read_text("utf-8")
-        script = None if self.SCRIPT is None else (ASSETS / self.SCRIPT).read_text("utf-8")
+        script = None if self.script is None else (ASSETS / self.script).read_text("utf-8")
         names = Names.of(self.certificate.about, problem.n)
         whole = rendered(
-            self.TEMPLATE,
+            self.template,
             policy=policy(style=style, script=script),
             style=asset("style", style),
             script=None if script is None else asset("script", script),
@@ -106,7 +115,7 @@ class AnyReport(ABC, Generic[R]):
             names=names,
             pairs=pairs_words(problem.n),
             documentation=self.documentation,
-            guarantee_words=self.GUARANTEES,
+            guarantee_words=self.guarantees,
             theorems=THEOREMS,
             file=self.file,
             digested=self.digested,
@@ -124,14 +133,6 @@ class AnyReport(ABC, Generic[R]):
 def pairs_words(n: int) -> str:
     """How many pairs there are."""
     return f"{n} pair{'s' * (n != 1)}"
-
-
-def worst_rows(registration: Registration) -> list[dict[str, Any]]:
-    """The pairs that are farthest off, for the table of a page without a script."""
-    return [
-        {"row": one.row, "label": one.label or "", "words": number(one.residual)}
-        for one in registration.fit.worst
-    ]
 
 
 def head_of(

@@ -7,17 +7,15 @@ from typing import TYPE_CHECKING
 
 from certreg.report.cards import Card
 from certreg.report.encoding import encoded
-from certreg.report.lines import (
+from certreg.report.equilibria import (
     COUNTS,
     KINDS,
-    away_words,
     count_words,
     kinds_words,
     margin_words,
-    number,
-    step_words,
     table_of,
 )
+from certreg.report.lines import away_words, number, step_words
 from certreg.report.picture import energy_picture
 from certreg.results import OUT_OF_RANGE, ComponentKind, present
 
@@ -25,6 +23,7 @@ if TYPE_CHECKING:
     from certreg.equilibrium.breathing import BreathingEquilibria
     from certreg.registration.breathing import ScaledEquilibria, SimulatedBreathing
     from certreg.report.encoding import Document
+
 
 SIMULATION_SCHEMA = "certreg-simulation/1"
 HEADINGS = ("index", "kind", "scale", "RMSE", "energy", "to optimum", "")

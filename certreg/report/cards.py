@@ -7,26 +7,20 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from certreg.registration.headlines import is_green
+from certreg.report.equilibria import KINDS, count_words, margin_words
 from certreg.report.lines import (
-    KINDS,
     OF_SPREAD,
-    count_words,
     explained_words,
-    margin_words,
     number,
     step_words,
     verdict_words,
     warnings,
 )
 from certreg.report.markup import printable, rendered
+from certreg.report.parts import listed
 from certreg.report.picture import energy_picture, registration_picture
 from certreg.report.remedies import ADVICE, remedies
-from certreg.report.spring_summary import (
-    spring_remedies,
-    spring_verdict_words,
-    spring_warnings,
-    springs_words,
-)
+from certreg.report.springs import springs_words
 from certreg.report.uncertainty import uncertainty_rows
 from certreg.results import Brief
 
@@ -36,7 +30,6 @@ if TYPE_CHECKING:
     from certreg.certificate.checking import CertificateVerdict
     from certreg.equilibrium.equilibrium_set import EquilibriumSet
     from certreg.registration.assessed import Assessment
-    from certreg.registration.quartic import QuarticSolution
     from certreg.registration.result import Registration
     from certreg.registration.simulation import ProblemTrajectory
     from certreg.report.picture import Picture
@@ -79,7 +72,12 @@ class Card(Brief):
 def registration_card(registration: Registration) -> str:
     """Verdict, pose with its deviations and fit of a registration, and a picture of it."""
     first, *further = verdict_words(registration)
-    pose = registration.pose
+    pose, own, springs = registration.pose, listed(registration), springs_words(registration)
+    listed_facts: list[tuple[str, str]] = []
+    if own is not None:
+        explained = explained_words(own.fit).removesuffix(OF_SPREAD)
+        margin = margin_words(own.equilibria)
+        listed_facts = [("explained", explained), ("ambiguity margin", margin)]
     return Card(
         headline=first,
         notes=[
@@ -90,36 +88,12 @@ def registration_card(registration: Registration) -> str:
         good=is_green(registration),
         facts=[
             ("correspondences", f"{registration.problem.n:,}"),
+            *([("springs", springs)] if springs else []),
             ("rotation (wxyz)", _numbers(pose.quaternion_wxyz.tolist())),
             ("translation", _numbers(pose.translation.tolist())),
             *_deviations(registration),
-            ("RMSE", number(registration.rmse)),
-            ("explained", explained_words(registration.fit).removesuffix(OF_SPREAD)),
-            ("ambiguity margin", margin_words(registration.equilibria)),
-        ],
-        picture=registration_picture(registration),
-    ).html()
-
-
-def spring_card(registration: Registration[QuarticSolution]) -> str:
-    """The same of a registration on general springs."""
-    first, *further = spring_verdict_words(registration)
-    pose = registration.pose
-    return Card(
-        headline=first,
-        notes=[
-            *further,
-            *(f"Warning: {words}" for words in spring_warnings(registration, first)),
-            *(f"{ADVICE}{words}" for words in spring_remedies(registration)),
-        ],
-        good=is_green(registration),
-        facts=[
-            ("correspondences", f"{registration.problem.n:,}"),
-            ("springs", springs_words(registration)),
-            ("rotation (wxyz)", _numbers(pose.quaternion_wxyz.tolist())),
-            ("translation", _numbers(pose.translation.tolist())),
-            *_deviations(registration),
-            ("RMSE", f"{number(registration.rmse)} along the springs"),
+            ("RMSE", f"{number(registration.rmse)}{' along the springs' if springs else ''}"),
+            *listed_facts,
         ],
         picture=registration_picture(registration),
     ).html()

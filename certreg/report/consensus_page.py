@@ -3,35 +3,24 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, ClassVar, Self, cast
+from typing import TYPE_CHECKING, Any, Self, cast
 
 from certreg.errors import DegenerateProblemError
 from certreg.registration.breaking import simulate_breaking
 from certreg.registration.consensus_words import are_words
 from certreg.report.any_report import AnyReport, head_of, pairs_words
 from certreg.report.breaking import breaking_course
-from certreg.report.consensus_fit import (
-    fit_causes,
-    fit_overview,
-    fit_remedies,
-    fit_theorems,
-    fit_verdict,
-    kinds_words,
-    marked,
-)
+from certreg.report.consensus_fit import fit_theorems, fit_verdict, kinds_words, marked
 from certreg.report.consensus_picture import pairs_picture, residual_chart
 from certreg.report.consensus_reach import reach_degrees, why_unbounded
-from certreg.report.consensus_summary import (
-    HARDER,
-    TOLD_SECOND,
-    counted_labels,
-    pair_remedies,
-    warnings_of,
-)
 from certreg.report.lines import number
-from certreg.report.overview import Fact, Overview
+from certreg.report.overview import Overview
+from certreg.report.pairs import HARDER, TOLD_SECOND, counted_labels, pair_remedies, warnings_of
+from certreg.report.pose_facts import Fact
+from certreg.report.remedies import causes, remedies
 from certreg.report.scaled_consensus import scale_sentences
-from certreg.report.words import Sentence, begun, sentence
+from certreg.report.sections import Section, rows_table
+from certreg.report.sentences import Sentence, begun, sentence
 from certreg.results import Guarantee
 
 if TYPE_CHECKING:
@@ -40,9 +29,14 @@ if TYPE_CHECKING:
     from certreg.registration.consensus import ConsensusRegistration
     from certreg.report.viewer import Names
 
+
 MOST_ROWS = 40  # undecided pairs in the table
 MOST_MOVED = 200  # pairs of which the motion on springs that break is shown
 WEAK_FIT = "This certificate proves far less of the least-squares pose than can be proved."
+BREAKS = (
+    "Each pair is a spring that breaks beyond its bound; the bounds begin wide and shrink to those "
+    "given."
+)
 SCALED_RULES = ("scaled_lengths", "few_neighbours", "few_colours", "scaled_refutation")
 RULES = ("pair_lengths", "few_neighbours", "few_colours", "weighted_refutation")
 NOT_CLAIMED = (
@@ -55,9 +49,6 @@ NOT_CLAIMED = (
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ConsensusReport(AnyReport[Any]):
     """What a page shows of a registration with wrong pairs."""
-
-    TEMPLATE: ClassVar = "report/templates/consensus.html"
-    DIGESTED: ClassVar = "points, weights and bounds"
 
     registration: ConsensusRegistration
 
@@ -76,21 +67,20 @@ class ConsensusReport(AnyReport[Any]):
     @property
     def digested(self) -> str:
         """What the digest binds: springs in the place of weights, where there are some."""
-        springs = self.registration.problem.factors is not None
-        return "points, bounds and springs" if springs else self.DIGESTED
+        springs = self.registration.problem.springs is not None
+        return "points, bounds and springs" if springs else "points, weights and bounds"
 
     def values(self, names: Names) -> Mapping[str, Any]:
         """Headline, pose and pictures; residuals, what is undecided, the other motion; proofs."""
         result = self.registration
-        undecided = "undecided" in result.labels
         picture = pairs_picture(result)
         head = head_of(
             result.headline,
-            further=[*[WEAK_FIT] * self.weak, *fit_causes(result.fit)],
+            further=[*[WEAK_FIT] * self.weak, *causes(result.fit)],
             todo=[
-                *[f"{HARDER}."] * undecided,
+                *[f"{HARDER}."] * ("undecided" in result.labels),
                 *pair_remedies(result),
-                *fit_remedies(result.fit),
+                *remedies(result.fit),
             ],
             warnings=warnings_of(result),
         )
@@ -100,23 +90,40 @@ class ConsensusReport(AnyReport[Any]):
             "overview": _overview(result),
             "picture": picture,
             "picture_words": "" if picture is None else sentence(begun(picture.words)),
-            "chart": residual_chart(result),
-            "residual_words": list(_residual_words(result)),
-            "rows": list(_undecided_rows(result, names)),
-            "undecided_words": _undecided_words(result),
-            "other_words": _other_words(result),
-            "course": _course(result),
+            "pairs_shown": True,
+            "sections": list(_sections(result, names)),
             "known": list(_known(result)),
             "not_claimed": [sentence(begun(words)) for words in NOT_CLAIMED],
-            "labelled": names.labels is not None,
             "certificate_link": self.certificate_link,
         }
+
+
+def _sections(result: ConsensusRegistration, names: Names) -> Iterator[Section]:
+    """Residuals against bounds; what is undecided; another motion; springs that break."""
+    yield Section(
+        name="residuals",
+        title="Residuals against the bounds",
+        chart=residual_chart(result),
+        words=list(_residual_words(result)),
+    )
+    rows = list(_undecided_rows(result))
+    if rows:
+        yield Section(
+            name="undecided",
+            title="What is undecided, and why",
+            words=(_undecided_words(result),),
+            table=rows_table(("residual", "over its bound"), rows, names),
+        )
+    if (other := _other_words(result)) is not None:
+        yield Section(name="other", title="The other motion", words=(other,))
+    if (course := _course(result)) is not None:
+        yield Section(name="course", title="On springs that break", lead=BREAKS, course=course)
 
 
 def _overview(result: ConsensusRegistration) -> Overview:
     """That of the least squares over the met pairs, with what is proved of all pairs first."""
     labels, found = result.labels, result.lower
-    own = fit_overview(result.fit)
+    own = Overview.of(result.fit)
     reach = reach_degrees(result)
     facts = [
         Fact(name="Within bounds", value=f"{found} of {result.problem.n}", words="by one motion"),
@@ -151,16 +158,12 @@ def _residual_words(result: ConsensusRegistration) -> Iterator[str]:
     yield f"The largest residual of a met pair is {largest}."
 
 
-def _undecided_rows(result: ConsensusRegistration, names: Names) -> Iterator[dict[str, str]]:
+def _undecided_rows(result: ConsensusRegistration) -> Iterator[tuple[int, tuple[str, str]]]:
     residuals, bounds = result.residuals, result.problem.bounds
     rows = [row for row, word in enumerate(result.labels) if word == "undecided"]
     for row in sorted(rows, key=lambda row: float(residuals[row] / bounds[row]))[:MOST_ROWS]:
-        yield {
-            "row": str(row),
-            "label": "" if names.labels is None else names.labels[row],
-            "residual": number(float(residuals[row])),
-            "share": f"{float(residuals[row] / bounds[row]):.3g}",
-        }
+        share = float(residuals[row] / bounds[row])
+        yield row, (number(float(residuals[row])), f"{share:.3g}")
 
 
 def _undecided_words(result: ConsensusRegistration) -> str:
@@ -186,7 +189,7 @@ def _other_words(result: ConsensusRegistration) -> str | None:
 def _course(result: ConsensusRegistration) -> Any:
     """The motion while the springs break, of a rigid body; None of many pairs."""
     problem = result.problem
-    other = problem.scaled or problem.factors is not None
+    other = problem.motion.options or problem.springs is not None
     if problem.n > MOST_MOVED or other or not problem.weights.all():
         return None
     block = problem.block(slice(None))
@@ -205,7 +208,7 @@ def _course(result: ConsensusRegistration) -> Any:
 def _known(result: ConsensusRegistration) -> Iterator[Sentence]:
     labels, found = result.labels, result.lower
     exact, out, sure = Guarantee.EXACT, labels.count("outlier"), labels.count("inlier")
-    scaled = result.problem.scaled
+    scaled = result.problem.motion.scaled
     one, rules = ("motion with a scale", SCALED_RULES) if scaled else ("rigid motion", RULES)
     yield Sentence(
         words=f"One {one} brings {found} of the {result.problem.n} pairs within their "

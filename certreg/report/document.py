@@ -8,9 +8,9 @@ from fractions import Fraction
 from typing import TYPE_CHECKING, cast
 
 from certreg._loading import late
-from certreg.exact.dyadic import double_above, nearest_double
-from certreg.objective.structure import Structure
-from certreg.registration.result import Method
+from certreg.exact.dyadic import double_above, double_below, nearest_double
+from certreg.registration.quartic import NOT_LISTED, NOT_SIMULATED, QuarticSolution
+from certreg.registration.result import UNDECIDED, Method
 from certreg.registration.simulation import SimulatedRegistration
 from certreg.report.encoding import Document, Noted, encoded
 from certreg.report.fields import (
@@ -21,32 +21,28 @@ from certreg.report.fields import (
     optimality_fields,
     pose_fields,
     robustness_fields,
-    scale_of,
-    upper_degrees,
 )
+from certreg.report.parts import listed, sprung
+from certreg.report.scale import rests_of
 from certreg.report.uncertainty import uncertainty_rows
 from certreg.results import OUT_OF_RANGE, Absent
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from certreg.certificate.springs_sos import SpringsSosBody
     from certreg.equilibrium.equilibrium_set import Component, EquilibriumSet
-    from certreg.registration import breathing as registration_breathing
-    from certreg.registration.assessed import Assessment
     from certreg.registration.breathing import ScaledEquilibria, SimulatedBreathing
     from certreg.registration.enumeration import Enumeration
     from certreg.registration.result import Registration
-    from certreg.report import breathing, methods, spring_document
+    from certreg.report import breathing, methods
 else:
     # of a free scale
     breathing = late("certreg.report.breathing")
     methods = late("certreg.report.methods")
-    registration_breathing = late("certreg.registration.breathing")
-    spring_document = late("certreg.report.spring_document")
 
 
 RESULT_SCHEMA = "certreg-result/1"
-ASSESSMENT_SCHEMA = "certreg-assessment/1"
 EQUILIBRIA_SCHEMA = "certreg-equilibria/1"
 POSE_SCHEMA = "certreg-pose/1"
 SIMULATION_SCHEMA = "certreg-simulation/1"
@@ -55,10 +51,18 @@ ERROR_SCHEMA = "certreg-error/1"
 NO_BOUND = Absent("no bound on residuals was given (--max-residual)")
 NOT_WRITTEN = Absent("nothing is written without --out")
 NOT_A_BOUND = Absent("its multiplier could not be made a proved bound")
-ALIKE = Absent("each pair has one weight, and a spring alike in every way")
 NOT_LINEARISED = Absent("the motion with a free scale has more modes, which are not listed here")
 NO_INSIDE_OUT = Absent("the symmetric scale is never below 0")
 OF_EIGENVALUES = Absent("told of general springs; here the eigenvalues say as much")
+FORM = "rotation-10"
+NO_CLOSED_FORM = Absent("general springs have no closed form")
+NO_EIGENVALUES = Absent("there are no eigenvalues of general springs to compare")
+NO_PROOF = Absent("not certified")
+NO_BOUND_OF_IT = Absent(
+    "the certificate uses what the relaxation proposes, and proves its own bound"
+)
+ANGLES = ("closed_form_deg", "relaxation_deg", "simulation_deg")
+MARGIN = ("eigenvalue_gap", "relative", "nearly_ambiguous")
 WORST = 10  # residuals in a result: the whole list is one call away
 
 
@@ -80,7 +84,6 @@ def result_document(
 
     notes: on how the clouds were read.
     """
-    own = FIELDS[registration.structure](registration)
     written: str | Absent | None = certificate_path
     if written is None:
         missing = registration.certificate is None
@@ -93,7 +96,7 @@ def result_document(
             "pose": pose_fields(registration),
             "objective": registration.stated("objective"),
             "rmse": registration.stated("rmse"),
-            **own,
+            **_parts(registration),
             "consensus": NO_BOUND,
             "fit": fit_fields(registration.fit),
             "residuals": _residuals(registration),
@@ -107,39 +110,42 @@ def result_document(
     )
 
 
-def _fields(registration: Registration) -> Document:
-    """What is told of springs alike in every way."""
-    agreement = registration.solution.agreement
-    return {
-        "springs": ALIKE,
+def _parts(registration: Registration) -> Document:
+    """What is told of springs, proof, equilibria and methods; what is not there says why."""
+    own, springs = listed(registration), sprung(registration)
+    parts: Document = {
+        "springs": registration.solution.freedom if springs is None else _springs(springs),
         "optimality": _optimality(registration),
-        "equilibria": _scaled_equilibria(
-            registration_breathing.scaled_equilibria(
-                registration.solution.objective, registration.equilibria
-            )
-        )
-        if registration.problem.scaled
-        else _equilibria(registration.equilibria),
-        "margin": {
-            **_margin(registration.equilibria),
-            "hardly_determined": hardly_determined(registration),
-        },
+        "equilibria": NOT_LISTED,
+        "margin": dict.fromkeys(MARGIN, NO_EIGENVALUES),
         "robustness": robustness_fields(registration),
-        "relaxation": _relaxation(registration),
-        "simulation": _simulation(registration),
-        "agreement": {
-            "closed_form_deg": math.degrees(agreement.closed_form),
-            "relaxation_deg": degrees(agreement.stated("relaxation")),
-            "simulation_deg": degrees(agreement.stated("simulation")),
-        },
+        "relaxation": NO_PROOF if springs is None else _relaxation_of_springs(springs),
+        "simulation": NOT_SIMULATED,
+        "agreement": dict.fromkeys(ANGLES, NOT_SIMULATED),
     }
+    if springs is not None:
+        turned = degrees(springs.solution.angle_to_relaxation)
+        parts["agreement"] |= {"closed_form_deg": NO_CLOSED_FORM, "relaxation_deg": turned}
+    if own is not None:
+        angles = own.solution.agreement
+        parts |= {
+            "equilibria": _listed(own),
+            "margin": _margin(own.equilibria),
+            "relaxation": _relaxation(own),
+            "simulation": _simulation(own),
+            "agreement": {
+                "closed_form_deg": math.degrees(angles.closed_form),
+                "relaxation_deg": degrees(angles.stated("relaxation")),
+                "simulation_deg": degrees(angles.stated("simulation")),
+            },
+        }
+    parts["margin"] = {**parts["margin"], "hardly_determined": hardly_determined(registration)}
+    return parts
 
 
-def _spring_fields(registration: Registration) -> Document:
-    return spring_document.spring_fields(registration)
-
-
-FIELDS = {Structure.LINEAR: _fields, Structure.QUARTIC: _spring_fields}
+def _listed(registration: Registration) -> Document:
+    scaled = rests_of(registration)
+    return _equilibria(registration.equilibria) if scaled is None else _scaled_equilibria(scaled)
 
 
 def pose_document(registration: Registration) -> Document:
@@ -186,69 +192,6 @@ def _set(equilibria: EquilibriumSet) -> Document:
 def simulation_document(simulated: SimulatedRegistration) -> Document:
     """A simulation on its own, as `certreg-simulation/1`."""
     return encoded({"schema": SIMULATION_SCHEMA, **_simulation_fields(simulated)})
-
-
-def assessment_document(assessment: Assessment) -> Document:
-    """An assessment as `certreg-assessment/1`."""
-    nearest = assessment.stated("nearest_index")
-    if not isinstance(nearest, Absent):
-        nearest = {
-            "morse_index": nearest,
-            "angle_deg": degrees(assessment.stated("nearest_angle")),
-        }
-    return encoded(
-        {
-            "schema": ASSESSMENT_SCHEMA,
-            "objective": assessment.stated("objective"),
-            "rmse": assessment.stated("rmse"),
-            "gap_lower": assessment.stated("gap_lower"),
-            "gap_upper": finite(assessment.stated("gap_upper")),
-            "gap_share": finite(assessment.stated("gap_share")),
-            "gap_parts": _gap_parts(assessment),
-            "rounding_cost": finite(assessment.stated("rounding_cost")),
-            "angle_upper_deg": upper_degrees(assessment.stated("angle_upper")),
-            "shift_upper": finite(assessment.stated("shift_upper")),
-            "angle_to_optimum_deg": degrees(assessment.stated("angle_to_optimum")),
-            "nearest": nearest,
-            "sigma_distance": _sigma_distance(assessment),
-            "verdict": assessment.verdict.value,
-            "headline": assessment.headline,
-            "words": assessment.words,
-            "hint": assessment.stated("slip") if assessment.slip is None else assessment.hint,
-            "slip": _slip(assessment),
-            "optimum": {
-                "rotation": assessment.optimum.rotation,
-                "translation": assessment.optimum.translation,
-                "quaternion_wxyz": assessment.optimum.quaternion_wxyz,
-                "scale": scale_of(assessment.optimum),
-                "objective": assessment.stated("optimum_objective"),
-                "rmse": assessment.stated("optimum_rmse"),
-            },
-            "fit": fit_fields(assessment.fit),
-        }
-    )
-
-
-def _gap_parts(assessment: Assessment) -> Document | Absent:
-    parts = assessment.stated("gap_parts")
-    if isinstance(parts, Absent):
-        return parts
-    rotation, scale, translation = map(finite, parts.doubles)
-    return {"scale": scale, "rotation": rotation, "translation": translation}
-
-
-def _sigma_distance(assessment: Assessment) -> Document | Absent:
-    distance = assessment.stated("sigma_distance")
-    if isinstance(distance, Absent):
-        return distance
-    return {"value": distance.value, "dof": distance.dof, "p": distance.p}
-
-
-def _slip(assessment: Assessment) -> Document | Absent:
-    slip = assessment.stated("slip")
-    if isinstance(slip, Absent):
-        return slip
-    return {"code": slip.code.value, "verdict": slip.verdict.value, "words": slip.words}
 
 
 def _equilibria(equilibria: EquilibriumSet) -> Document:
@@ -316,12 +259,44 @@ def _component(component: Component, doubt: str | None) -> Document:
 
 
 def _optimality(registration: Registration) -> Document:
-    ambiguity = registration.equilibria.classification.ambiguity
+    equilibria, springs = registration.equilibria, sprung(registration)
+    fields = optimality_fields(registration)
+    if equilibria is not None and (ambiguity := equilibria.classification.ambiguity) is not None:
+        fields["ambiguity"] = ambiguity.value
+    if springs is None:
+        return {**fields, "method": Method.SPECTRAL.value, "growth": OF_EIGENVALUES}
+    rotation, certificate = springs.solution.unique_rotation, springs.solution.certificate
     return {
-        **optimality_fields(registration),
-        **({} if ambiguity is None else {"ambiguity": ambiguity.value}),
-        "method": Method.SPECTRAL.value,
-        "growth": OF_EIGENVALUES,
+        **fields,
+        "unique_rotation": UNDECIDED if rotation is None else rotation,
+        "method": NO_PROOF if springs.method is None else springs.method.value,
+        "growth": NO_PROOF if certificate is None else _growth(certificate.body),
+    }
+
+
+def _growth(body: SpringsSosBody) -> Document:
+    """f(R) >= f(pose) - delta + mu sin^2(angle / 2), the angle to the certified rotation."""
+    return {
+        "mu": double_below(body.growth),
+        "delta": finite(double_above(body.gap)),
+        "quaternion_wxyz": list(map(str, body.quaternion)),
+    }
+
+
+def _springs(registration: Registration[QuarticSolution]) -> Document | Absent:
+    summary, freedom = registration.problem.springs, registration.solution.freedom
+    if summary is None:
+        return Absent("")
+    return {
+        "kind": summary.kind,
+        "ranks": {str(rank): summary.ranks[rank] for rank in (1, 2, 3)},
+        "free_translations": freedom.shifts(),
+        "weak_translations": [
+            {"direction": one.direction.tolist(), "share": one.share}
+            for one in registration.solution.weak_shifts
+        ],
+        "symmetry_dimension": len(freedom.symmetry),
+        "notes": list(summary.notes),
     }
 
 
@@ -340,6 +315,24 @@ def _relaxation(registration: Registration) -> Document | Absent:
         "proved_gap": NOT_A_BOUND if gap is None else finite(double_above(gap.value)),
         "rank": relaxation.rank,
         "angle_to_pose_deg": degrees(solution.agreement.stated("relaxation")),
+    }
+
+
+def _relaxation_of_springs(registration: Registration[QuarticSolution]) -> Document | Absent:
+    """The relaxation, its value in the unit of the objective."""
+    solution = registration.solution
+    relaxation, value = solution.found.relaxation, solution.relaxation_value
+    if value is None:
+        return Absent(relaxation.reason)
+    nearest = nearest_double(value)
+    return {
+        "solver": relaxation.solver.split()[0].upper(),
+        "form": FORM,
+        "status": relaxation.solver_word,
+        "value": OUT_OF_RANGE if nearest is None else nearest,
+        "proved_gap": NO_BOUND_OF_IT,
+        "rank": relaxation.rank,
+        "angle_to_pose_deg": degrees(solution.angle_to_relaxation),
     }
 
 

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
+from certreg._loading import late
 from certreg.dynamics.trajectory import Record
 from certreg.errors import InvalidFileError
 from certreg.io.atomic import remedy_of, write_together
+from certreg.io.labels import csv_field
+from certreg.io.row_values import PAIR_COLUMNS
 from certreg.report.document import dumps, pose_document, result_document
 from certreg.report.file_names import (
     CERTIFICATE,
@@ -20,6 +23,7 @@ from certreg.report.file_names import (
     TRAJECTORY,
 )
 from certreg.report.pages import html_page, report_on
+from certreg.report.parts import labelled
 from certreg.report.residual_table import residual_table
 from certreg.verify import INLINE_MAX
 
@@ -28,12 +32,16 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from certreg.registration.result import Registration
+    from certreg.report import pair_fields
+    from certreg.report.parts import Labelled
+else:
+    pair_fields = late("certreg.report.pair_fields")
 
 
 def write_folder(
-    registration: Registration, folder: str | os.PathLike[str], *, notes: Sequence[str] = ()
+    result: Registration | Labelled, folder: str | os.PathLike[str], *, notes: Sequence[str] = ()
 ) -> Path | None:
-    """Write the files of a registration; the path of the certificate, None if there is none.
+    """Write the files of a result; the path of the certificate, None if there is none.
 
     notes: on how the clouds were read.
 
@@ -46,22 +54,8 @@ def write_folder(
     except OSError as error:
         message = f"{place}: cannot be made a folder ({error.strerror}): {remedy_of(error)}"
         raise InvalidFileError(message, path=place) from error
-    path = place / CERTIFICATE if registration.certificate is not None else None
-    document = result_document(registration, None if path is None else str(path), notes=notes)
-    rows = registration.pose.T_target_source.tolist()
-    contents: dict[str, bytes | Iterator[bytes]] = {
-        RESULT: (dumps(document) + "\n").encode(),
-        SURE_POSE: (dumps(pose_document(registration)) + "\n").encode(),
-        POSE: ("\n".join(" ".join(map(repr, row)) for row in rows) + "\n").encode(),
-    }
-    trajectory = registration.trajectory
-    if trajectory is not None:
-        contents[TRAJECTORY] = Record.of(registration.problem, trajectory).to_bytes()
-    if registration.problem.n <= INLINE_MAX:  # as many as a certificate holds itself
-        contents[FIT] = residual_table(registration)
-    if registration.certificate is not None:
-        contents[CERTIFICATE] = registration.certificate.to_json()
-        contents[REPORT] = html_page(report_on(registration))
+    path = place / CERTIFICATE if result.certificate is not None else None
+    contents = _contents(result, None if path is None else str(path), notes)
     try:
         write_together(
             {place / name: contents[name] for name in FILES if name in contents},
@@ -71,3 +65,42 @@ def write_folder(
         message = f"{place}: the files of this registration could not be written there: {error}"
         raise InvalidFileError(message, path=error.path or place) from error
     return path
+
+
+def _contents(
+    result: Registration | Labelled, path: str | None, notes: Sequence[str]
+) -> dict[str, bytes | Iterator[bytes]]:
+    """What each file holds; path: of the certificate."""
+    pairs = labelled(result)
+    contents: dict[str, bytes | Iterator[bytes]] = {}
+    rows = result.pose.T_target_source.tolist()
+    if pairs is not None:
+        document, fit = pair_fields.pairs_document(pairs, path, notes=notes), pairs.fit
+        contents[FIT] = _labels_table(pairs).encode()
+    else:
+        fit = cast("Registration", result)
+        document = result_document(fit, path, notes=notes)
+        if fit.trajectory is not None:
+            contents[TRAJECTORY] = Record.of(fit.problem, fit.trajectory).to_bytes()
+        if fit.problem.n <= INLINE_MAX:  # as many as a certificate holds itself
+            contents[FIT] = residual_table(fit)
+    if result.certificate is not None:
+        contents[CERTIFICATE] = result.certificate.to_json()
+        contents[REPORT] = html_page(report_on(result))
+    return {
+        **contents,
+        RESULT: (dumps(document) + "\n").encode(),
+        SURE_POSE: (dumps(pose_document(fit)) + "\n").encode(),
+        POSE: ("\n".join(" ".join(map(repr, row)) for row in rows) + "\n").encode(),
+    }
+
+
+def _labels_table(result: Labelled) -> str:
+    """A line for each pair: its residual at the pose, its bound, and what is proved of it."""
+    names = result.names
+    columns = (result.residuals.tolist(), result.problem.bounds.tolist(), result.labels)
+    lines = (
+        f"{row},{csv_field(names.label(row) or '')},{residual!r},{bound!r},{word}\n"
+        for row, (residual, bound, word) in enumerate(zip(*columns, strict=True))
+    )
+    return f"{','.join(PAIR_COLUMNS)}\n" + "".join(lines)

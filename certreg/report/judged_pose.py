@@ -1,4 +1,4 @@
-"""What is known of a pose that was judged, as a person reads it in a terminal."""
+"""What is known of a pose that was judged: as a person reads it, and as a JSON document."""
 
 from __future__ import annotations
 
@@ -10,6 +10,8 @@ from certreg.exact.dyadic import degrees_above, rational_root_above
 from certreg.registration.findings import FIT_WARNED
 from certreg.registration.headlines import interval_words
 from certreg.registration.loose_turns import TooLarge
+from certreg.report.encoding import Document, encoded
+from certreg.report.fields import degrees, finite, fit_fields, scale_of, upper_degrees
 from certreg.report.lines import exact_number, unit_words
 from certreg.report.remedies import ADVICE
 from certreg.results import Absent, PoseVerdict
@@ -18,6 +20,8 @@ if TYPE_CHECKING:
     from certreg.registration.assessed import Assessment
     from certreg.registration.findings import JudgedEnergies, SigmaDistance
 
+
+ASSESSMENT_SCHEMA = "certreg-assessment/1"
 TURN = 3  # degrees of freedom of a rotation alone
 
 
@@ -98,3 +102,66 @@ def _proved_angle(assessment: Assessment) -> str:
     if angle is None or angle >= math.pi:
         return ""
     return f", within {at_most(degrees_above(angle))} (proved)"
+
+
+def assessment_document(assessment: Assessment) -> Document:
+    """An assessment as `certreg-assessment/1`."""
+    nearest = assessment.stated("nearest_index")
+    if not isinstance(nearest, Absent):
+        nearest = {
+            "morse_index": nearest,
+            "angle_deg": degrees(assessment.stated("nearest_angle")),
+        }
+    return encoded(
+        {
+            "schema": ASSESSMENT_SCHEMA,
+            "objective": assessment.stated("objective"),
+            "rmse": assessment.stated("rmse"),
+            "gap_lower": assessment.stated("gap_lower"),
+            "gap_upper": finite(assessment.stated("gap_upper")),
+            "gap_share": finite(assessment.stated("gap_share")),
+            "gap_parts": _gap_parts(assessment),
+            "rounding_cost": finite(assessment.stated("rounding_cost")),
+            "angle_upper_deg": upper_degrees(assessment.stated("angle_upper")),
+            "shift_upper": finite(assessment.stated("shift_upper")),
+            "angle_to_optimum_deg": degrees(assessment.stated("angle_to_optimum")),
+            "nearest": nearest,
+            "sigma_distance": _sigma_distance(assessment),
+            "verdict": assessment.verdict.value,
+            "headline": assessment.headline,
+            "words": assessment.words,
+            "hint": assessment.stated("slip") if assessment.slip is None else assessment.hint,
+            "slip": _slip(assessment),
+            "optimum": {
+                "rotation": assessment.optimum.rotation,
+                "translation": assessment.optimum.translation,
+                "quaternion_wxyz": assessment.optimum.quaternion_wxyz,
+                "scale": scale_of(assessment.optimum),
+                "objective": assessment.stated("optimum_objective"),
+                "rmse": assessment.stated("optimum_rmse"),
+            },
+            "fit": fit_fields(assessment.fit),
+        }
+    )
+
+
+def _gap_parts(assessment: Assessment) -> Document | Absent:
+    parts = assessment.stated("gap_parts")
+    if isinstance(parts, Absent):
+        return parts
+    rotation, scale, translation = map(finite, parts.doubles)
+    return {"scale": scale, "rotation": rotation, "translation": translation}
+
+
+def _sigma_distance(assessment: Assessment) -> Document | Absent:
+    distance = assessment.stated("sigma_distance")
+    if isinstance(distance, Absent):
+        return distance
+    return {"value": distance.value, "dof": distance.dof, "p": distance.p}
+
+
+def _slip(assessment: Assessment) -> Document | Absent:
+    slip = assessment.stated("slip")
+    if isinstance(slip, Absent):
+        return slip
+    return {"code": slip.code.value, "verdict": slip.verdict.value, "words": slip.words}

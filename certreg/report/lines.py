@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections import Counter
 from decimal import MAX_EMAX, MIN_EMIN, Context, Decimal
 from fractions import Fraction
 from typing import TYPE_CHECKING
@@ -22,34 +21,30 @@ from certreg.registration.misfits import FitCode
 from certreg.registration.pipeline import NOT_ASKED
 from certreg.registration.rounding import rounding_remedy
 from certreg.registration.squares import BY_NAME
+from certreg.report.parts import listed, sprung
+from certreg.report.robustness import robustness_words
+from certreg.report.scale import BIAS
+from certreg.report.springs import how_words, open_words, relaxation_words
 from certreg.report.thinning import kicked_words, unspent_words
 from certreg.report.uncertainty import uncertainty_rows
-from certreg.results import Absent, ComponentKind, Guarantee, Limits, Optimality
+from certreg.results import Absent, Limits, Optimality
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
+    from certreg.certificate.bounds import PoseBounds
     from certreg.dynamics.trajectory import Trajectory
-    from certreg.equilibrium.equilibrium_set import Component, EquilibriumSet
     from certreg.registration.fit import Fit
     from certreg.registration.result import Registration
 
 
 UNMET = "Not called certified: that asks for a proof that it is"
 MEANS = "Certified means here"
-COUNTS = {0: "none", 1: "one", 2: "two", 3: "three", 4: "four"}
-KINDS = {
-    ComponentKind.POINT: "point",
-    ComponentKind.CIRCLE: "circle",
-    ComponentKind.PROJECTIVE_PLANE: "projective plane",
-    ComponentKind.ROTATION_GROUP: "every rotation",
-}
 OF_SPREAD = " of the target's spread (R squared, with the best scale)"
-HEADINGS = ("index", "kind", "RMSE", "energy", "to optimum", "unstable", "")
 DISTINGUISHABLE = 25.0  # twice the log-likelihood ratio of five standard deviations
 ROUNDING_SHARE = 1e6  # a gap above a millionth of the minimum is worth a word
 UNNOTED_COST = 1e-24  # of the spread: a shift of 1e-12, finer than any data
 LEAST_NORMAL = 2.0**-1022  # smaller doubles have fewer digits
+OF_PRINTED = "; at rounding, of the pose as printed"  # below, of the exact optimum
+RMSE_WORDS = "along the springs, unit of the clouds"
 COMPARABLE_STEP = 0.1  # h times the decay rate: a scheme's own differs by half of that
 
 
@@ -64,142 +59,91 @@ def uncertainty_lines(registration: Registration) -> list[str]:
     return [f"  {name:<17} {words}" for name, words in plain]
 
 
-def equilibria_summary(equilibria: EquilibriumSet) -> str:
-    """The equilibrium set as a sentence and a table."""
-    return "\n".join((count_words(equilibria), *table_of([HEADINGS, *equilibria_rows(equilibria)])))
-
-
-def equilibria_rows(equilibria: EquilibriumSet) -> list[tuple[str, ...]]:
-    """A row for each, under HEADINGS."""
-    sure = equilibria.doubt is None
-    return [_row(component, sure=sure) for component in equilibria.components]
-
-
-def table_of(rows: Sequence[Sequence[str]]) -> list[str]:
-    """The lines of a table, its columns flush right."""
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    return [
-        ("  " + "  ".join(cell.rjust(w) for cell, w in zip(row, widths, strict=True))).rstrip()
-        for row in rows
-    ]
-
-
-def equilibria_words(equilibria: EquilibriumSet) -> str:
-    """The equilibrium set with its margin, and what is in doubt or not unique."""
-    lines = [equilibria_summary(equilibria), f"Ambiguity margin: {margin_words(equilibria)}."]
-    tie, narrow = ambiguous_words(equilibria), narrow_words(equilibria)
-    if tie is not None:
-        lines.append(tie)
-    elif narrow is not None:
-        lines.append(f"{narrow[0].upper()}{narrow[1:]}.")
-    if equilibria.doubt is not None:
-        lines.append(f"Not proved: {equilibria.doubt}")
-    elif equilibria.classification.ambiguity is not None:
-        lines.append(f"Not unique: {equilibria.classification.ambiguity.value}.")
-    return "\n".join(lines)
-
-
-def count_words(equilibria: EquilibriumSet) -> str:
-    """How many equilibria there are and how that is known, in one sentence."""
-    known = f"{equilibria.guarantee.label}, {'' if equilibria.complete else 'not proved '}complete"
-    return f"Equilibria ({known}): {_counted(equilibria)}."
-
-
-def _counted(equilibria: EquilibriumSet) -> str:
-    classification = equilibria.classification
-    spurious = classification.spurious
-    if equilibria.doubt is not None:
-        if equilibria.components[0].kind is ComponentKind.ROTATION_GROUP:
-            return "the search could not tell any two rotations apart"
-        kinds = [component.kind for component in equilibria.components]
-        return f"the search found {kinds_words(kinds)}, and there may be more"
-    exactly = "" if equilibria.guarantee is Guarantee.NUMERICAL else "exactly "
-    if classification.finite:
-        what = f"{exactly}four equilibria: the optimum and three spurious ones"
-    elif spurious == 0:
-        what = "every rotation is an equilibrium, and every one is optimal"
-    elif spurious is None:
-        optima = "one optimum" if classification.unique else "infinitely many optima"
-        what = f"{optima} and infinitely many spurious equilibria"
-    else:
-        what = f"infinitely many optima and {exactly}{COUNTS[spurious]} spurious equilibri" + (
-            "um" if spurious == 1 else "a"
-        )
-    return what
-
-
-def kinds_words(found: Sequence[ComponentKind]) -> str:
-    """For example: two points and one circle."""
-    kinds = Counter(found)
-    return " and ".join(
-        KINDS[kind]
-        if kind is ComponentKind.ROTATION_GROUP
-        else f"{COUNTS[count]} {KINDS[kind]}{'s' * (count > 1)}"
-        for kind, count in kinds.items()
-    )
-
-
-def margin_words(equilibria: EquilibriumSet) -> str:
-    """How far the optimum is from being ambiguous, in words."""
-    margin = equilibria.margin
-    if equilibria.doubt is not None:
-        return "not known: the list of equilibria is not proved complete"
-    if not equilibria.classification.unique:
-        return "0: the optimum is not unique"
-    percent = f"{100 * margin.relative:.3g} % of the range of energies"
-    if equilibria.pairs_in_doubt:
-        return f"{percent}: unique, but the poor fit may have turned the answer over"
-    if equilibria.nearly_ambiguous:
-        return f"{percent}: unique, but a small change of the data may turn the answer over"
-    return f"{percent}: unique"
-
-
 def verdict_words(registration: Registration) -> list[str]:
     """What is proved of the pose: a headline, then what else must be said before any number."""
-    status, headline = registration.status, headline_words(registration)
-    ambiguity = registration.equilibria.classification.ambiguity
+    status, own, springs = registration.status, listed(registration), sprung(registration)
+    headline = headline_words(registration)
     if status is Optimality.NOT_CERTIFIED:
         return [headline]
     lines = [headline]
-    if ambiguity is not None:
-        lines += [
-            f"{ambiguity.value}.",
-            "The pose below is one of them that turns the source least, to within 0.002 degrees.",
-        ]
-    elif (tie := ambiguous_words(registration.equilibria)) is not None:
-        lines.append(tie)
+    if own is not None:
+        lines += _tie_words(own)
+    if springs is not None:
+        lines += open_words(springs, headline)
     if status is Optimality.BOUNDED or registration.limits != Limits():
         lines.append(_limit_words(registration))
     return lines
 
 
+def _tie_words(registration: Registration) -> list[str]:
+    """That other poses are as good, or next to."""
+    ambiguity = registration.equilibria.classification.ambiguity
+    if ambiguity is not None:
+        return [
+            f"{ambiguity.value}.",
+            "The pose below is one of them that turns the source least, to within 0.002 degrees.",
+        ]
+    tie = ambiguous_words(registration.equilibria)
+    return [] if tie is None else [tie]
+
+
 def _limit_words(registration: Registration) -> str:
     """What is called certified, where that is asked for or not reached."""
-    limits = registration.limits
+    limits, bounds = registration.limits, registration.bounds
+    within = f"within {as_given(limits.max_gap)} of {_range_words(registration)}"
+    if registration.unique is None:
+        if bounds is not None and bounds.meet(limits, unique=False):
+            return f"Not called certified, though {within}: whether one pose is optimal is open."
+        return f"{UNMET} {within}, and of whether one pose is optimal."
     angle = ""
-    if registration.equilibria.classification.unique:
+    if registration.solution.unique_rotation:
         angle = f" and {as_given(limits.max_angle)} radians of the optimum"
     lead = UNMET if registration.status is Optimality.BOUNDED else MEANS
-    of = "the range of energies"
-    if registration.bounds is not None and not registration.bounds.least_range_squared:
-        spread = registration.solution.moments.spread
-        of = "the clouds' own spread" if spread else "their distance from the origin, squared"
-    return f"{lead} within {as_given(limits.max_gap)} of {of}{angle}."
+    return f"{lead} {within}{angle}."
+
+
+def _range_words(registration: Registration) -> str:
+    """What a gap is held against."""
+    own, bounds = listed(registration), registration.bounds
+    if own is None or bounds is None or bounds.least_range_squared:
+        return "the range of energies"
+    spread = own.solution.moments.spread
+    return "the clouds' own spread" if spread else "their distance from the origin, squared"
 
 
 def status_lines(registration: Registration) -> list[str]:
     """What is proved of the pose, in lines."""
     lines, bounds = verdict_words(registration), registration.bounds
-    if registration.status is Optimality.NOT_CERTIFIED:
+    if registration.status is Optimality.NOT_CERTIFIED or bounds is None:
         return lines
-    if bounds is None:
-        return lines
+    return lines + proved_lines(registration, bounds)
+
+
+def proved_lines(registration: Registration, bounds: PoseBounds) -> list[str]:
+    """How far the pose is from optimal, proved; of springs what proves it, too."""
     gap = f"{at_most(bounds.greatest_gap)}, {share_words(bounds)}"
-    lines.append(f"  proved gap        objective - minimum <= {gap}, at the pose below")
+    lines = [f"  proved gap        objective - minimum <= {gap}, at the pose below"]
     degrees = proved_degrees(registration)
     if degrees is not None:
-        lines.append(f"  proved angle      rotation (wxyz) within {degrees} degrees of the optimum")
+        which = "the optimum" if registration.solution.unique_rotation else "every optimum"
+        lines.append(f"  proved angle      rotation (wxyz) within {degrees} degrees of {which}")
+    if how := how_words(registration):
+        if registration.robustness is not None:
+            lines.append(f"  robustness        {robustness_words(registration)}")
+        lines.append(f"  proved by         {how}")
     return lines
+
+
+def rmse_words(registration: Registration) -> str:
+    """What the RMSE is of, and in which unit."""
+    fit, own = registration.fit, listed(registration)
+    if own is None:
+        return RMSE_WORDS
+    if registration.problem.scale in BIAS:
+        return "weighted, unit of the target"
+    exact = number(own.equilibria.components[0].rmse)
+    differs = fit.rounded and number(registration.rmse) != exact
+    return f"weighted, {unit_words(fit)}{OF_PRINTED if differs else ''}"
 
 
 def bounds_nothing(registration: Registration, gap: Fraction) -> bool:
@@ -209,6 +153,12 @@ def bounds_nothing(registration: Registration, gap: Fraction) -> bool:
 
 def method_lines(registration: Registration) -> list[str]:
     """What the independent methods say, one line each."""
+    own, springs = listed(registration), sprung(registration)
+    relaxed = [] if springs is None else [f"  relaxation (SDP)  {relaxation_words(springs)}"]
+    return relaxed if own is None else relaxed + _method_lines(own)
+
+
+def _method_lines(registration: Registration) -> list[str]:
     solution, lines = registration.solution, list[str]()
     unique = registration.equilibria.classification.unique
     relaxation, trajectory, agreement = solution.relaxation, solution.trajectory, solution.agreement
@@ -277,10 +227,18 @@ def away_words(angle: float, *, unique: bool = True) -> str:
 
 def warnings(registration: Registration, headline: str) -> list[str]:
     """What is true of the data and should not be overlooked, and is not in the headline."""
-    equilibria, bounds = registration.equilibria, registration.bounds
-    narrow = narrow_words(equilibria)
-    notes = [] if narrow is None else [narrow]
+    own, springs = listed(registration), registration.problem.springs
+    notes = [] if springs is None else list(springs.notes)
+    if own is not None and (narrow := narrow_words(own.equilibria)) is not None:
+        notes.append(narrow)
     notes += [one.text for one in registration.fit.warnings if one.text not in headline]
+    return notes if own is None else notes + _numeric_warnings(own, headline)
+
+
+def _numeric_warnings(registration: Registration, headline: str) -> list[str]:
+    """That the noise may reach the next equilibrium, and that rounding costs something."""
+    equilibria, bounds = registration.equilibria, registration.bounds
+    notes: list[str] = []
     gap, minimum = equilibria.margin.eigenvalue_gap, equilibria.components[0].energy
     unique = equilibria.classification.unique
     noisy = unique and registration.problem.noise_given and gap is not None
@@ -302,28 +260,14 @@ def warnings(registration: Registration, headline: str) -> list[str]:
     return notes
 
 
-def _row(component: Component, *, sure: bool) -> tuple[str, ...]:
-    """A line of the table; what follows from the list being complete, where that is sure."""
-    unstable = component.unstable_eigenvalues
-    return (
-        str(component.morse_index) if sure else "-",
-        KINDS[component.kind],
-        number(component.rmse),
-        number(component.energy),
-        f"{math.degrees(component.angle_to_optimum):.6g} deg",
-        ("undefined" if unstable is None else str(unstable)) if sure else "-",
-        ("optimal" if sure else "best found") if component.optimal else "",
-    )
-
-
 def step_words(step: float) -> str:
     """How long the steps of a run are; of a step that the user gave, as it was given."""
     return f"each at most {at_most(Fraction(repr(step)), 6)} long"
 
 
-def unit_words(fit: Fit) -> str:
+def unit_words(fit: Fit, *, scaled: bool = False) -> str:
     """Whose unit a length has: where the clouds' may differ, the one that the pose leads to."""
-    return f"unit of the {'target' if FitCode.SCALE in fit.codes else 'clouds'}"
+    return f"unit of the {'target' if scaled or FitCode.SCALE in fit.codes else 'clouds'}"
 
 
 def number(value: float | None) -> str:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from certreg.exact.decimals import at_most
 from certreg.exact.dyadic import nearest_double
 from certreg.report.encoding import Document, Noted
-from certreg.report.lines import equilibria_words
+from certreg.report.equilibria import equilibria_words
 from certreg.results import OUT_OF_RANGE, Absent, ComponentKind
 
 if TYPE_CHECKING:

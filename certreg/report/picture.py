@@ -16,7 +16,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.dynamics.trajectory import Trajectory
-    from certreg.registration.quartic import QuarticSolution
     from certreg.registration.result import Registration
 
 
@@ -125,7 +124,7 @@ def shown_words(registration: Registration, most: int = SHOWN) -> str:
     return f"; {most} of {n} pairs, evenly chosen" if n > most else ""
 
 
-def springs_picture(registration: Registration[QuarticSolution]) -> Picture | None:
+def springs_picture(registration: Registration) -> Picture | None:
     """As `registration_picture`, with a piece of each plane and line, for a page."""
     sample = Sample.of(registration, ON_PAGE)
     axes, ends, pieces = sample.axes, sample.ends, sample.pieces

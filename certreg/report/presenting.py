@@ -15,20 +15,18 @@ from typing import TYPE_CHECKING, Any
 from certreg._loading import found_late, late
 from certreg.errors import InvalidFileError
 from certreg.io.atomic import write_atomically
-from certreg.objective.structure import Structure
-from certreg.registration.result import Registration
 from certreg.verify import shown
 
 if TYPE_CHECKING:
     import os
 
-    from certreg.report import consensus_folder, pages, plotting
+    from certreg.registration.result import Registration
     from certreg.report import folder as registration_folder
+    from certreg.report import pages, plotting
     from certreg.report.encoding import Document
     from certreg.report.pages import Reported
     from certreg.results import Presenter
 else:
-    consensus_folder = late("certreg.report.consensus_folder")
     pages = late("certreg.report.pages")
     plotting = late("certreg.report.plotting")
     registration_folder = late("certreg.report.folder")
@@ -50,18 +48,18 @@ SHAPES: dict[str, Shape] = {  # by the name of the type
         card="cards.registration_card",
     ),
     "ConsensusRegistration": Shape(
-        words="consensus_summary.consensus_summary",
-        document="consensus_fields.consensus_document",
-        card="consensus_card.consensus_card",
+        words="pairs.consensus_summary",
+        document="pair_fields.pairs_document",
+        card="pairs.pairs_card",
     ),
     "TruncatedRegistration": Shape(
-        words="truncated_summary.truncated_summary",
-        document="truncated_fields.truncated_document",
-        card="truncated_summary.truncated_card",
+        words="pairs.truncated_summary",
+        document="pair_fields.pairs_document",
+        card="pairs.pairs_card",
     ),
     "Assessment": Shape(
         words="judged_pose.assessment_summary",
-        document="document.assessment_document",
+        document="judged_pose.assessment_document",
         card="cards.assessment_card",
     ),
     "KeptPairs": Shape(
@@ -70,9 +68,9 @@ SHAPES: dict[str, Shape] = {  # by the name of the type
         card="judged_labels.labels_card",
     ),
     "TruncatedLabels": Shape(
-        words="truncated_labels.truncated_labels_summary",
-        document="truncated_labels.truncated_labels_document",
-        card="truncated_labels.truncated_labels_card",
+        words="judged_labels.labels_summary",
+        document="judged_labels.truncated_labels_document",
+        card="judged_labels.labels_card",
     ),
     "ListedEquilibria": Shape(
         words="listed.enumeration_words",
@@ -80,7 +78,7 @@ SHAPES: dict[str, Shape] = {  # by the name of the type
         card="cards.equilibria_card",
     ),
     "EquilibriumSet": Shape(
-        words="lines.equilibria_words",
+        words="equilibria.equilibria_words",
         document="document.set_document",
         card="cards.equilibria_card",
     ),
@@ -116,26 +114,11 @@ SHAPES: dict[str, Shape] = {  # by the name of the type
     ),
 }
 headline_words = found_late("certreg.registration.headlines", "headline_words")
-REGISTRATIONS = {  # by the structure of their objective
-    Structure.LINEAR: SHAPES["Registration"],
-    Structure.QUARTIC: Shape(
-        words="spring_summary.spring_summary",
-        document="document.result_document",
-        card="cards.spring_card",
-    ),
-}
 # A verdict writes its own text and has no document.
 CARDS = {
     "CertificateVerdict": "cards.verdict_card",
     **{kind: shape.card for kind, shape in SHAPES.items()},
 }
-
-
-def shape_of(result: Any) -> Shape:
-    """How a result is shown."""
-    if isinstance(result, Registration):
-        return REGISTRATIONS[result.structure]
-    return SHAPES[type(result).__name__]
 
 
 def function(name: str) -> Any:
@@ -149,7 +132,7 @@ class ReportPresenter:
 
     def words(self, result: Any) -> str:
         """The text of the command line."""
-        return function(shape_of(result).words)(result)
+        return function(SHAPES[type(result).__name__].words)(result)
 
     def headline(self, result: Registration) -> str:
         """The first line of a registration."""
@@ -157,12 +140,11 @@ class ReportPresenter:
 
     def document(self, result: Any) -> Document:
         """What `--json` prints."""
-        return function(shape_of(result).document)(result)
+        return function(SHAPES[type(result).__name__].document)(result)
 
     def card(self, result: Any) -> str:
         """HTML for a notebook."""
-        only = CARDS if type(result).__name__ not in SHAPES else {}
-        return function(only.get(type(result).__name__) or shape_of(result).card)(result)
+        return function(CARDS[type(result).__name__])(result)
 
     def report(self, result: Reported, path: str | os.PathLike[str]) -> Path:
         """Write the page of a registration; where it was written."""
@@ -179,9 +161,7 @@ class ReportPresenter:
         folder: str | os.PathLike[str],
     ) -> Path | None:
         """Write the files of a registration; the certificate's path."""
-        if isinstance(result, Registration):
-            return registration_folder.write_folder(result, folder)
-        return consensus_folder.write_wrong_pairs(result, folder)
+        return registration_folder.write_folder(result, folder)
 
     def plot(self, result: Registration, axes: Any) -> Any:
         """Draw a registration into axes of Matplotlib; the axes."""

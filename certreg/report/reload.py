@@ -22,7 +22,6 @@ from certreg.certificate.isotropic import IsotropicBody, SimilarityBody
 from certreg.certificate.springs_list import SpringsListBody
 from certreg.certificate.truncated import TruncatedRotationBody
 from certreg.errors import InvalidFileError, RefusedCertificateError
-from certreg.geometry.similarity import Similarity
 from certreg.io.streams import reading
 from certreg.native.loops import Integrator
 from certreg.problem.bounds import bounded
@@ -36,8 +35,7 @@ from certreg.registration.quartic import SPRING_KINDS
 from certreg.registration.squares import certified_squares
 from certreg.registration.truncated import restated_truncated
 from certreg.report.consensus_page import ConsensusReport
-from certreg.report.pages import page_of
-from certreg.report.spring_page import SpringReport
+from certreg.report.page import Report
 from certreg.report.truncated_page import TruncatedReport
 from certreg.verify import FILE_MAX, Clouds, shown
 
@@ -138,7 +136,7 @@ def report_of(
         ),
     )
     proved = registration.as_proved(body)
-    return page_of(stated)(
+    return Report(
         registration=replace(proved, verdict=verdict),
         certificate=replace(loaded, body=body),
         content=content,
@@ -228,12 +226,12 @@ def _spring_report(
     content: bytes,
     verdict: Verdict,
     name: str,
-) -> SpringReport:
+) -> Report:
     """The report of a certificate of general springs: its pose, and what it proves of that."""
     registration = certified_squares(problem, Asked(about=certificate.about))
     proved = registration.as_proved(certificate.body)
     given = replace(proved.solution, certificate=certificate)
-    return SpringReport(
+    return Report(
         registration=replace(proved, solution=given, verdict=verdict),
         certificate=certificate,
         content=content,

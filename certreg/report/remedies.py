@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from certreg.registration.fit import Fit
     from certreg.registration.result import Registration
 
+
 ADVICE = "What to do: "  # before a remedy in text; a page sets it apart
 GIVE_SIGMA = "give sigma, which may rule the other pose out; or "
 TELL_APART = "add pairs off the axis of the turn to the other pose: they may tell the two apart"
@@ -24,6 +25,7 @@ WIDEN = (
     "off the axis of the turn to the other pose: they may widen the margin"
 )
 SINGLE_OUT = "add pairs off the line, plane or symmetry of these: they may single one pose out"
+ACROSS = "add pairs with springs across what is undetermined: they may single one pose out"
 FIX_TURN = "add pairs farther from that axis: they may fix the turn about it"
 WHY_BOTH = {  # a warning, and half of the target's spread or more explained
     FitCode.SCALE: "",  # what is explained is told to be with the best scale
@@ -38,6 +40,8 @@ MUCH = 0.5  # explained: less needs no excuse
 def causes(registration: Registration) -> list[str]:
     """Why there are remedies, in sentences, but for what a headline and warnings say themselves."""
     equilibria = registration.equilibria
+    if equilibria is None:
+        return []
     words = None if is_loose(registration) else narrow_words(equilibria)
     if (ambiguity := equilibria.classification.ambiguity) is not None:
         words = f"not unique: {ambiguity.value}"
@@ -48,18 +52,18 @@ def causes(registration: Registration) -> list[str]:
 
 def remedies(registration: Registration) -> list[str]:
     """A sentence for each warning of the fit, and a rotation that is hardly fixed, or not."""
-    problem = registration.problem
+    problem, equilibria = registration.problem, registration.equilibria
     told = [one.remedy for one in registration.fit.warnings]
-    if registration.equilibria.nearly_ambiguous:
-        rigid = problem.motion.rigid  # of other motions no noise rules a pose out
-        helpful = rigid and not (problem.noise_given or told)  # nor where pairs are wrong
+    if equilibria is not None and equilibria.nearly_ambiguous:
+        other = problem.motion.options  # of these no noise rules a pose out
+        helpful = not (other or problem.noise_given or told)  # nor where pairs are wrong
         told.append(f"{GIVE_SIGMA if helpful else ''}{TELL_APART}")
-    elif registration.equilibria.classification.unique and is_loose(registration):
+    elif registration.unique and is_loose(registration):
         told.append(FIX_TURN)
-    elif registration.equilibria.classification.unique and registration.equilibria.narrow:
+    elif equilibria is not None and registration.unique and equilibria.narrow:
         told.append(WIDEN)
-    elif not registration.equilibria.classification.unique and not told:
-        told.append(SINGLE_OUT)
+    elif (registration.unique is False or registration.solution.weak_shifts) and not told:
+        told.append(ACROSS if equilibria is None else SINGLE_OUT)
     return [f"{words}." for words in told]
 
 

@@ -6,7 +6,7 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from certreg.registration.consensus_words import ranges_words
-from certreg.report.scaled_summary import BIAS
+from certreg.report.scale import BIAS
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence

@@ -9,11 +9,12 @@ from typing import TYPE_CHECKING
 from certreg.equilibrium.line_set import Finiteness
 from certreg.errors import MissingToolError
 from certreg.registration.spring_release import listed_springs, returns
+from certreg.report.parts import sprung
+from certreg.report.sections import Section, Table
 from certreg.report.spring_equilibria import magnitude, spring_count_words, spring_notes
 from certreg.results import Guarantee
 
 if TYPE_CHECKING:
-    from certreg.registration.quartic import QuarticSolution
     from certreg.registration.result import Registration
     from certreg.registration.spring_equilibria import SpringEquilibrium
 
@@ -52,24 +53,46 @@ class Listed:
     """
 
     words: str
-    angle: str
-    rows: tuple[ListedRow, ...]
-    notes: tuple[str, ...]
-    complete: bool
-    guarantee: Guarantee
-    theorems: tuple[str, ...]
+    angle: str = ""
+    rows: tuple[ListedRow, ...] = ()
+    notes: tuple[str, ...] = ()
+    complete: bool = False
+    guarantee: Guarantee = Guarantee.NUMERICAL
+    theorems: tuple[str, ...] = ()
+
+    @property
+    def section(self) -> Section:
+        """As a page shows it."""
+        rows = [
+            (one.index, one.stable, one.energy, one.rmse, one.angle, one.words) for one in self.rows
+        ]
+        table = Table(
+            head=("index", "stable", "energy", "RMSE", self.angle, ""),
+            rows=rows,
+            stressed=frozenset(k for k, one in enumerate(self.rows) if one.trap),
+        )
+        return Section(
+            name="listed",
+            title="All equilibria of these springs",
+            words=(self.words,),
+            table=table if rows else None,
+            notes=self.notes,
+        )
 
 
-def listed(registration: Registration[QuarticSolution]) -> Listed | None:
+def listed(registration: Registration) -> Listed | None:
     """All equilibria of these springs; None where nothing can be listed.
 
     Without python-flint no rows, and the words say so: the proof of the optimum needs no list.
     """
-    problem, objective = registration.problem, registration.solution.objective
+    own = sprung(registration)
+    if own is None:
+        return None
+    problem, objective = own.problem, own.solution.objective
     try:
         found = listed_springs(problem, objective)
     except MissingToolError as error:
-        return _without_rows(f"None is listed here: {error}.")
+        return Listed(words=f"None is listed here: {error}.")
     if found is None:
         return None
     stable = [part for part in found.components if part.stable][:MOST_RELEASED]
@@ -87,18 +110,6 @@ def listed(registration: Registration[QuarticSolution]) -> Listed | None:
         complete=found.count is not None,
         guarantee=found.guarantee,
         theorems=COUNTED.get(found.finiteness, ()),
-    )
-
-
-def _without_rows(words: str) -> Listed:
-    return Listed(
-        words=words,
-        angle="",
-        rows=(),
-        notes=(),
-        complete=False,
-        guarantee=Guarantee.NUMERICAL,
-        theorems=(),
     )
 
 

@@ -5,72 +5,91 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from certreg._loading import late
+from certreg.report.equilibria import equilibria_summary, margin_words
 from certreg.report.lines import (
     away_words,
-    equilibria_summary,
     explained_words,
-    margin_words,
     method_lines,
     number,
     rate_words,
+    rmse_words,
     status_lines,
     step_words,
     uncertainty_lines,
-    unit_words,
     untested_lines,
     warnings,
 )
+from certreg.report.parts import listed
 from certreg.report.remedies import ADVICE, remedies, why_warned
 from certreg.report.robustness import robustness_words
+from certreg.report.scale import BIAS, rests_of, scale_lines
+from certreg.report.springs import springs_words
 from certreg.report.thinning import unspent_words
-from certreg.results import (
-    present,
-)
+from certreg.results import present
 
 if TYPE_CHECKING:
+    from certreg.geometry.pose import Pose
+    from certreg.geometry.similarity import Similarity
     from certreg.registration.result import Registration
     from certreg.registration.simulation import SimulatedRegistration
-    from certreg.report import scaled_summary
+    from certreg.report import breathing
 else:
-    scaled_summary = late("certreg.report.scaled_summary")
+    breathing = late("certreg.report.breathing")
 
-OF_PRINTED = "; at rounding, of the pose as printed"  # below, of the exact optimum
+
+NOT_LISTED_WORDS = "the proof needs none of them; see `certreg equilibria`"
 
 
 def registration_summary(registration: Registration) -> str:
-    """The result of `certify`, readable."""
-    if registration.problem.scaled:
-        return scaled_summary.scaled_summary(registration)
-    return rigid_summary(registration)
+    """The result of `certify`, readable: the lines of its parts, as far as they are there."""
+    own, status = listed(registration), status_lines(registration)
+    springs, rmse = springs_words(registration), number(registration.rmse)
+    lines = [
+        *status,
+        *(f"{ADVICE}{words}" for words in remedies(registration)),
+        "",
+        f"  correspondences   {registration.problem.n}",
+        *scale_lines(registration),
+        *([f"  springs           {springs}, kept as given"] if springs else []),
+        *place_lines(registration.pose),
+        *uncertainty_lines(registration),
+        f"  RMSE              {rmse}  ({rmse_words(registration)})",
+        *([] if own is None else _fit_lines(own)),
+        *method_lines(registration),
+        *(f"  warning           {words}" for words in warnings(registration, status[0])),
+        *_list_lines(own),
+    ]
+    return "\n".join(lines)
 
 
-def rigid_summary(registration: Registration) -> str:
-    """The result of `certify` of scale 1, readable."""
-    pose, status = registration.pose, status_lines(registration)
-    fit = registration.fit
-    exact = number(registration.equilibria.components[0].rmse)
-    differs = fit.rounded and number(registration.rmse) != exact
-    weighted = f"weighted, {unit_words(fit)}{OF_PRINTED if differs else ''}"
-    return "\n".join(
-        (
-            *status,
-            *(f"{ADVICE}{words}" for words in remedies(registration)),
-            "",
-            f"  correspondences   {registration.problem.n}",
-            f"  rotation (wxyz)   {' '.join(map(repr, pose.quaternion_wxyz.tolist()))}",
-            f"  translation       {' '.join(map(repr, pose.translation.tolist()))}",
-            *uncertainty_lines(registration),
-            f"  RMSE              {number(registration.rmse)}  ({weighted})",
-            f"  explained         {explained_words(fit)}{why_warned(fit)}",
-            *untested_lines(fit),
-            f"  ambiguity margin  {margin_words(registration.equilibria)}",
-            f"  robustness        {robustness_words(registration)}",
-            *method_lines(registration),
-            *(f"  warning           {words}" for words in warnings(registration, status[0])),
-            "",
-            equilibria_summary(registration.equilibria),
-        )
-    )
+def place_lines(pose: Pose | Similarity) -> list[str]:
+    """Rotation and translation, with all digits."""
+    return [
+        f"  rotation (wxyz)   {' '.join(map(repr, pose.quaternion_wxyz.tolist()))}",
+        f"  translation       {' '.join(map(repr, pose.translation.tolist()))}",
+    ]
+
+
+def _fit_lines(registration: Registration) -> list[str]:
+    """How much is explained, how near the next equilibrium is, how far points may be off."""
+    fit, equilibria = registration.fit, registration.equilibria
+    margin = [] if registration.problem.scale in BIAS else [margin_words(equilibria)]
+    return [
+        f"  explained         {explained_words(fit)}{why_warned(fit)}",
+        *untested_lines(fit),
+        *(f"  ambiguity margin  {words}" for words in margin),
+        f"  robustness        {robustness_words(registration)}",
+    ]
+
+
+def _list_lines(registration: Registration | None) -> list[str]:
+    """All equilibria, or where they are to be found."""
+    if registration is None:
+        return [f"  equilibria        not listed here: {NOT_LISTED_WORDS}"]
+    scaled = rests_of(registration)
+    if scaled is not None:
+        return ["", breathing.scaled_equilibria_words(scaled)]
+    return ["", equilibria_summary(registration.equilibria)]
 
 
 def simulation_summary(simulated: SimulatedRegistration) -> str:

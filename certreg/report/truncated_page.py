@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -13,17 +13,19 @@ from certreg.registration.pair_angles import widest_angles
 from certreg.report.any_report import AnyReport, head_of, pairs_words
 from certreg.report.consensus_fit import marked
 from certreg.report.consensus_picture import pairs_picture, residual_chart
-from certreg.report.consensus_summary import counted_labels, warnings_of
 from certreg.report.lines import number
-from certreg.report.overview import Fact, Overview
-from certreg.report.similarity_overview import similarity_overview
-from certreg.report.truncated_summary import (
+from certreg.report.overview import Overview
+from certreg.report.pairs import (
+    counted_labels,
     optimum_degrees,
     truncated_causes,
     truncated_remedies,
+    warnings_of,
     why_unbounded,
 )
-from certreg.report.words import Sentence, begun, sentence
+from certreg.report.pose_facts import Fact
+from certreg.report.sections import Section, rows_table
+from certreg.report.sentences import Sentence, begun, sentence
 from certreg.results import Guarantee
 
 if TYPE_CHECKING:
@@ -35,9 +37,11 @@ if TYPE_CHECKING:
     from certreg.report.viewer import Names
     from certreg.verify import Worth
 
+
 MOST_ROWS = 40  # undecided pairs in the table
 NEAREST = 12  # pairs nearest to their bounds, in the table
 COST_DIGITS = 9  # of a cost, rounded outwards
+HEAD = ("angle", "largest allowed", "residual", "over its bound", "at every optimum")
 BOXES = ("truncated_survey", "truncated_box", "chord_bound")
 NOT_CLAIMED = (
     "that an inlier is a right pair: only that every optimum has it within its bound",
@@ -50,18 +54,17 @@ NOT_CLAIMED = (
 class TruncatedReport(AnyReport[Any]):
     """What a page shows of a registration by truncated squares."""
 
-    TEMPLATE: ClassVar = "report/templates/truncated.html"
-    DIGESTED: ClassVar = "points, weights and bounds"
-
     registration: TruncatedRegistration
+
+    @property
+    def digested(self) -> str:
+        """What the digest binds, in words."""
+        return "points, weights and bounds"
 
     def values(self, names: Names) -> Mapping[str, Any]:
         """Headline, rotation and pictures; angles against the bounds, what is undecided; proofs."""
         result = self.registration
-        picture, labels = pairs_picture(result), np.array(result.labels)
-        share = result.residuals / result.problem.bounds
-        near = np.argsort(np.abs(np.log(np.maximum(share, np.finfo(float).tiny))), kind="stable")
-        undecided = near[labels[near] == "undecided"]
+        picture = pairs_picture(result)
         head = head_of(
             result.headline,
             further=truncated_causes(result),
@@ -74,17 +77,33 @@ class TruncatedReport(AnyReport[Any]):
             "overview": _overview(result),
             "picture": picture,
             "picture_words": "" if picture is None else sentence(begun(picture.words)),
-            "chart": residual_chart(result),
-            "residual_words": list(_residual_words(result)),
-            "nearest": list(_rows(result, names, near[:NEAREST])),
-            "nearest_words": _nearest_words(result.problem.n),
-            "undecided": list(_rows(result, names, undecided[:MOST_ROWS])),
-            "undecided_words": _undecided_words(len(undecided)),
+            "pairs_shown": True,
+            "sections": list(_sections(result, names)),
             "known": list(_known(result)),
             "not_claimed": [sentence(begun(words)) for words in NOT_CLAIMED],
-            "labelled": names.labels is not None,
             "certificate_link": self.certificate_link,
         }
+
+
+def _sections(result: TruncatedRegistration, names: Names) -> Iterator[Section]:
+    """Angles against the bounds, the nearest first; and what is undecided."""
+    share, labels = result.residuals / result.problem.bounds, np.array(result.labels)
+    near = np.argsort(np.abs(np.log(np.maximum(share, np.finfo(float).tiny))), kind="stable")
+    undecided = near[labels[near] == "undecided"]
+    yield Section(
+        name="residuals",
+        title="Angles and residuals against the bounds",
+        chart=residual_chart(result),
+        words=[*_residual_words(result), *_nearest_words(result.problem.n)],
+        table=rows_table(HEAD, list(_rows(result, near[:NEAREST])), names),
+    )
+    if len(undecided):
+        yield Section(
+            name="undecided",
+            title="What is undecided, and why",
+            words=(_undecided_words(len(undecided)),),
+            table=rows_table(HEAD, list(_rows(result, undecided[:MOST_ROWS])), names),
+        )
 
 
 def _worth(result: TruncatedRegistration) -> Worth:
@@ -114,7 +133,7 @@ def _overview(result: TruncatedRegistration) -> Overview:
         Fact(name="Labels", value=counted_labels(result.labels), words="at every optimum"),
         turn,
     )
-    return replace(marked(similarity_overview(result.fit), result.against), proved=facts)
+    return replace(marked(Overview.of(result.fit), result.against), proved=facts)
 
 
 def _residual_words(result: TruncatedRegistration) -> Iterator[str]:
@@ -139,33 +158,35 @@ def _residual_words(result: TruncatedRegistration) -> Iterator[str]:
 
 
 def _rows(
-    result: TruncatedRegistration, names: Names, rows: NDArray[np.intp]
-) -> Iterator[dict[str, str]]:
-    """These pairs for a table."""
+    result: TruncatedRegistration, rows: NDArray[np.intp]
+) -> Iterator[tuple[int, tuple[str, ...]]]:
+    """These pairs for a table, under HEAD."""
     problem, residuals = result.problem, result.residuals
     angles = np.degrees(result.angles)
     most = np.degrees(widest_angles(problem.source, problem.target, problem.bounds))
     for row in rows.tolist():
-        yield {
-            "row": str(row),
-            "label": "" if names.labels is None else names.labels[row],
-            "angle": _degrees(float(angles[row])),
-            "most": _widest(float(most[row])),
-            "residual": number(float(residuals[row])),
-            "share": f"{float(residuals[row] / problem.bounds[row]):.3g}",
-            "proved": result.labels[row],
-        }
+        yield (
+            row,
+            (
+                _degrees(float(angles[row])),
+                _widest(float(most[row])),
+                number(float(residuals[row])),
+                f"{float(residuals[row] / problem.bounds[row]):.3g}",
+                result.labels[row],
+            ),
+        )
 
 
-def _nearest_words(n: int) -> str | None:
+def _nearest_words(n: int) -> list[str]:
     """That not all are listed, and where they are."""
     if n <= NEAREST:
-        return None
-    return (
+        return []
+    words = (
         f"Of the {n} pairs the {NEAREST} nearest to their bounds are listed; the residuals "
         "and labels of all are in fit.csv, which certify --out writes, the labels in the JSON, too "
         "(truncated.labels)."
     )
+    return [words]
 
 
 def _degrees(angle: float) -> str:

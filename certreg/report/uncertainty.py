@@ -58,7 +58,7 @@ def uncertainty_rows(registration: Registration) -> list[tuple[str, str]]:
         return [("uncertainty", f"not known: {doubt}"), *tested]
     turned = rotation_words(covariance, "  (a small turn about the source's axes)")
     shifted = [("translation ±", shift_words(covariance, f"  ({OF_ORIGIN})"))]
-    moves = not registration.problem.rotation_only
+    moves = registration.problem.motion.translations
     size = covariance.scale_sigma
     return [
         *(_centre_row(registration, covariance) if moves else []),
@@ -72,7 +72,7 @@ def uncertainty_rows(registration: Registration) -> list[tuple[str, str]]:
 
 def _centre_row(registration: Registration, covariance: PoseCovariance) -> list[tuple[str, str]]:
     """How sure the place of the source's centre is; on springs not alike along every axis."""
-    if registration.problem.factors is not None:
+    if registration.problem.springs is not None:
         sigma = _two_digits(covariance.centre_sigma)
         return [("centre ±", f"{sigma} along the axis that is least sure  (the source's mean)")]
     centre = " ".join(centre_words(registration, covariance))
@@ -205,7 +205,7 @@ def _basis_words(registration: Registration, covariance: PoseCovariance) -> str:
     """What one standard deviation is of: the sigma that is given, or what the residuals say."""
     told = "one standard deviation, to first order, "
     problem = registration.problem
-    springs = problem.factors is not None
+    springs = problem.springs is not None
     if not covariance.estimated and springs:
         return f"{told}of independent errors as large along the springs as these say"
     if not covariance.estimated:
@@ -227,7 +227,7 @@ def _basis_words(registration: Registration, covariance: PoseCovariance) -> str:
 def _sigma_of(registration: Registration, covariance: PoseCovariance) -> float:
     """The standard deviation of a coordinate at the mean weight."""
     points = registration.problem.observations / 3
-    if registration.problem.rotation_only:
+    if not registration.problem.motion.translations:
         weight = nearest_or_zero(registration.solution.moments.total_weight / round(points))
         return math.sqrt((covariance.variance_factor or 0.0) / weight) if weight else 0.0
     return covariance.centre_sigma * math.sqrt(points)

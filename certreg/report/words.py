@@ -1,66 +1,46 @@
-"""What the page says in sentences: what is proved and by which theorem, and what is to be seen."""
+"""What the page says in sentences: what is proved and by which theorem, and what is not claimed."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from fractions import Fraction
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+from certreg._loading import late
 from certreg.certificate.bounds import sin2_half_angle_between
-from certreg.exact.decimals import at_most
+from certreg.exact.decimals import at_least, at_most
 from certreg.exact.dyadic import degrees_above, half_angle_bound, rational_root_above
-from certreg.problem.moments import trace
 from certreg.problem.motion import Scale
 from certreg.registration.headlines import proved_degrees
-from certreg.report.lines import bounds_nothing, count_words, margin_words, number
+from certreg.registration.result import Method
+from certreg.report.equilibria import count_words, margin_words
+from certreg.report.fields import scale_interval
+from certreg.report.lines import bounds_nothing
+from certreg.report.parts import listed, sprung
 from certreg.report.pose_words import gap_words
 from certreg.report.robustness import robustness_words
+from certreg.report.scale import BIAS, printed_interval, rests_of
+from certreg.report.scene_words import lie_words
+from certreg.report.sentences import Sentence, begun, sentence
+from certreg.report.springs import few_words, how_words, relaxation_words, soft_words
 from certreg.results import Absent, ComponentKind, Guarantee
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from certreg.certificate.isotropic import Claims, IsotropicBody
-    from certreg.equilibrium.equilibrium_set import Component, EquilibriumSet
+    from certreg.registration import breathing as registration_breathing
     from certreg.registration.agreement import Agreement
+    from certreg.registration.quartic import QuarticSolution
     from certreg.registration.result import Registration
+    from certreg.report import breathing
+    from certreg.report.spring_listed import Listed
+else:
+    # of which few results have a free scale
+    breathing = late("certreg.report.breathing")
+    registration_breathing = late("certreg.registration.breathing")
 
 
-THEOREMS = {  # claims of `certreg derive`, by the titles of their pages
-    "optimality_certificate": "The optimality certificate",
-    "pair_lengths": "Two pairs within their bounds have nearly the same length",
-    "few_neighbours": "Many pairs within their bounds are many neighbours",
-    "few_colours": "Neighbours with few colours",
-    "weighted_refutation": "Weights that refute pairs together",
-    "scaled_lengths": "Lengths, where the scale is free",
-    "scaled_refutation": "Weights that refute pairs at every scale",
-    "chord_bound": "A truncated square is above its chord",
-    "truncated_box": "A box of rotations without a better truncated cost",
-    "truncated_survey": "Boxes of quaternions and truncated squares",
-    "angle_of_consensus": "The rotation of every motion within the bounds",
-    "translation_gap": "What a translation costs",
-    "classification": "The eight kinds of equilibrium set",
-    "eigenvectors": "Equilibria are eigenvectors",
-    "unstable_count": "As many growing modes as the index",
-    "instability": "Every spurious equilibrium is unstable",
-    "certified_basin": "The certified basin",
-    "dual_bound": "A multiplier that is proved is a bound",
-    "spectrum": "The spectrum of Davenport's matrix",
-    "eigenvector_radius": "How far the points may move before the eigenvector has turned",
-    "scale_radius": "Between which numbers the scale stays",
-    "scale_elimination": "The best scale, and what it costs",
-    "breathing_equilibria": "Where the body that breathes rests",
-    "descartes": "How many eigenvalues are positive",
-    "breathing_confined": "A body with little energy does not collapse",
-    "spring_translation": "What a translation costs with matrices of springs",
-    "quartic_relaxation": "A quartic, and its sums of squares",
-    "bernstein_cones": "Cones and Bernstein coefficients",
-    "spring_caps": "Caps: curvature at a centre",
-    "growth_form": "The growth form",
-    "growth_radius": "How far the points may move",
-    "forty_lines": "At most forty critical lines",
-}
 NOT_CLAIMED = (
     "that the correspondences are right: a wrong pair is registered as faithfully as a right one;",
     "that the noise is Gaussian, or the bodies rigid;",
@@ -73,76 +53,93 @@ NAMES = {
     ComponentKind.PROJECTIVE_PLANE: "a projective plane of poses",
     ComponentKind.ROTATION_GROUP: "every rotation",
 }
-PLURALS = {
-    ComponentKind.CIRCLE: "a circle of them",
-    ComponentKind.PROJECTIVE_PLANE: "a projective plane of them",
-    ComponentKind.ROTATION_GROUP: "every rotation",
+RESTS_ON = {
+    Method.SQUARES: ("quartic_relaxation", "growth_form"),
+    Method.CONES: ("bernstein_cones", "spring_caps", "growth_form"),
+    Method.ENERGY: (),
 }
-NUMERALS = {1: "one axis", 2: "either of two axes", 3: "any of three axes"}
-LARGE_FACTOR = 1.05  # below, a factor says nothing that the two numbers do not
-LARGEST_FACTOR = 1e6  # above, the number means nothing to a reader
+RIGHT_SPRINGS = (
+    "that the springs are right: normals, directions and covariances are taken as they are "
+    "given, and so are those that an iterative method froze at the rotation of its last step;"
+)
+ALONE = "whether one rotation alone is optimal: that is not decided;"
+MANY = "general springs have up to forty equilibria, or infinitely many, stable ones among them"
+NOWHERE = f"where else the springs balance: {MANY}, and this page lists none;"
+NOT_ALL = f"that no equilibria are missing in the list above: {MANY};"
+LIST_ALONE = "The list was made for this page, and the certificate below does not hold it"
+LIST_CERTIFIED = "certreg equilibria --out writes one that does."
+COUNTED = ("breathing_equilibria", "descartes")
+SAME_SIZE = "The symmetric scale is the same whatever the rotation, also at these poses."
+ROUNDED = "Poses, scales, energies and RMSE are rounded to doubles from at least 57 digits."
+ROUNDED_ALONE = "The pose and its energy are rounded to doubles from far more digits."
+OF_SPECTRUM = (
+    "Poses, energies and RMSE are rounded to doubles from at least 57 digits. The "
+    "eigenvalues in the chart are computed in double precision; the signs of their real "
+    "parts are exact."
+)
 SAME_ROTATION = 0.1  # degrees: methods that find it end nearer; a run stops a little before
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Sentence:
-    """What is known, how it is known, and the names of the theorems that it rests on."""
+def sentences(registration: Registration, body: Any, found: Listed | None = None) -> list[Sentence]:
+    """What the page says is known; the checker has accepted what the certificate claims.
 
-    words: str
-    guarantee: Guarantee
-    theorems: tuple[str, ...] = ()
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class MethodAngles:
-    """How far independent methods ended from the pose, in degrees; None for those not run."""
-
-    closed_form: float
-    relaxation: float | None
-    simulation: float | None
-
-    @classmethod
-    def of(cls, agreement: Agreement) -> MethodAngles:
-        """From the angles in radians."""
-        others = (agreement.relaxation, agreement.simulation)
-        relaxation, simulation = (None if a is None else math.degrees(a) for a in others)
-        return cls(
-            closed_form=math.degrees(agreement.closed_form),
-            relaxation=relaxation,
-            simulation=simulation,
-        )
+    found: the equilibria of general springs that the page lists.
+    """
+    own, springs = listed(registration), sprung(registration)
+    known = [*_optimality(registration)]
+    known += [] if own is None else [*uniqueness_sentences(own), *_scale(own), *_rests(own, body)]
+    if springs is not None:
+        known += [*_uniqueness(springs), *_growth(springs), *_list(found)]
+    known += robustness_sentences(registration)
+    if springs is not None:
+        words = f"The semidefinite relaxation: {relaxation_words(springs)}."
+        known += [_computed(ROUNDED_ALONE), _computed(words)]
+    return known if own is None else [*known, *_numbers(own)]
 
 
-def sentences(
-    registration: Registration, body: IsotropicBody, angles: MethodAngles
-) -> list[Sentence]:
-    """What the page says is known; the checker has accepted what the certificate claims."""
-    return [
-        *optimality_sentence(registration),
-        *uniqueness_sentences(registration),
-        *motion_sentences(registration, body),
-        *robustness_sentences(registration, "eigenvector_radius"),
-        *_numbers(registration, angles),
-    ]
+def not_claimed(
+    registration: Registration, found: Listed | None = None, untested: str = ""
+) -> tuple[str, ...]:
+    """What the page does not say; untested: which tests of the fit are not made."""
+    *before, last = NOT_CLAIMED
+    own = [f"that all rows belong: {untested};"] if untested else []
+    if (bias := BIAS.get(registration.problem.scale)) is not None:
+        own.append(f"that noise leaves the scale alone: {bias};")
+    if registration.problem.springs is not None:
+        own += _not_claimed_of_springs(registration, found)
+    return (*before, *own, last)
 
 
-def begun(words: str) -> str:
-    """Words as the beginning of a sentence."""
-    return words[:1].upper() + words[1:]
+def _not_claimed_of_springs(registration: Registration, found: Listed | None) -> list[str]:
+    own = [RIGHT_SPRINGS]
+    if registration.solution.unique_rotation is None:
+        own.append(ALONE)
+    if found is None or not found.rows:
+        own.append(NOWHERE)
+    elif not found.complete:
+        own.append(NOT_ALL)
+    return own
 
 
-def sentence(words: str) -> str:
-    """Words as a sentence that ends by itself."""
-    ended = words.removesuffix(":").removesuffix(".")
-    whole = begun(ended if ended.endswith("?") else f"{ended}.")
-    return whole.replace(" %", "\u00a0%")  # on one line
+def _computed(words: str, *theorems: str) -> Sentence:
+    return Sentence(words=words, guarantee=Guarantee.NUMERICAL, theorems=theorems)
 
 
-def robustness_sentences(registration: Registration, *theorems: str) -> Iterator[Sentence]:
+def _proved(words: str, *theorems: str) -> Sentence:
+    return Sentence(words=words, guarantee=Guarantee.EXACT, theorems=theorems)
+
+
+def robustness_sentences(registration: Registration) -> Iterator[Sentence]:
     """How far the points may be off, if it is proved."""
-    if registration.robustness is not None:
-        words = sentence(robustness_words(registration))
-        yield Sentence(words=words, guarantee=Guarantee.EXACT, theorems=theorems)
+    if registration.robustness is None:
+        return
+    words = sentence(robustness_words(registration))
+    if registration.problem.springs is not None:
+        yield _proved(words, "growth_radius")
+        return
+    yield _proved(
+        words, "eigenvector_radius", *["scale_radius"] * (registration.problem.scale in BIAS)
+    )
 
 
 def weak_words(registration: Registration) -> str:
@@ -161,21 +158,22 @@ def weak_words(registration: Registration) -> str:
     )
 
 
-def optimality_sentence(registration: Registration) -> Iterator[Sentence]:
-    """Over which motions the pose is proved to be the best, and to within what."""
+def _optimality(registration: Registration) -> Iterator[Sentence]:
     bounds, problem = registration.bounds, registration.problem
     if bounds is None:
         return
-    motion = problem.motion
+    motion, end = problem.motion, ""
+    moves = motion.translations > 0
     divided = " divided by the scale" if problem.scale is Scale.SYMMETRIC else ""
     what = f"the sum of weighted squared distances{divided}"
-    theorems = ["optimality_certificate", *["translation_gap"] * (motion.translations > 0)]
+    theorems = ["optimality_certificate", *["translation_gap"] * moves]
     theorems += ["scale_elimination"] * motion.scaled
-    yield Sentence(
-        words=gap_words(motion, what, bounds.greatest_gap),
-        guarantee=Guarantee.EXACT,
-        theorems=tuple(theorems),
-    )
+    springs = sprung(registration)
+    if springs is not None and springs.method is not None:
+        what, end = "the energy of the springs", f" It is proved by {how_words(springs)}."
+        theorems = [*RESTS_ON[springs.method], *["spring_translation"] * moves]
+    words = f"{gap_words(motion, what, bounds.greatest_gap)}{end}"
+    yield _proved(words, *theorems)
 
 
 def uniqueness_sentences(registration: Registration) -> Iterator[Sentence]:
@@ -184,31 +182,123 @@ def uniqueness_sentences(registration: Registration) -> Iterator[Sentence]:
         return
     degrees = proved_degrees(registration)
     if degrees is not None:
-        yield Sentence(
-            words=(
+        yield _proved(
+            (
                 "The best rotation is unique, and that of the quaternion given below is within "
                 f"{degrees} degrees of it."
             ),
-            guarantee=Guarantee.EXACT,
-            theorems=("optimality_certificate", "classification"),
+            "optimality_certificate",
+            "classification",
         )
         return
     if registration.equilibria.classification.unique:
-        yield Sentence(
-            words=(
+        yield _proved(
+            (
                 "The best rotation is unique. How far it is from that of the quaternion given "
                 "below is not claimed."
             ),
-            guarantee=Guarantee.EXACT,
-            theorems=("classification",),
+            "classification",
         )
         return
     kind = NAMES[registration.equilibria.components[0].kind]
-    yield Sentence(
-        words=f"The best rotation is not unique: the optima are {kind}, all exactly as good.",
-        guarantee=Guarantee.EXACT,
-        theorems=("classification",),
+    yield _proved(
+        f"The best rotation is not unique: the optima are {kind}, all exactly as good.",
+        "classification",
     )
+
+
+def _uniqueness(registration: Registration[QuarticSolution]) -> Iterator[Sentence]:
+    solution, degrees = registration.solution, proved_degrees(registration)
+    free = solution.freedom
+    if words := free.turn_words():
+        yield _proved(sentence(words))
+    if words := free.shift_words():
+        theorems = ("spring_translation",)
+        yield _proved(sentence(words), *theorems)
+    if solution.unique_rotation:
+        far = "" if degrees is None else f" It is within {degrees} degrees of the one given below."
+        words = f"One rotation alone is optimal.{far}"
+        yield _proved(words, "growth_form")
+    elif solution.unique_rotation is False and not free.turn_words():
+        words = "Two rotations at least are optimal, exactly as good as one another."
+        yield _proved(words)
+    elif solution.unique_rotation is None:
+        if degrees is not None:
+            words = f"Every optimal rotation is within {degrees} degrees of the one given below."
+            yield _proved(words, "growth_form")
+        if soft := soft_words(registration):
+            yield _computed(sentence(soft))
+        if few := few_words(registration):
+            yield _proved(sentence(few))
+
+
+def _growth(registration: Registration[QuarticSolution]) -> Iterator[Sentence]:
+    certificate = registration.certificate
+    if certificate is None or not certificate.body.growth:
+        return
+    mu, delta = certificate.body.growth, certificate.body.gap
+    shifted = ", with whatever translation" if registration.problem.motion.translations else ""
+    yield _proved(
+        (
+            "A rotation that is turned by an angle a from the certified one costs at least "
+            f"{at_least(mu)} sin²(a/2) - {at_most(delta)} more{shifted}."
+        ),
+        "growth_form",
+    )
+
+
+def _list(found: Listed | None) -> Iterator[Sentence]:
+    if found is not None and found.complete:
+        forty = "forty_lines" in found.theorems  # of others no certificate is made
+        end = f": {LIST_CERTIFIED}" if forty else "."
+        yield Sentence(
+            words=f"{found.words} {LIST_ALONE}{end}",
+            guarantee=found.guarantee,
+            theorems=found.theorems,
+        )
+
+
+def _scale(registration: Registration) -> Iterator[Sentence]:
+    if registration.problem.scale not in BIAS:
+        return
+    bounds = scale_interval(registration)
+    if isinstance(bounds, Absent):
+        return
+    low, high = printed_interval(bounds)
+    words = (
+        f"The scale of every optimum is at least {low} and at most {high}; the certificate has "
+        "both in more digits."
+    )
+    yield _proved(words, "optimality_certificate", "scale_elimination")
+
+
+def _rests(registration: Registration, body: Any) -> Iterator[Sentence]:
+    """Where the body can rest, and whether its motion keeps its size above 0."""
+    found = rests_of(registration)
+    if found is None:
+        yield from motion_sentences(registration, body)
+        return
+    if found.breathing is None:
+        yield rest_sentence(registration)
+        yield _proved(SAME_SIZE, "scale_elimination")
+        return
+    indices = ", ".join(str(each.component.morse_index) for each in found.components)
+    index = "index" if len(found.components) == 1 else "indices"
+    which = f", of {index} {indices}" if found.components else ""
+    words = (
+        "Poses at which a body can rest whose size is free: "
+        f"{breathing.scaled_count_words(found)}{which}. The list is complete."
+    )
+    yield Sentence(words=words, guarantee=found.rigid.guarantee, theorems=COUNTED)
+    words = breathing.inside_out_words(found.breathing)
+    yield _proved(words, *COUNTED)
+    trajectory = registration.solution.trajectory
+    if (
+        isinstance(trajectory, registration_breathing.SimulatedBreathing)
+        and trajectory.never_collapses
+    ):
+        words = sentence(breathing.KEEPS.removeprefix("Proved: "))
+        yield _proved(begun(words), "breathing_confined")
 
 
 def motion_sentences(registration: Registration, body: IsotropicBody) -> Iterator[Sentence]:
@@ -226,9 +316,9 @@ def rest_sentence(registration: Registration) -> Sentence:
     every = equilibria.components[0].kind is ComponentKind.ROTATION_GROUP
     begun = f"There {'is' if counted.startswith('one ') else 'are'} {counted}"
     begun = counted.capitalize() if every else begun
-    listed = ", ".join(f"{NAMES[c.kind]} of index {c.morse_index}" for c in equilibria.components)
+    named = ", ".join(f"{NAMES[c.kind]} of index {c.morse_index}" for c in equilibria.components)
     return Sentence(
-        words=f"{begun}: {listed}. The list is complete.",
+        words=f"{begun}: {named}. The list is complete.",
         guarantee=equilibria.guarantee,
         theorems=("eigenvectors", "classification"),
     )
@@ -270,22 +360,18 @@ def _basin(registration: Registration, body: IsotropicBody) -> Iterator[Sentence
         return
     off = half_angle_bound(sin2_half_angle_between(body.quaternion, state.quaternion))
     spin = rational_root_above(sum((w * w for w in state.spin), start=Fraction(0)))
-    yield Sentence(
-        words=(
+    yield _proved(
+        (
             "From the state in the certificate, within "
             f"{at_most(degrees_above(off), 2)}° of its pose and turning by at most "
             f"{at_most(spin, 2)} radians per unit of time, the exact motion can end nowhere but at "
             "the optimum, whatever the damping."
         ),
-        guarantee=Guarantee.EXACT,
-        theorems=("certified_basin",),
+        "certified_basin",
     )
     if not isinstance(registration.solution.trajectory, Absent):
         verb = "is" if registration.solution.ended_in(state) else "is not"
-        yield Sentence(
-            words=f"That {verb} the state in which {_simulation_name(registration)} ended.",
-            guarantee=Guarantee.NUMERICAL,
-        )
+        yield _computed(f"That {verb} the state in which {_simulation_name(registration)} ended.")
 
 
 def _simulation_name(registration: Registration) -> str:
@@ -303,42 +389,32 @@ def _dual(registration: Registration, claims: Claims) -> Iterator[Sentence]:
         worth = ""
         if bounds_nothing(registration, gap.value):
             worth = " It bounds nothing: the range of energies may be smaller."
-        yield Sentence(
-            words=(
+        yield _proved(
+            (
                 "The dual of the semidefinite relaxation, rounded outwards, bounds the gap "
                 f"of the certified rotation independently: at most {at_most(gap.value)}.{worth}"
             ),
-            guarantee=Guarantee.EXACT,
-            theorems=("dual_bound",),
+            "dual_bound",
         )
 
 
-def _numbers(registration: Registration, angles: MethodAngles) -> Iterator[Sentence]:
-    yield Sentence(
-        words=(
-            "Poses, energies and RMSE are rounded to doubles from at least 57 digits. The "
-            "eigenvalues in the chart are computed in double precision; the signs of their real "
-            "parts are exact."
-        ),
-        guarantee=Guarantee.NUMERICAL,
-        theorems=("spectrum",),
-    )
-    yield methods_sentence(registration, angles)
-    yield Sentence(
-        words=f"The ambiguity margin is {margin_words(registration.equilibria)}.",
-        guarantee=Guarantee.NUMERICAL,
-        theorems=("classification",),
-    )
+def _numbers(registration: Registration) -> Iterator[Sentence]:
+    moves_otherwise = registration.problem.motion.options
+    yield _computed(ROUNDED) if moves_otherwise else _computed(OF_SPECTRUM, "spectrum")
+    yield methods_sentence(registration, registration.solution.agreement)
+    if registration.problem.scale not in BIAS:
+        words = f"The ambiguity margin is {margin_words(registration.equilibria)}."
+        yield _computed(words, "classification")
 
 
-def methods_sentence(registration: Registration, methods: MethodAngles) -> Sentence:
+def methods_sentence(registration: Registration, methods: Agreement) -> Sentence:
     """Which methods lead to the rotation that is printed, and which do not."""
     angles = {
         "the closed form": methods.closed_form,
         "the semidefinite relaxation": methods.relaxation,
         _simulation_name(registration): methods.simulation,
     }
-    ran = {name: angle for name, angle in angles.items() if angle is not None}
+    ran = {name: math.degrees(angle) for name, angle in angles.items() if angle is not None}
     apart = [name for name, angle in ran.items() if not angle <= SAME_ROTATION]
     near = [f"{name} to {at_most(angle, 1)}°" for name, angle in ran.items() if name not in apart]
     unique = registration.equilibria.classification.unique
@@ -350,91 +426,4 @@ def methods_sentence(registration: Registration, methods: MethodAngles) -> Sente
         "No proof rests on it."
         for name in apart
     ]
-    return Sentence(words=" ".join(words), guarantee=Guarantee.NUMERICAL)
-
-
-def lie_words(registration: Registration) -> str:
-    """How source points lie for which no dynamics is defined."""
-    one = not trace(registration.solution.moments.source_scatter)
-    if registration.problem.rotation_only:
-        return "are all at the origin" if one else "are on one line through the origin"
-    return "coincide" if one else "are on one line"
-
-
-def trap_words(equilibria: EquilibriumSet, rmse: float | None = None) -> str | None:
-    """How much worse the worst stationary pose fits, and that bodies leave it.
-
-    None if all are optimal. rmse: that of the pose as printed, where the page tells it; else of the
-    exact optimum.
-    """
-    worst, last = equilibria.components[-1], len(equilibria.components) - 1
-    if worst.optimal or None in {worst.rmse, equilibria.components[0].rmse}:
-        return None
-    optimum = equilibria.components[0].rmse if rmse is None else rmse
-    factor, best = factor_words(equilibria, last), number(optimum)
-    fit = f"with an RMSE of {number(worst.rmse)} instead of {best}"
-    if number(worst.rmse) == best:
-        fit = f"though its RMSE is {best}, as the optimum's is, in these digits"
-    unstable = worst.unstable_eigenvalues is not None
-    single = worst.kind is ComponentKind.POINT
-    return (
-        f"{'The worst rotation' if single else 'One of the worst rotations'}, "
-        f"{math.degrees(worst.angle_to_optimum):.4g}° off, balances the "
-        f"springs, too. It is not the best, {fit}{f' ({factor})' if factor else ''}"
-        f"{', and unstable: a push, however small, can end it' if unstable else ''}."
-    )
-
-
-def component_name(equilibria: EquilibriumSet, index: int) -> str:
-    """A short name for a button."""
-    component = equilibria.components[index]
-    single = component.kind is ComponentKind.POINT
-    if component.optimal:
-        return "Optimum" if single else f"Optima: {PLURALS[component.kind]}"
-    name = "Worst rotation" if index == len(equilibria.components) - 1 else "Saddle"
-    return name if single else f"{name}s: {PLURALS[component.kind]}"
-
-
-def factor_words(equilibria: EquilibriumSet, index: int) -> str:
-    """How many times as far apart the pairs are as at the optimum; empty where that says little."""
-    best, here = equilibria.components[0].rmse, equilibria.components[index].rmse
-    if not best or not here or not LARGE_FACTOR < here / best < LARGEST_FACTOR:
-        return ""
-    return f"{here / best:.3g} times the optimum's"
-
-
-def component_words(equilibria: EquilibriumSet, index: int) -> str:
-    """What is to be seen at a component, and why a body stays there or leaves."""
-    component = equilibria.components[index]
-    if component.optimal:
-        return _optimal_words(component)
-    factor = factor_words(equilibria, index)
-    fit = f"RMSE {number(component.rmse)}{f', {factor}' if factor else ''}"
-    last = index == len(equilibria.components) - 1
-    single = component.kind is ComponentKind.POINT
-    worst = "It is the worst rotation there is" if single else "No rotation is worse than these"
-    worst = f" {worst}." if last else ""
-    axes = NUMERALS[component.morse_index]
-    return (
-        f"All forces and torques balance here, but the fit is not the best: {fit}.{worst} Turning "
-        f"about {axes} lowers the energy, {_growth_words(component)}"
-    )
-
-
-def _growth_words(component: Component) -> str:
-    count = component.unstable_eigenvalues
-    if count is None:
-        return "so it is no minimum."
-    which = "its mode" if count == 1 else "their modes"
-    modes = "1 of the 12 eigenvalues has" if count == 1 else f"{count} of the 12 eigenvalues have"
-    return (
-        f"and so {modes} a positive real part: along {which} a push grows, however small, "
-        "and the body leaves."
-    )
-
-
-def _optimal_words(component: Component) -> str:
-    if component.kind is not ComponentKind.POINT:
-        return "No pose is better than these, and all of them are exactly as good: move along them."
-    stable = "" if component.unstable_eigenvalues is None else ", and the body comes back"
-    return f"No pose fits better. Turned a little about any axis, the energy rises{stable}."
+    return _computed(" ".join(words))

@@ -73,8 +73,8 @@ ALLOWED = {  # what the last digit of a number to the nearest is worth, and wher
         report/viewer.py {away:.3g}
         report/viewer.py {away:.4g}
         report/viewer.py {most:.3g}
-        report/words.py {here / best:.3g}
-        report/words.py {math.degrees(worst.angle_to_optimum):.4g}
+        report/scene_words.py {here / best:.3g}
+        report/scene_words.py {math.degrees(worst.angle_to_optimum):.4g}
         report/words.py {ran[name]:.3g}
         io/poses.py {norm:.6g}
         io/pairing.py {here:.16g}
@@ -126,16 +126,16 @@ ALLOWED = {  # what the last digit of a number to the nearest is worth, and wher
     "numbers of a pose in words; all digits stand beside them": """
         registration/loose_turns.py axis.round(3)
         registration/loose_turns.py {entry + 0.0:.3g}
-        report/overview.py {:.6f}
-        report/overview.py {:.6g}
-        report/overview.py {entry:.4f}
-        report/overview.py {value:.5e}
-        report/overview.py {value:.9g}
+        report/pose_facts.py {:.6f}
+        report/pose_facts.py {:.6g}
+        report/pose_facts.py {entry:.4f}
+        report/pose_facts.py {value:.5e}
+        report/pose_facts.py {value:.9g}
         report/pose_words.py {degrees:.4g}
         report/pose_words.py {entry:.3f}
         report/pose_words.py {entry:.6g}
         report/pose_words.py {pose.scale:.6g}
-        report/similarity_overview.py {pose.scale:.9g}
+        report/pose_facts.py {pose.scale:.9g}
         cli/judging.py {pose.scale:.15g}
     """,
     "a value to try, or beside which the user's is held": """
@@ -150,7 +150,7 @@ ALLOWED = {  # what the last digit of a number to the nearest is worth, and wher
         report/methods.py {1000.0 * each.seconds:.2f}
         report/reload.py {damping:.6g}
         report/reload.py {problem.damping:g}
-        report/similarity_page.py {run.times[-1]:.6g}
+        report/rest_sections.py {run.times[-1]:.6g}
         report/spring_equilibria.py {1000.0 * each.seconds:.1f}
         report/spring_simulation.py {run.speed:.3g}
         report/spring_simulation.py {run.time:.6g}
@@ -171,25 +171,25 @@ ALLOWED = {  # what the last digit of a number to the nearest is worth, and wher
         report/cards.py {math.degrees(away or 0.0):.4g}
         report/cards.py {math.degrees(part.angle_to_optimum):.6g}
         report/cards.py {value:.6g}
-        report/consensus_page.py {float(residuals[row] / bounds[row]):.3g}
+        report/consensus_page.py {share:.3g}
         report/methods.py {e:.10g}
         report/spring_equilibria.py {math.degrees(part.angle_to_first):.6g}
         report/spring_equilibria.py {part.above:.1e}
         report/spring_listed.py {math.degrees(part.angle_to_first):.4g}
-        report/spring_summary.py {100.0 * of_it:.3g}
-        report/spring_summary.py {100.0 * share:.3g}
-        report/spring_summary.py {math.degrees(away):.1g}
-        report/lines.py {100 * margin.relative:.3g}
+        report/springs.py {100.0 * of_it:.3g}
+        report/springs.py {100.0 * share:.3g}
+        report/springs.py {math.degrees(away):.1g}
+        report/equilibria.py {100 * margin.relative:.3g}
         report/lines.py {context.divide(Decimal(value.numerator), Decimal(value.denominator)):.9e}
         report/lines.py {degrees:.{digits}g}
-        report/lines.py {math.degrees(component.angle_to_optimum):.6g}
+        report/equilibria.py {math.degrees(component.angle_to_optimum):.6g}
         report/lines.py {trajectory.scales[-1]:.6g}
         report/lines.py {value:.4g}
         report/lines.py {value:.6f}
         report/lines.py {value:.9e}
         report/truncated_page.py {angle:.3g}
         report/truncated_page.py {float(residuals[row] / problem.bounds[row]):.3g}
-        report/truncated_summary.py {result.cost:.9g}
+        report/pairs.py {result.cost:.9g}
     """,
     "a place, a size or a mark in a picture": """
         report/breaking.py {top + PANEL * (1.0 - height):.1f}

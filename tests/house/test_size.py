@@ -14,8 +14,8 @@ from syntax import nodes
 import certreg
 
 PACKAGE = Path(certreg.__file__).parent
-MOST_STATEMENTS = 36_580
-MOST_FILES = 395
+MOST_STATEMENTS = 36_216
+MOST_FILES = 355
 
 
 def written() -> list[Path]:

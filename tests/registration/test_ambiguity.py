@@ -16,7 +16,8 @@ from certreg.registration.certification import certify
 from certreg.registration.enumeration import equilibria
 from certreg.registration.headlines import headline_of
 from certreg.registration.outlying import independent_rows
-from certreg.report.lines import equilibria_words, warnings
+from certreg.report.equilibria import equilibria_words
+from certreg.report.lines import warnings
 from certreg.report.page import Report
 from certreg.report.pages import html_page
 from certreg.report.summary import registration_summary

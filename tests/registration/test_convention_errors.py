@@ -19,8 +19,7 @@ from certreg.registration.assessment import NO_SLIP, judged
 from certreg.registration.convention_errors import SlipCode
 from certreg.registration.findings import GOOD
 from certreg.registration.loose_turns import TURNED_FAR
-from certreg.report.document import assessment_document
-from certreg.report.judged_pose import assessment_summary
+from certreg.report.judged_pose import assessment_document, assessment_summary
 from certreg.results import PoseVerdict
 
 SAMPLE = 2

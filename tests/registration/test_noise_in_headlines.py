@@ -20,8 +20,8 @@ from certreg.registration.findings import FIT_WARNED, SigmaDistance, rules_out
 from certreg.registration.headlines import headline_words, is_green, is_loose
 from certreg.registration.misfits import LEVEL
 from certreg.report.cards import GREEN
-from certreg.report.document import assessment_document, result_document
-from certreg.report.judged_pose import assessment_summary
+from certreg.report.document import result_document
+from certreg.report.judged_pose import assessment_document, assessment_summary
 from certreg.report.page import Report
 from certreg.report.pages import html_page
 from certreg.report.summary import registration_summary

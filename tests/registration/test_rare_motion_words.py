@@ -23,7 +23,7 @@ from certreg.report.spring_equilibria import (
     spring_equilibria_words,
 )
 from certreg.report.spring_listed import listed
-from certreg.report.spring_summary import springs_words
+from certreg.report.springs import springs_words
 from certreg.results import Absent
 
 if TYPE_CHECKING:

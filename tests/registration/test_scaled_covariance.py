@@ -15,7 +15,7 @@ from scipy.spatial.transform import Rotation
 from certreg import RegistrationProblem, certify
 from certreg.objective.isotropic import Isotropic
 from certreg.registration.covariance import BIASED, pose_covariance
-from certreg.report.overview import _sure
+from certreg.report.pose_facts import pose_of
 from certreg.report.residual_table import residual_table
 from certreg.results import Absent
 
@@ -218,7 +218,7 @@ def test_it_is_told_everywhere(model):
     assert ("translation +/-" in text) != ("rotation_only" in model)
     assert "rotation +/-" in text
     assert registration.covariance is not None
-    facts = {fact.name for fact in _sure(registration, registration.covariance)}
+    facts = {fact.name for fact in pose_of(registration).facts}
     assert ("Scale ±" in facts) == ("scale" in model)
     assert ("Centre ±" in facts) != ("rotation_only" in model)
 

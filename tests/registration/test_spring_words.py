@@ -18,7 +18,7 @@ from certreg.problem.problem import RegistrationProblem
 from certreg.registration.assessment import assess
 from certreg.registration.certification import certify
 from certreg.registration.exit_codes import DONE, NOT_CERTIFIED, NOT_UNIQUE, code_of_registration
-from certreg.report.spring_overview import spring_overview
+from certreg.report.overview import Overview
 from certreg.results import Limits, PoseVerdict
 
 Array = NDArray[np.float64]
@@ -223,7 +223,7 @@ def test_of_five_planes_the_energy_itself_is_the_better_bound():
     rng = np.random.default_rng(4)
     source, normals = rng.integers(-9, 10, (2, 5, 3)).astype(float)
     found: Any = certify(RegistrationProblem(source, source, normals=normals))
-    words, told = str(found), spring_overview(found).proved
+    words, told = str(found), Overview.of(found).proved
 
     assert found.bounds.greatest_gap < 1e-25 * (found.objective or 1.0) + 1e-25
     assert "proved by         the energy itself, which is a sum of squares" in words

@@ -11,9 +11,9 @@ import pytest
 
 from certreg.dynamics.body import SimulationStatus
 from certreg.registration.result import Method
-from certreg.report import lines, spring_summary, truncated_summary
+from certreg.report import lines, pairs
 from certreg.report.lines import MEANS, UNMET
-from certreg.results import Limits, Optimality
+from certreg.results import Limits
 
 BOTH = (False, True)
 
@@ -44,20 +44,24 @@ def test_an_angle_is_to_the_optimum_of_springs_where_one_rotation_is_proved_to_b
             greatest_gap=Fraction(1, 2), least_range_squared=0, angle_upper=0.125
         ),
         method=Method.ENERGY,
-        status=Optimality.BOUNDED,
+        problem=SimpleNamespace(springs=SimpleNamespace()),
         robustness=None,
         solution=SimpleNamespace(unique_rotation=unique),
     )
     which = "the optimum" if unique else "every optimum"
 
-    told = [line for line in spring_summary._proved_lines(registration) if "proved angle" in line]
+    told = [
+        line
+        for line in lines.proved_lines(registration, registration.bounds)
+        if "proved angle" in line
+    ]
     assert len(told) == 1
     assert told[0].endswith(f" degrees of {which}")
 
 
 def test_what_certified_means_is_told_of_what_is_certified(monkeypatch):
     """And of labels that are all proved what is asked for beside; of open ones neither is."""
-    monkeypatch.setattr(truncated_summary, "fit_causes", lambda _: [])
+    monkeypatch.setattr(pairs, "causes", lambda _: [])
     for labelled, certified, given in product(BOTH, BOTH, BOTH):
         if certified and not labelled:
             continue
@@ -69,6 +73,6 @@ def test_what_certified_means_is_told_of_what_is_certified(monkeypatch):
             fit=SimpleNamespace(limits=limits),
         )
 
-        begins = [line[: len(MEANS)] for line in truncated_summary.truncated_causes(result)]
+        begins = [line[: len(MEANS)] for line in pairs.truncated_causes(result)]
         unmet = labelled and not certified
         assert begins == ([UNMET[: len(MEANS)]] if unmet else [MEANS] * (certified and given))

@@ -21,8 +21,8 @@ from certreg.registration.exit_codes import code_of_registration
 from certreg.report.cards import AMBER, GREEN
 from certreg.report.consensus_page import ConsensusReport
 from certreg.report.consensus_reach import degrees_from, reach_degrees
+from certreg.report.pairs import optimum_degrees
 from certreg.report.reload import report_of
-from certreg.report.truncated_summary import optimum_degrees
 from certreg.report.viewer import Names
 
 VECTORS = Path(__file__).parents[2] / "vectors"

@@ -21,6 +21,7 @@ from certreg.report.reload import report_of
 if TYPE_CHECKING:
     from pathlib import Path
 
+
 BOUND = 0.05
 
 
@@ -88,6 +89,21 @@ def test_the_page_says_what_is_undecided_and_the_other_motion():
         "body, or an agreement by chance."
     ) in page
     assert " P3 " in page
+
+
+def test_every_section_has_its_title_and_its_columns():
+    page = words_of(result(twins=True))
+
+    for title in (
+        "Residuals against the bounds",
+        "The other motion",
+        "row residual over its bound",
+    ):
+        assert title in page
+    assert (
+        "Each pair is a spring that breaks beyond its bound; the bounds begin wide and shrink to "
+        "those given."
+    ) in words_of(result())
 
 
 def test_a_pose_that_breaks_its_own_consensus_is_said(monkeypatch):

@@ -24,10 +24,11 @@ from certreg.registration.simulation import proved_end, simulate
 from certreg.report import lines
 from certreg.report.any_report import ASSETS
 from certreg.report.judged_pose import assessment_summary
+from certreg.report.scene_words import component_words, trap_words
 from certreg.report.summary import registration_summary, simulation_summary
 from certreg.report.thinning import thinned, unspent_words
 from certreg.report.viewer import WATCH, Names, ended_words, scene_document, viewer_words
-from certreg.report.words import component_words, lie_words, trap_words
+from certreg.report.words import lie_words
 from certreg.verify import check
 
 if TYPE_CHECKING:

@@ -22,14 +22,14 @@ from certreg.registration.certification import certify
 from certreg.registration.enumeration import enumerated
 from certreg.registration.headlines import interval_words
 from certreg.report import thinning
-from certreg.report.document import assessment_document, result_document
-from certreg.report.judged_pose import assessment_summary
+from certreg.report.document import result_document
+from certreg.report.judged_pose import assessment_document, assessment_summary
 from certreg.report.methods import methods_fields
 from certreg.report.pose_words import motion_words
 from certreg.report.reload import WEAKER, _weaker
 from certreg.report.summary import registration_summary
 from certreg.report.viewer import Names, scene_document
-from certreg.report.words import MethodAngles
+from certreg.report.words import methods_sentence
 
 if TYPE_CHECKING:
     from certreg.registration.result import Registration
@@ -87,13 +87,11 @@ def test_the_covariance_says_where_its_scale_is_from(sigma: float | None, scale:
     assert result_document(plainly(problem))["pose"]["covariance_scale"] == scale
 
 
-def test_angles_of_methods_are_in_degrees():
+def test_angles_of_methods_are_in_degrees(registration: Registration):
     angles = Agreement(closed_form=math.pi, relaxation=math.pi / 2, simulation=math.pi / 3)
-    found = MethodAngles.of(angles)
+    told = methods_sentence(registration, angles).words
 
-    assert found.closed_form == pytest.approx(180.0)
-    assert found.relaxation == pytest.approx(90.0)
-    assert found.simulation == pytest.approx(60.0)
+    assert [float(one) for one in re.findall(r"ended (\d+)°", told)] == [180.0, 90.0, 60.0]
 
 
 def test_how_well_roads_agree_is_told_in_degrees():

@@ -13,18 +13,17 @@ import pytest
 from flint import arb, ctx
 
 from certreg.geometry.pose import Pose
-from certreg.problem.motion import Motion
+from certreg.problem.motion import Motion, Scale
 from certreg.registration.result import Method
 from certreg.registration.robustness import Robustness
-from certreg.report import spring_document, spring_summary, spring_words
+from certreg.report import document, lines
 from certreg.report import words as page_words
 from certreg.report.consensus_reach import degrees_from
 from certreg.report.judged_pose import _proved_angle, _shift_words
 from certreg.report.lines import step_words
 from certreg.report.overview import bound_facts, robustness_facts
+from certreg.report.pairs import optimum_degrees
 from certreg.report.robustness import robustness_words
-from certreg.report.spring_words import _growth
-from certreg.report.truncated_summary import optimum_degrees
 from certreg.results import Optimality
 
 DIGITS = 7
@@ -130,7 +129,7 @@ def test_the_growth_that_is_told_is_no_more_than_the_proved_one(apart: Fraction)
     body = SimpleNamespace(growth=Fraction(1, 2) + apart, gap=Fraction(1, 4) + apart)
     problem = SimpleNamespace(motion=Motion())
     registration: Any = SimpleNamespace(certificate=SimpleNamespace(body=body), problem=problem)
-    (told,) = _growth(registration)
+    (told,) = page_words._growth(registration)
     found = re.search(r"costs at least (\S+) sin²\(a/2\) - (\S+) more", told.words)
     assert found is not None
     mu, delta = map(Fraction, found.groups())
@@ -138,9 +137,9 @@ def test_the_growth_that_is_told_is_no_more_than_the_proved_one(apart: Fraction)
     assert body.growth - Fraction(1, 500) < mu <= body.growth
     assert body.gap <= delta < body.gap + Fraction(1, 500)
     body.growth = Fraction(0)
-    assert list(_growth(registration)) == []
+    assert list(page_words._growth(registration)) == []
     registration.certificate = None
-    assert list(_growth(registration)) == []
+    assert list(page_words._growth(registration)) == []
 
 
 @pytest.mark.parametrize("apart", [Fraction(-1, 10**20), Fraction(0), Fraction(1, 10**20)])
@@ -148,7 +147,7 @@ def test_the_growth_of_the_document_is_no_more_than_the_proved_one(apart: Fracti
     body: Any = SimpleNamespace(
         growth=Fraction(1, 2) + apart, gap=Fraction(1, 4) + apart, quaternion=(1, -2, 3, 4)
     )
-    fields: Any = spring_document._growth(body)
+    fields: Any = document._growth(body)
     mu, delta = fields["mu"], fields["delta"]
 
     assert mu <= body.growth < math.nextafter(mu, 1.0)
@@ -172,22 +171,21 @@ def test_a_gap_is_printed_as_no_less_than_it_is_wherever_it_is_told(gap: Fractio
     registration: Any = SimpleNamespace(
         bounds=SimpleNamespace(greatest_gap=gap, least_range_squared=0, angle_upper=None),
         method=Method.ENERGY,
-        problem=SimpleNamespace(motion=Motion(), scale=None),
+        problem=SimpleNamespace(motion=Motion(), scale=Scale.NONE, springs=None),
         equilibria=SimpleNamespace(classification=SimpleNamespace(unique=False)),
         status=Optimality.CERTIFIED,
         robustness=None,
         solution=SimpleNamespace(unique_rotation=None),
     )
     told = [
-        *(one.words for one in page_words.optimality_sentence(registration)),
+        *(one.words for one in page_words._optimality(registration)),
         page_words.weak_words(registration),
-        *(one.words for one in spring_words._optimality(registration)),
-        spring_summary._proved_lines(registration)[0],
-        *(fact.value for fact in bound_facts(registration, None)),
+        lines.proved_lines(registration, registration.bounds)[0],
+        *(fact.value for fact in bound_facts(registration, None, "the optimum")),
     ]
     printed = "0.5" if gap == Fraction(1, 2) else "0.501" if gap > Fraction(1, 2) else "0.500"
 
-    assert len(told) == 5
+    assert len(told) == 4
     for line in told:
         found = re.search(r"(?:by at most|<=|≤) (0\.5\d*)", line)
         assert found is not None, line

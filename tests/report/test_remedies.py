@@ -19,10 +19,11 @@ from certreg.registration.misfits import PROVE_WRONG
 from certreg.report.cards import registration_card
 from certreg.report.document import result_document
 from certreg.report.judged_pose import assessment_summary
-from certreg.report.lines import number
-from certreg.report.overview import ABOVE, SAME, Overview
+from certreg.report.lines import OF_PRINTED, number
+from certreg.report.overview import ABOVE, Overview
 from certreg.report.page import Report
 from certreg.report.pages import html_page
+from certreg.report.pose_facts import SAME
 from certreg.report.remedies import (
     FIX_TURN,
     GIVE_SIGMA,
@@ -32,7 +33,7 @@ from certreg.report.remedies import (
     causes,
     remedies,
 )
-from certreg.report.summary import OF_PRINTED, registration_summary
+from certreg.report.summary import registration_summary
 from certreg.report.viewer import FAR_MEDIANS, FAR_SIGMAS, Names, colours_end, scene_document
 from certreg.results import Limits
 

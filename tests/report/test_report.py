@@ -8,6 +8,7 @@ import gzip
 import hashlib
 import html
 import json
+import math
 import os
 import re
 import shutil
@@ -31,6 +32,7 @@ from certreg.dynamics.trajectory import Trajectory
 from certreg.geometry.so3 import quaternion_from_matrix, quaternions_from_matrices
 from certreg.native.loops import Integrator
 from certreg.problem.problem import RegistrationProblem
+from certreg.registration.agreement import Agreement
 from certreg.registration.certification import certify
 from certreg.registration.examples import STORIES, stated, tell
 from certreg.registration.pipeline import Asked
@@ -40,9 +42,10 @@ from certreg.report.markup import asset, coded, environment_of, inert, inert_jso
 from certreg.report.page import Report
 from certreg.report.pages import html_page
 from certreg.report.reload import MotionOptions, _problem, report_of
+from certreg.report.sentences import THEOREMS
 from certreg.report.thinning import simulated_escapes, thinned
 from certreg.report.viewer import Names
-from certreg.report.words import THEOREMS, MethodAngles, sentences
+from certreg.report.words import sentences
 from certreg.verify import Clouds
 
 if TYPE_CHECKING:
@@ -253,9 +256,11 @@ def test_a_method_that_ends_elsewhere_is_not_said_to_lead_here(
     survey: Registration, relaxation: float | None, simulation: float | None
 ):
     angles = {"relaxation": relaxation, "simulation": simulation}
-    methods = MethodAngles(closed_form=1e-9, **angles)
-    body = checked(survey.certificate).body
-    said = [one.words for one in sentences(survey, body, methods) if "roads lead" in one.words]
+    turns = [None if one is None else math.radians(one) for one in (relaxation, simulation)]
+    agreement = Agreement(closed_form=1e-11, relaxation=turns[0], simulation=turns[1])
+    solution = replace(survey.solution, agreement=agreement)
+    found, body = replace(survey, solution=solution), checked(survey.certificate).body
+    said = [one.words for one in sentences(found, body) if "roads lead" in one.words]
     agreeing, _, others = said[0].partition("°. ")
 
     assert len(said) == 1

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
     from pathlib import Path
 
+
 RNG = np.random.default_rng(3)
 SOURCE = RNG.normal(size=(9, 3))
 TARGET = 2.0 * SOURCE[:, [1, 2, 0]] + [4.0, 5.0, 6.0] + 0.01 * RNG.normal(size=(9, 3))
@@ -105,7 +106,7 @@ def test_without_a_translation_there_is_no_word_of_one(model: str):
 
 SAID = {
     "asymmetric": (
-        "with a scale above 0, where the springs balance and the fit is not best",
+        "with a scale above 0, where the springs balance and the fit is not the best",
         (
             "the source turns, moves and changes its size: a body that breathes. The index "
             "counts the independent directions in which the energy falls; with a scale above 0 it "
@@ -129,7 +130,7 @@ SAID = {
             "rigid body. The index counts the independent turns that lower the energy: 0 only at "
             "the best."
         ),
-        "Other poses at rest 3 where the springs balance and the fit is not best",
+        "Other poses at rest 3 where the springs balance and the fit is not the best",
     ),
     "rotation": (
         (

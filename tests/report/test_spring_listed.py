@@ -17,10 +17,10 @@ from certreg.problem.problem import RegistrationProblem
 from certreg.registration import spring_release
 from certreg.registration.certification import certify
 from certreg.report import spring_listed
+from certreg.report.page import Report
 from certreg.report.pages import html_page
 from certreg.report.spring_listed import Listed, listed
-from certreg.report.spring_page import SpringReport
-from certreg.report.spring_words import ALONE, not_claimed_of_springs, spring_sentences
+from certreg.report.words import ALONE, not_claimed, sentences
 from certreg.results import Guarantee
 from derivations.spring_counterexamples import STABLE
 
@@ -68,7 +68,7 @@ def test_the_eighteen_planes_have_three_stable_equilibria_that_are_wrong_and_hol
 
 @pytest.mark.slow
 def test_the_page_has_a_row_for_each_equilibrium_and_marks_the_traps():
-    page = html_page(SpringReport.of(eighteen()))
+    page = html_page(Report.of(eighteen()))
     body = page.decode().partition("All equilibria of these springs")[2]
     table = body.partition("</table>")[0]
 
@@ -106,7 +106,7 @@ def test_one_wall_is_not_said_to_be_listed_and_no_row_is_called_stable():
 
 def test_where_nothing_is_listed_the_page_has_no_such_section(monkeypatch):
     monkeypatch.setattr(spring_listed, "listed_springs", lambda *_: None)
-    page = html_page(SpringReport.of(registered("plane")))
+    page = html_page(Report.of(registered("plane")))
 
     assert listed(registered("plane")) is None
     assert b"All equilibria" not in page
@@ -124,7 +124,7 @@ def test_without_the_library_of_the_list_the_page_is_made_and_says_what_the_list
         raise missing
 
     monkeypatch.setattr(spring_listed, "listed_springs", no_list)
-    said = words_of(html_page(SpringReport.of(registered("plane"))))
+    said = words_of(html_page(Report.of(registered("plane"))))
 
     assert f"None is listed here: {missing}." in said
     assert "or infinitely many, stable ones among them, and this page lists none;" in said
@@ -133,13 +133,13 @@ def test_without_the_library_of_the_list_the_page_is_made_and_says_what_the_list
 @pytest.mark.slow
 def test_a_complete_list_is_known_and_how_and_nothing_says_that_none_is_listed(forty):
     found = eighteen()
-    (said,) = [one for one in spring_sentences(found, forty) if "The list was made" in one.words]
+    (said,) = [one for one in sentences(found, None, forty) if "The list was made" in one.words]
 
     assert said.words.startswith("Equilibria (enclosed, complete): exactly 40, of which 4 stable.")
     assert said.words.endswith(" certreg equilibria --out writes one that does.")
     assert said.guarantee is Guarantee.ENCLOSED
     assert said.theorems == ("forty_lines",)
-    assert not any("forty equilibria" in words for words in not_claimed_of_springs(found, forty))
+    assert not any("forty equilibria" in words for words in not_claimed(found, forty))
 
 
 def test_of_springs_alike_in_every_way_no_certificate_of_the_list_is_promised():
@@ -149,7 +149,7 @@ def test_of_springs_alike_in_every_way_no_certificate_of_the_list_is_promised():
     rows = listed(found)
 
     assert rows is not None
-    (said,) = [one for one in spring_sentences(found, rows) if "The list was made" in one.words]
+    (said,) = [one for one in sentences(found, None, rows) if "The list was made" in one.words]
     assert "exactly 4" in said.words
     assert "--out" not in said.words
     assert said.theorems == ("eigenvectors", "classification")
@@ -158,10 +158,8 @@ def test_of_springs_alike_in_every_way_no_certificate_of_the_list_is_promised():
 def test_a_list_that_may_not_be_whole_is_not_among_what_is_known(forty):
     found, part = eighteen(), replace(forty, complete=False)
 
-    assert not any("The list was made" in one.words for one in spring_sentences(found, part))
-    (open_,) = [
-        words for words in not_claimed_of_springs(found, part) if "forty equilibria" in words
-    ]
+    assert not any("The list was made" in one.words for one in sentences(found, None, part))
+    (open_,) = [words for words in not_claimed(found, part) if "forty equilibria" in words]
     assert open_.startswith("that no equilibria are missing in the list above: ")
 
 
@@ -171,11 +169,11 @@ def test_what_is_not_decided_is_under_what_is_not_claimed_and_not_among_what_is_
     source, normals = rng.integers(-9, 10, (2, 5, 3)).astype(float)
     found = springs_of(RegistrationProblem(source, source, normals=normals))
 
-    said = spring_sentences(found, None)
+    said = sentences(found, None, None)
     assert not any("not decided" in one.words for one in said)
-    assert ALONE in not_claimed_of_springs(found, None)
-    assert ALONE not in not_claimed_of_springs(registered("plane"), None)
-    assert not_claimed_of_springs(found, None)[-1].endswith(".")
+    assert ALONE in not_claimed(found, None)
+    assert ALONE not in not_claimed(registered("plane"), None)
+    assert not_claimed(found, None)[-1].endswith(".")
     assert [one.guarantee for one in said if "add up to 5" in one.words] == [Guarantee.EXACT]
 
 

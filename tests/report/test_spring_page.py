@@ -17,12 +17,13 @@ from spring_families import line, plane
 from certreg.problem.problem import RegistrationProblem
 from certreg.registration.certification import certify
 from certreg.report.document import dumps, pose_document, result_document
+from certreg.report.page import Report
 from certreg.report.pages import html_page
 from certreg.report.reload import report_of
-from certreg.report.spring_page import SpringReport
 
 if TYPE_CHECKING:
     from pathlib import Path
+
 
 OF_ONE_WEIGHT = (  # what is true of one weight per pair alone
     *("eigenvalue", "Davenport", "weighted squared distances", "mbiguity margin", "three.js"),
@@ -50,16 +51,18 @@ def words_of(page: bytes) -> str:
 @pytest.mark.one_in(3)
 @pytest.mark.parametrize("kind", ["plane", "line", "walls"])
 def test_the_page_says_nothing_that_is_true_of_one_weight_per_pair_alone(kind: str):
-    words = words_of(html_page(SpringReport.of(registered(kind))))
+    words = words_of(html_page(Report.of(registered(kind))))
 
     assert [each for each in OF_ONE_WEIGHT if each in words] == []
     assert "SHA-256 of the points and springs" in words
     assert "exceeds the minimum by at most" in words
+    assert "The pairs that are farthest off along their springs" in words
+    assert "off along the springs" in words
 
 
 def test_the_page_runs_no_script_and_holds_the_certificate_as_a_link():
     found = registered("plane")
-    page = html_page(SpringReport.of(found)).decode()
+    page = html_page(Report.of(found)).decode()
     link = re.search(r'href="data:application/json;base64,([^"]+)"', page)
 
     assert "<script" not in page

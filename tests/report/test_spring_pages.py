@@ -11,8 +11,9 @@ from springs_certified import certified
 
 from certreg import certify
 from certreg.problem.problem import RegistrationProblem
+from certreg.report.page import Report
 from certreg.report.picture import springs_picture
-from certreg.report.spring_page import SpringReport, picture_words
+from certreg.report.rest_sections import still_picture
 
 
 def registered(family: str, n: int) -> Any:
@@ -38,8 +39,8 @@ def test_every_plane_has_a_piece_about_its_target(planes):
     pieces, rings = corners(picture), np.array(picture.rings, float)
 
     assert pieces.mean(axis=1) == pytest.approx(rings, abs=0.11)
-    assert "squares are pieces" in picture_words(planes)
-    assert "strokes" not in picture_words(planes)
+    assert "squares are pieces" in still_picture(planes)[1]
+    assert "strokes" not in still_picture(planes)[1]
 
 
 def test_a_spring_ends_in_the_plane_whose_piece_is_drawn(planes):
@@ -60,14 +61,14 @@ def test_of_mixed_springs_planes_are_squares_lines_are_strokes_and_others_have_n
 
     assert len(picture.pieces) == ranks[1] + ranks[2]
     assert len(strokes) == ranks[2]
-    assert "squares and strokes are pieces" in picture_words(mixed)
+    assert "squares and strokes are pieces" in still_picture(mixed)[1]
 
 
 def test_the_page_says_how_many_of_many_pairs_it_draws(planes, monkeypatch):
-    assert "evenly chosen" not in picture_words(planes)
+    assert "evenly chosen" not in still_picture(planes)[1]
     monkeypatch.setattr("certreg.report.picture.ON_PAGE", 7)
-    monkeypatch.setattr("certreg.report.spring_page.ON_PAGE", 7)
-    text = SpringReport.of(planes).html().decode()
+    monkeypatch.setattr("certreg.report.rest_sections.ON_PAGE", 7)
+    text = Report.of(planes).html().decode()
 
     assert '<p class="note">7 of 20 pairs, evenly chosen. The target as rings' in text
     assert "dots; 7 of 20 pairs, evenly chosen</title>" in text
@@ -79,11 +80,11 @@ def test_full_springs_have_no_piece_and_no_words_of_planes():
     picture: Any = springs_picture(found)
 
     assert picture.pieces == ()
-    assert "plane" not in picture_words(found)
+    assert "plane" not in still_picture(found)[1]
 
 
 def test_what_is_proved_names_its_theorems_and_the_robustness(planes):
-    text = SpringReport.of(planes).html().decode()
+    text = Report.of(planes).html().decode()
     table = text[text.index('id="proof"') : text.index("Not claimed")]
 
     assert "Every optimum stays within 5 degrees of the certified rotation" in table
@@ -97,7 +98,7 @@ def test_of_one_wall_nothing_is_said_of_robustness():
     rng = np.random.default_rng(3)
     x, y = rng.standard_normal((2, 12, 3))
     wall: Any = certify(RegistrationProblem(x, y, normals=np.tile([0.0, 0.0, 1.0], (12, 1))))
-    text = SpringReport.of(wall).html().decode()
+    text = Report.of(wall).html().decode()
 
     assert "as long as every target point" not in text
     assert "it names no single rotation" in text

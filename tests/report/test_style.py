@@ -11,6 +11,7 @@ FOLDER = Path(report.__file__).parent
 STYLE = (FOLDER / "assets" / "report.css").read_text("utf-8")
 TEMPLATES = {path.name: path.read_text("utf-8") for path in (FOLDER / "templates").glob("*.html")}
 SECTION = re.compile(r'call section\("(\w+)".*?endcall', re.DOTALL)
+MADE = re.compile(r'Section\(\s*name="(\w+)".*?(?=Section\(|^def |\Z)', re.DOTALL | re.MULTILINE)
 MACRO = re.compile(r"macro (\w+)\(.*?endmacro", re.DOTALL)
 INCLUDED = re.compile(r'include "report/templates/([\w.]+)"')
 
@@ -41,6 +42,12 @@ def test_the_columns_of_every_table_stand_apart():
         for template in TEMPLATES.values()
         for name, text in sections(template).items()
         if any(words in text for words in ("<table", *tabular))
+    }
+    found |= {
+        one[1]
+        for path in FOLDER.glob("*.py")
+        for one in MADE.finditer(path.read_text("utf-8"))
+        if re.search("table=|course=", one[0])
     }
 
     assert found == {"worst", "listed", "residuals", "undecided", "course"}

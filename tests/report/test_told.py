@@ -22,11 +22,13 @@ from strategies import AXES, LINE, SQUARE, TALL, TETRAHEDRON, random_problem
 from certreg.certificate.isotropic import RotationState
 from certreg.errors import CertregError
 from certreg.problem.problem import RegistrationProblem
+from certreg.registration.agreement import Agreement
 from certreg.registration.assessment import assess
 from certreg.registration.certification import certify
-from certreg.report import lines, words
+from certreg.report import lines, scene_words, words
+from certreg.report.equilibria import count_words, margin_words
 from certreg.report.judged_pose import assessment_summary
-from certreg.report.overview import aligned
+from certreg.report.pose_facts import aligned
 from certreg.report.reload import report_of
 from certreg.report.summary import registration_summary
 from certreg.report.thinning import Run, _packed
@@ -35,6 +37,7 @@ from certreg.results import Absent, Guarantee
 
 if TYPE_CHECKING:
     from certreg.registration.result import Registration
+
 
 MIRRORED = (TALL, [[2.0 * x for x in row] for row in TETRAHEDRON])  # patterns 2 1 1 and 3 1
 NOISY = random_problem(np.random.default_rng(7), n=9, noise=0.2)
@@ -113,8 +116,8 @@ def test_equilibria_are_counted_and_exactly_is_said_of_what_is_exact(cloud: Any,
     equilibria = plainly(cloud, target).equilibria
     computed = replace(equilibria, guarantee=Guarantee.NUMERICAL)
 
-    assert lines.count_words(equilibria) == f"Equilibria (exact, complete): {said}."
-    assert lines.count_words(computed) == (
+    assert count_words(equilibria) == f"Equilibria (exact, complete): {said}."
+    assert count_words(computed) == (
         f"Equilibria (numerical, complete): {said.replace('exactly ', '')}."
     )
 
@@ -124,10 +127,10 @@ def test_a_margin_is_said_to_be_small_where_it_is(axes: Registration, square: Re
     near = np.array(SQUARE) * [1.0, 1.0, 0.0]
     mirrored = plainly(np.vstack([near, [[0, 0, 1.0]]]), np.vstack([near, [[0, 0, -1.0]]]))
 
-    assert lines.margin_words(axes.equilibria) == "38.5 % of the range of energies: unique"
-    assert lines.margin_words(line.equilibria) == "0: the optimum is not unique"
+    assert margin_words(axes.equilibria) == "38.5 % of the range of energies: unique"
+    assert margin_words(line.equilibria) == "0: the optimum is not unique"
     for found in (axes, square, mirrored):
-        said = "may turn the answer over" in lines.margin_words(found.equilibria)
+        said = "may turn the answer over" in margin_words(found.equilibria)
         assert said == found.equilibria.nearly_ambiguous
 
 
@@ -183,8 +186,7 @@ def test_the_sentences_of_a_page_hold_the_numbers_of_the_certificate(axes: Regis
     state = RotationState(quaternion=(1000, 1, 0, 0), angular_velocity=(3, 4, 0, -3))
     claims = replace(body.claims, basin=True)
     given = replace(body, claims=claims, basin=state)
-    angles = words.MethodAngles(closed_form=0.0, relaxation=None, simulation=None)
-    told = [one.words for one in words.sentences(axes, given, angles)]
+    told = [one.words for one in words.sentences(axes, given)]
     degrees = math.degrees(2 * math.atan(1e-3))
 
     assert told[2].startswith("There are exactly four equilibria: the optimum and three spurious ")
@@ -197,17 +199,14 @@ def test_the_sentences_of_a_page_hold_the_numbers_of_the_certificate(axes: Regis
     assert "turning by at most 0.63 radians per unit of time" in basin  # 5 / 8
     assert not any(
         "growing" in one.words
-        for one in words.sentences(
-            axes, replace(given, claims=replace(claims, unstable=None)), angles
-        )
+        for one in words.sentences(axes, replace(given, claims=replace(claims, unstable=None)))
     )
 
 
 def test_of_two_components_the_growing_modes_are_told():
     cube = np.array([[a, b, c] for a in (1.0, -1) for b in (1.0, -1) for c in (1.0, -1)])
     found = plainly(cube.tolist(), cube.tolist())
-    angles = words.MethodAngles(closed_form=0.0, relaxation=None, simulation=None)
-    told = [one.words for one in words.sentences(found, checked(found.certificate).body, angles)]
+    told = [one.words for one in words.sentences(found, checked(found.certificate).body)]
 
     assert found.equilibria.classification.pattern == (1, 3)
     assert any(one.startswith("In this order they have 0, 1 growing modes: ") for one in told)
@@ -216,16 +215,13 @@ def test_of_two_components_the_growing_modes_are_told():
 def test_where_all_poses_are_optimal_no_mode_is_said_to_grow():
     point, line = plainly(AXES, [[0.0, 0, 0]] * 6), plainly(LINE, LINE)
     assert point.equilibria.classification.unstable == (0,)
-    angles = words.MethodAngles(closed_form=0.0, relaxation=None, simulation=None)
     for found in (point, line):
-        told = [
-            one.words for one in words.sentences(found, checked(found.certificate).body, angles)
-        ]
+        told = [one.words for one in words.sentences(found, checked(found.certificate).body)]
         assert not any("growing modes" in one for one in told)
 
 
 def test_a_road_that_ends_apart_is_named_with_its_angle(axes: Registration):
-    angles = words.MethodAngles(closed_form=0.0, relaxation=12.5, simulation=None)
+    angles = Agreement(closed_form=0.0, relaxation=math.radians(12.5), simulation=None)
     told = words.methods_sentence(axes, angles).words
 
     assert told == (
@@ -239,7 +235,7 @@ def test_the_worst_pose_and_every_button_are_told_with_their_angles():
     found = certify(problem, relaxation=False, simulation=False)
     components = found.equilibria.components
     rests = viewer_words(found)["rests"]
-    trap = checked(words.trap_words(found.equilibria))
+    trap = checked(scene_words.trap_words(found.equilibria))
 
     assert [one["badge"] for one in rests] == [f"index {k}" for k in range(4)]
     assert [one["name"] for one in rests] == ["Optimum", "Saddle", "Saddle", "Worst rotation"]
@@ -256,7 +252,7 @@ def test_the_worst_pose_and_every_button_are_told_with_their_angles():
 
 
 def test_a_pose_at_rest_is_told_by_what_it_is(axes: Registration, square: Registration):
-    told = [words.component_words(axes.equilibria, k) for k in range(4)]
+    told = [scene_words.component_words(axes.equilibria, k) for k in range(4)]
 
     assert told[0] == (
         "No pose fits better. Turned a little about any axis, the energy rises, and the body comes "
@@ -266,12 +262,14 @@ def test_a_pose_at_rest_is_told_by_what_it_is(axes: Registration, square: Regist
     assert "and so 1 of the 12 eigenvalues has a positive real part: along its mode a" in told[1]
     assert "2 of the 12 eigenvalues have a positive real part: along their modes a" in told[2]
     assert [("worst rotation there is" in one) for one in told] == [False, False, False, True]
-    flat = [words.component_words(square.equilibria, k) for k in range(3)]
+    flat = [scene_words.component_words(square.equilibria, k) for k in range(3)]
     assert flat[0].startswith("No pose fits better.")
     line = plainly(LINE, LINE).equilibria
-    assert words.component_words(line, 0).startswith("No pose is better than these, and all of")
-    assert words.component_name(line, 0).startswith("Optima: ")
-    assert words.component_name(square.equilibria, 1).startswith("Saddles: ")
+    assert scene_words.component_words(line, 0).startswith(
+        "No pose is better than these, and all of"
+    )
+    assert scene_words.component_name(line, 0).startswith("Optima: ")
+    assert scene_words.component_name(square.equilibria, 1).startswith("Saddles: ")
 
 
 def test_what_a_weak_certificate_proves_is_told_with_its_numbers(axes: Registration):

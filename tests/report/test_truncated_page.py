@@ -28,6 +28,7 @@ from certreg.results import Limits
 if TYPE_CHECKING:
     from pathlib import Path
 
+
 TURN = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
 FITTED = (
     "The rotation is fitted by least squares to the 6 pairs within, each residual divided by its "
@@ -288,15 +289,20 @@ def test_that_not_all_angles_are_listed_is_said(monkeypatch):
         "which certify --out writes, the labels in the JSON, too (truncated.labels)."
     )
     assert f"Of the 12 pairs the 5 {listed}" in words
-    assert " angle largest allowed residual " in words
+    assert " angle largest allowed residual over its bound " in words
+    assert "Angles and residuals against the bounds" in words
 
 
 def test_the_pairs_nearest_to_their_bounds_are_listed_on_either_side(monkeypatch):
     monkeypatch.setattr("certreg.report.truncated_page.NEAREST", 8)
     found = result()
-    listed = TruncatedReport.of(found).values(Names.of(found.certificate.about, 12))["nearest"]
+    listed = (
+        TruncatedReport.of(found)
+        .values(Names.of(found.certificate.about, 12))["sections"][0]
+        .table.rows
+    )
     away = np.maximum(found.residuals / BOUND, BOUND / found.residuals)
     nearest = np.argsort(away)[:8].tolist()
 
-    assert [int(one["row"]) for one in listed] == nearest
+    assert [int(one[0]) for one in listed] == nearest
     assert {found.labels[row] for row in nearest} == {"inlier", "outlier"}

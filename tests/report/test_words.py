@@ -16,15 +16,16 @@ from certreg import RegistrationProblem
 from certreg.registration.assessment import assess
 from certreg.registration.certification import certify
 from certreg.registration.enumeration import equilibria
-from certreg.report.lines import count_words, equilibria_words
+from certreg.report.equilibria import count_words, equilibria_words
 from certreg.report.page import Report
 from certreg.report.pages import html_page
+from certreg.report.scene_words import component_words
 from certreg.report.summary import registration_summary
-from certreg.report.words import component_words
 from certreg.results import Limits
 
 if TYPE_CHECKING:
     from certreg.registration.result import Registration
+
 
 RNG = np.random.default_rng(5)
 SOURCE = RNG.normal(size=(12, 3))

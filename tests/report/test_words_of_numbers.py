@@ -25,8 +25,9 @@ from certreg.registration.linear import CROSS_CHECK
 from certreg.registration.simulation import simulate
 from certreg.report import any_report, lines, methods, page, summary, thinning, viewer
 from certreg.report.cards import assessment_card, registration_card
-from certreg.report.document import NOT_A_BOUND, assessment_document, result_document
-from certreg.report.judged_pose import assessment_summary
+from certreg.report.document import NOT_A_BOUND, result_document
+from certreg.report.equilibria import count_words
+from certreg.report.judged_pose import assessment_document, assessment_summary
 from certreg.report.page import Report
 from certreg.report.reload import MotionOptions
 from certreg.report.thinning import FRAMES, thinned
@@ -36,6 +37,7 @@ from certreg.results import Limits
 
 if TYPE_CHECKING:
     from certreg.registration.result import Registration
+
 
 RNG = np.random.default_rng(41)
 SOURCE = RNG.standard_normal((9, 3)) * [3.0, 2.0, 1.0]
@@ -173,7 +175,7 @@ def test_what_is_told_apart_is_counted_by_its_kind():
     for cloud, kinds in cases:
         found = solved(cloud, cloud)
         doubtful = replace(found.equilibria, doubt="a search that ended too soon")
-        assert f": the search found {kinds}, " in lines.count_words(doubtful)
+        assert f": the search found {kinds}, " in count_words(doubtful)
 
 
 @pytest.mark.parametrize(
@@ -229,9 +231,9 @@ def test_a_page_without_its_certificate_shows_a_sample(
 ):
     report = Report.of(registration)
     names = viewer.Names(source="a", target="b", labels=None)
-    assert page._blocks(report, names)["sample_data"] is None
+    assert page._scene(report, registration, names)["sample_data"] is None
     monkeypatch.setattr(any_report, "EMBEDDED_BYTES", 10)
-    blocks = page._blocks(report, names)
+    blocks = page._scene(report, registration, names)
     assert blocks["certificate_data"] is None
     assert blocks["sample_data"] == sample_of(registration.problem)
 
@@ -256,7 +258,7 @@ def test_the_card_says_which_turn_is_too_large_for_a_first_order():
     words = dict(uncertainty_rows(found))["rotation ±"]
     told = words[words.index("; a rough figure: a turn so large, about") :]
 
-    assert told in summary.rigid_summary(found)
+    assert told in summary.registration_summary(found)
     assert told in html.unescape(registration_card(found))
 
 
@@ -266,7 +268,7 @@ def test_what_the_headline_warns_of_is_told_once():
     found = solved(SOURCE, target)
     (warning,) = found.fit.warnings
 
-    assert summary.rigid_summary(found).count(warning.text) == 1
+    assert summary.registration_summary(found).count(warning.text) == 1
     assert html.unescape(registration_card(found)).count(warning.text) == 1
     pose = judged(found, given_pose(found.pose.T_target_source, None))
     assert assessment_summary(pose).count(warning.text) == 1
