@@ -122,7 +122,6 @@ OF_OTHERS = re.compile(
 ANY_PROBLEM = {  # names of what stands in problems, or may stand in the files of any
     "certreg.geometry.similarity",
     "certreg.io.springs",
-    "certreg.problem.spring_factors",
     "certreg.report.springs",
     "certreg.problem.spring_rows",
     "certreg.problem.springs",
