@@ -57,7 +57,7 @@ def lazy_face(package: str, names: Mapping[str, Sequence[str]]) -> Callable[[str
 
 def found_late(module: str, name: str) -> Callable[[], Any]:
     """A function that gives a name of a module, imported when it is first asked for."""
-    return lambda: getattr(import_module(module), name)
+    return functools.cache(lambda: getattr(import_module(module), name))
 
 
 class LateModule:
