@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import StrEnum
 from functools import cache
+from itertools import combinations
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from certreg.errors import InvalidProblemError
@@ -123,11 +124,13 @@ class Rule:
         return [name for name in self.leave if getattr(cell, name) != getattr(NEUTRAL, name)]
 
     def _leaving(self, cell: Cell, verb: Verb) -> Iterator[Remedy]:
+        """The least that may be left out: what is said first need not go with what is not."""
         given = self._given(cell)
-        if given:
-            words = "leave out " + " and ".join(OPTIONS[name] for name in given)
-            changes: dict[str, Any] = {name: _left_out(cell, name) for name in given}
-            yield Remedy(words=words, cell=cell._replace(**changes), verb=verb)
+        for count in range(1, len(given) + 1):
+            remedies = [_without(cell, names, verb) for names in combinations(given, count)]
+            if any(supported(one.cell, one.verb) for one in remedies):
+                yield from remedies
+                return
 
     def _others(self, cell: Cell, verb: Verb) -> Iterator[Remedy]:
         for words, changes, other in self.others:
@@ -160,6 +163,12 @@ def require_supported(cell: Cell, verb: Verb = Verb.CERTIFY) -> None:
     refused = refusal(cell, verb)
     if refused is not None:
         raise InvalidProblemError(refused.sentence, array=refused.argument)
+
+
+def _without(cell: Cell, names: tuple[str, ...], verb: Verb) -> Remedy:
+    changes: dict[str, Any] = {name: _left_out(cell, name) for name in names}
+    words = "leave out " + " and ".join(OPTIONS[name] for name in names)
+    return Remedy(words=words, cell=cell._replace(**changes), verb=verb)
 
 
 def _left_out(cell: Cell, name: str) -> object:
