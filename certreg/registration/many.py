@@ -142,6 +142,9 @@ def _certificates(
     """Of clouds. Raises InvalidProblemError for what only results have."""
     if options or errors != "raise":
         given = ", ".join(options) or "errors"
-        message = f"{given} beside sources and targets, whose certificates take weights alone"
-        raise InvalidProblemError(message, array=given)
+        raise InvalidProblemError(
+            f"{given} beside sources and targets, whose certificates take weights alone: give a "
+            "list of problems (RegistrationProblem)",
+            array=given,
+        )
     return certificates_of(ManyPairs.of(sources, targets, weights), progress)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import signal
+from abc import ABC, abstractmethod
 from concurrent.futures import BrokenExecutor, Executor, Future
 from dataclasses import replace
 from hashlib import sha256
@@ -159,7 +160,7 @@ def test_without_parquet_a_table_needs_no_further_library(
     assert (tmp_path / "summary.csv").read_bytes().split() == [b"a", b"1", b"2"]
 
 
-class Stumbling(Executor):
+class Stumbling(Executor, ABC):
     """Carries out what it is given, but for the first call."""
 
     def __init__(self) -> None:
@@ -173,9 +174,9 @@ class Stumbling(Executor):
         future.set_result(fn(*args, **kwargs))
         return future
 
+    @abstractmethod
     def stumbled(self, work: Callable[[], Any]) -> Future[Any]:
         """What becomes of the first call."""
-        raise NotImplementedError
 
 
 class Mistaking(Stumbling):

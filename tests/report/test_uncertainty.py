@@ -256,6 +256,17 @@ def test_no_deviation_of_a_translation_is_told_where_its_turn_bends_it(given):
     assert shift_words(of, "").startswith("not known")
 
 
+@pytest.mark.parametrize("springs", [{}, {"normals": np.eye(3)[np.arange(12) % 3]}])
+def test_without_a_translation_no_deviation_of_the_centre_is_told(springs: dict[str, Any]):
+    """The rotation moves it, too; it is neither 0 nor told where a first order says nothing."""
+    points = NOISE + np.array([5.0, 0.0, 0.0])
+    found = certify(points, points[::-1], sigma=0.01, rotation_only=True, **springs)
+    document = result_document(found)
+
+    assert document["pose"]["uncertainty"]["centre"] is None
+    assert "rotation takes it" in document["reasons"]["pose.uncertainty.centre"]
+
+
 def test_where_the_centre_lands_is_told_to_its_deviation_at_any_size():
     """The sentence says where: so no digit that its deviation leaves is lost, and none is zero."""
     for scale in (1e-300, 1e-9, 1.0, 1e9, 1e150):
