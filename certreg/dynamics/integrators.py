@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import math
 from array import array
-from contextlib import suppress
 from dataclasses import dataclass
 from functools import lru_cache
 from types import SimpleNamespace
@@ -230,9 +229,19 @@ def spring_ratios_of_one(
     q: the unit quaternion of the optimum; cross: C row by row; inertia: the upper triangle of J.
     """
     compiled = library_if_any()
-    if compiled is not None:
-        with suppress(ValueError):  # what NumPy finds then, if anything, is told
-            return compiled.spring_ratios(q, cross, inertia)
+    try:
+        return (
+            _ratios_by_numpy(q, cross, inertia)
+            if compiled is None
+            else compiled.spring_ratios(q, cross, inertia)
+        )
+    except ValueError:  # J has no root: what NumPy finds then, if anything, is told
+        return _ratios_by_numpy(q, cross, inertia)
+
+
+def _ratios_by_numpy(
+    q: Sequence[float], cross: Sequence[float], inertia: Sequence[float]
+) -> list[float]:
     rows = np.array(cross).reshape(1, 3, 3)
     return _ratios(np.array([q]), rows, np.array([inertia]))[0].tolist()
 

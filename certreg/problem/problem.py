@@ -212,12 +212,8 @@ class RegistrationProblem(Brief):
     @property
     def cell(self) -> Cell:
         """What was declared, for the table of what is supported."""
-        return Cell(
-            springs=self.springs is not None,
-            scale=self.scale,
-            rotation_only=self.rotation_only,
-            loss=self.loss.kind,
-        )
+        motion = self.motion
+        return Cell(self.springs is not None, motion.scale, motion.rotation_only, self.loss.kind)
 
     @property
     def scale(self) -> Scale:
