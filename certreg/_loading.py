@@ -148,10 +148,10 @@ def require(*modules: str, purpose: str) -> None:
         origins = [ORIGINS[module] for module in missing]
         names = " and ".join(origin.name for origin in origins)
         extras = ",".join(dict.fromkeys(origin.extra for origin in origins if origin.extra))
-        message = (
-            f"{purpose} needs {names}, which are not installed: pip install 'certreg[{extras}]'"
+        raise MissingToolError(
+            f"{purpose} needs {names}, which are not installed: pip install 'certreg[{extras}]'",
+            tool=missing[0],
         )
-        raise MissingToolError(message, tool=missing[0])
     for module in modules:
         library(module, purpose)
 

@@ -254,8 +254,9 @@ class Verdict(Brief):
         return "\n".join((*self.theorems, last))
 
     def __bool__(self) -> NoReturn:
-        message = "a verdict has three values: compare `verdict.ruling`, or ask `verdict.proved`"
-        raise TypeError(message)
+        raise TypeError(
+            "a verdict has three values: compare `verdict.ruling`, or ask `verdict.proved`"
+        )
 
     def __repr__(self) -> str:
         start, words = f"<Verdict.{self.ruling.name}: ", repr(self.words)

@@ -126,11 +126,12 @@ def perform(task: Task, versions: dict[str, str]) -> TaskResult:
     here = current_versions()
     if here != versions:
         names = [name for name in here | versions if here.get(name) != versions.get(name)]
-        message = (
+        raise CampaignError(
             f"a worker has {_listed(here, names)}, the campaign {_listed(versions, names)}: "
-            "install the same everywhere, on processors of one kind"
+            "install the same everywhere, on processors of one kind",
+            value=here,
+            limit=versions,
         )
-        raise CampaignError(message, value=here, limit=versions)
     try:
         return task.function(**task.arguments)
     except RefusedCertificateError as error:  # holds a verdict: does not travel between processes
@@ -225,22 +226,22 @@ def _result(future: Future[TaskResult | Path], task: Task, workers: Workers) -> 
     except CertregError:
         raise
     except Exception as error:
-        message = (
+        raise CampaignError(
             f"a worker failed on shard {task.shard} ({type(error).__name__}: {shown(error)}): "
-            "certreg must be installed, in the same version, wherever workers run"
-        )
-        raise CampaignError(message, shard=task.shard) from error
+            "certreg must be installed, in the same version, wherever workers run",
+            shard=task.shard,
+        ) from error
 
 
 def _require_hope(breakdowns: int, lost: deque[Task]) -> None:
     if breakdowns > BREAKDOWNS:
         shards = ", ".join(str(task.shard) for task in lost)
-        message = (
-            f"workers died {breakdowns} times in a row, at work on shards {shards}: is memory too "
-            "short for them? What is done is kept: run the same command to go on"
-        )
         raise CampaignError(
-            message, shard=lost[0].shard if lost else None, value=breakdowns, limit=BREAKDOWNS
+            f"workers died {breakdowns} times in a row, at work on shards {shards}: is memory too "
+            "short for them? What is done is kept: run the same command to go on",
+            shard=lost[0].shard if lost else None,
+            value=breakdowns,
+            limit=BREAKDOWNS,
         )
 
 

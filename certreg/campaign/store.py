@@ -180,8 +180,10 @@ def _complaints(folder: Path) -> Generator[None]:
         yield
     except OSError as error:
         place = shown(error.filename or folder)
-        message = f"{place}: cannot be used ({error.strerror}): choose another folder"
-        raise InvalidFileError(message, path=Path(error.filename or folder)) from error
+        raise InvalidFileError(
+            f"{place}: cannot be used ({error.strerror}): choose another folder",
+            path=Path(error.filename or folder),
+        ) from error
 
 
 @contextmanager
@@ -199,8 +201,10 @@ def _locked(folder: Path) -> Generator[None]:
         with suppress(OSError):  # this disk has no locks
             free = try_lock(handle)
         if not free:
-            message = f"{shown(folder)}: another process is at work there: wait for it, or stop it"
-            raise CampaignError(message, path=folder)
+            raise CampaignError(
+                f"{shown(folder)}: another process is at work there: wait for it, or stop it",
+                path=folder,
+            )
         yield
     finally:
         os.close(handle)

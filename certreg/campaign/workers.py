@@ -145,8 +145,10 @@ class ClusterWorkers:
         try:
             threads: dict[str, int] = self._client.nthreads()
         except (OSError, TimeoutError) as error:
-            message = f"the scheduler at {self._address} is gone: start it, and run the same again"
-            raise CampaignError(message, address=self._address) from error
+            raise CampaignError(
+                f"the scheduler at {self._address} is gone: start it, and run the same again",
+                address=self._address,
+            ) from error
         return sum(threads.values())
 
     def renew(self) -> None:
@@ -173,11 +175,11 @@ def _connected(address: str, timeout: float) -> Any:
     try:
         return distributed.Client(address, timeout=timeout, set_as_default=False)
     except (OSError, ValueError, TypeError) as error:
-        message = (
+        raise CampaignError(
             f"no dask scheduler answers at {shown(address)}: start one with `dask scheduler` and "
-            "give the address that it prints"
-        )
-        raise CampaignError(message, address=address) from error
+            "give the address that it prints",
+            address=address,
+        ) from error
 
 
 def _killed_worker() -> type[BaseException]:
@@ -232,11 +234,11 @@ class TaskResult:
             with path.open("xb") as stream:
                 stream.writelines((header.encode(), b"\n", self.content, *self.files.values()))
         except OSError as error:
-            message = (
+            raise CampaignError(
                 f"{shown(path)}: a result cannot be handed over ({error.strerror}): free the disk, "
-                "or set TMPDIR to a folder on another"
-            )
-            raise CampaignError(message, path=path) from error
+                "or set TMPDIR to a folder on another",
+                path=path,
+            ) from error
         return path
 
     @classmethod

@@ -148,11 +148,15 @@ def _limits(**limits: float | Fraction | None) -> Limits:
             try:
                 found[name] = limit if isinstance(limit, Fraction) else Fraction(repr(float(limit)))
             except (TypeError, ValueError) as error:
-                message = f"the limit of the {name} is {limit!r}: give {unit}"
-                raise InvalidProblemError(message, array=name, value=limit) from error
+                raise InvalidProblemError(
+                    f"the limit of the {name} is {limit!r}: give {unit}", array=name, value=limit
+                ) from error
             if found[name] < 0:
-                message = f"the limit of the {name} is {limit!r}: give {unit}, 0 or more"
-                raise InvalidProblemError(message, array=name, value=limit)
+                raise InvalidProblemError(
+                    f"the limit of the {name} is {limit!r}: give {unit}, 0 or more",
+                    array=name,
+                    value=limit,
+                )
     return found
 
 
@@ -258,11 +262,16 @@ def bounded_clouds(
     Raises InvalidProblemError for bounds that are none, or where no problem is given.
     """
     if max_residual is None or objective not in {None, *OBJECTIVES}:
-        message = f"objective is {objective!r}: give 'consensus' or 'truncated', and max_residual"
-        raise InvalidProblemError(message, array="objective", value=objective)
+        raise InvalidProblemError(
+            f"objective is {objective!r}: give 'consensus' or 'truncated', and max_residual",
+            array="objective",
+            value=objective,
+        )
     if problem is None or isinstance(problem, Clouds):
-        message = "max_residual goes with a problem: give the points that the certificate is about"
-        raise InvalidProblemError(message, array="max_residual")
+        raise InvalidProblemError(
+            "max_residual goes with a problem: give the points that the certificate is about",
+            array="max_residual",
+        )
     clouds = _clouds(problem)
     bounds = array("d", problem_bounds.checked_bounds(max_residual, problem.n).tobytes())
     own = clouds.weights or bounds[:0]
@@ -274,5 +283,6 @@ def bounded_clouds(
 def require_accepted(verdict: Verdict) -> None:
     """Nothing if certreg's own certificate was accepted; RefusedCertificateError if not."""
     if not verdict.proved:
-        message = f"the checker refused certreg's own certificate: {verdict.words}"
-        raise RefusedCertificateError(message, verdict=verdict)
+        raise RefusedCertificateError(
+            f"the checker refused certreg's own certificate: {verdict.words}", verdict=verdict
+        )

@@ -256,8 +256,9 @@ def _refuted(done: subprocess.CompletedProcess[str]) -> Verdict:
     """Coq did not accept the theorem. Raises MissingToolError if it names no reason."""
     reasons = re.findall(r"\b[a-z]+_[a-z_]+", done.stdout.partition("=")[2].partition(" : ")[0])
     if done.returncode != 0 or not reasons:
-        message = f"coqc failed: {_first_error(done.stderr)}: {HOW_TO_GET}"
-        raise MissingToolError(message, tool="coqc")
+        raise MissingToolError(
+            f"coqc failed: {_first_error(done.stderr)}: {HOW_TO_GET}", tool="coqc"
+        )
     return Verdict(ruling=Ruling.REFUTED, words="; ".join(reasons).replace("_", " "))
 
 
@@ -289,8 +290,9 @@ def proofs_folder() -> Path:
     for folder in (package.parent / "derivations" / "coq", package / "_derivations" / "coq"):
         if (folder / f"{GOAL}.v").is_file():
             return folder
-    message = "the proofs (derivations/coq) are not beside certreg: reinstall it"
-    raise MissingToolError(message, tool="derivations/coq")
+    raise MissingToolError(
+        "the proofs (derivations/coq) are not beside certreg: reinstall it", tool="derivations/coq"
+    )
 
 
 def needed(folder: Path, goal: str = GOAL) -> list[str]:
@@ -340,8 +342,9 @@ def _cache(coqc: str, folder: Path, modules: list[str]) -> Path:
         with opened_folder(Path(base) / "certreg") as opened:
             return opened / f"coq-{content.hexdigest()[:16]}"
     except UnusableFolderError as error:
-        message = f"{error}: compiled proofs cannot be kept there: set XDG_CACHE_HOME"
-        raise InvalidFileError(message, path=Path(base)) from error
+        raise InvalidFileError(
+            f"{error}: compiled proofs cannot be kept there: set XDG_CACHE_HOME", path=Path(base)
+        ) from error
 
 
 def _compile(coqc: str, folder: Path, modules: list[str], cache: Path) -> None:
@@ -359,15 +362,18 @@ def _compile(coqc: str, folder: Path, modules: list[str], cache: Path) -> None:
             work.rename(cache)
     except OSError as error:
         reason = error.strerror or error
-        message = f"{cache}: the proofs cannot be compiled there ({reason}): set XDG_CACHE_HOME"
-        raise InvalidFileError(message, path=cache) from error
+        raise InvalidFileError(
+            f"{cache}: the proofs cannot be compiled there ({reason}): set XDG_CACHE_HOME",
+            path=cache,
+        ) from error
 
 
 def _run(command: list[str]) -> str:
     done = subprocess.run(command, capture_output=True, encoding="utf-8", check=False)  # noqa: S603
     if done.returncode != 0:
-        message = f"coqc failed: {_first_error(done.stderr)}: {HOW_TO_GET}"
-        raise MissingToolError(message, tool="coqc")
+        raise MissingToolError(
+            f"coqc failed: {_first_error(done.stderr)}: {HOW_TO_GET}", tool="coqc"
+        )
     return done.stdout
 
 
@@ -391,8 +397,9 @@ def axioms(coqc: str, proofs: Path) -> tuple[str, ...]:
     done = run_coqc(coqc, proofs, ASSUMPTIONS, seconds=SECONDS)
     listed = axioms_in(done.stdout)
     if done.returncode != 0 or listed is None:
-        message = f"coqc failed: {_first_error(done.stderr)}: {HOW_TO_GET}"
-        raise MissingToolError(message, tool="coqc")
+        raise MissingToolError(
+            f"coqc failed: {_first_error(done.stderr)}: {HOW_TO_GET}", tool="coqc"
+        )
     names = _known(listed)
     with contextlib.suppress(InvalidFileError):  # cannot be written: asked again next time
         write_atomically(kept, " ".join([digest, *names]).encode())
@@ -417,6 +424,7 @@ def _known(names: tuple[str, ...]) -> tuple[str, ...]:
     unknown = sorted(set(names) - AXIOMS)
     if unknown:
         listed = ", ".join(unknown)
-        message = f"the compiled proofs assume more than they may ({listed})"
-        raise MissingToolError(message, tool="derivations/coq")
+        raise MissingToolError(
+            f"the compiled proofs assume more than they may ({listed})", tool="derivations/coq"
+        )
     return names

@@ -142,9 +142,9 @@ class Certificate(Brief, Generic[AnyBody_co]):
             data = None if text is None else base64.b64decode(text, validate=True)
         except (RefusalError, ValueError, MemoryError) as error:
             reason = str(error) or "not enough memory"
-            message = f"{name}: is no certificate ({reason}): give a file that certreg wrote"
             raise InvalidFileError(
-                message, path=None if isinstance(certificate, bytes) else Path(certificate)
+                f"{name}: is no certificate ({reason}): give a file that certreg wrote",
+                path=None if isinstance(certificate, bytes) else Path(certificate),
             ) from error
         return Certificate(
             n=head.n,
@@ -237,16 +237,18 @@ def certificate_bytes(
     if Path(certificate).is_dir():
         certificate = Path(certificate) / CERTIFICATE
     if os.fspath(certificate).endswith(".jsonl"):
-        message = (
+        raise InvalidFileError(
             f"{shown(certificate)}: holds a certificate a line: let `certreg verify` check them "
-            "all, or give the bytes of one line"
+            "all, or give the bytes of one line",
+            path=Path(certificate),
         )
-        raise InvalidFileError(message, path=Path(certificate))
     try:
         require_ending(certificate)
         with Path(certificate).open("rb") as stream:
             return stream.read(FILE_MAX + 1)
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or "not a file name"
-        message = f"{shown(certificate)}: cannot be read ({reason}): give a readable file"
-        raise InvalidFileError(message, path=Path(certificate)) from error
+        raise InvalidFileError(
+            f"{shown(certificate)}: cannot be read ({reason}): give a readable file",
+            path=Path(certificate),
+        ) from error

@@ -128,8 +128,7 @@ def form_of(hint: Any) -> FieldForm:
         return _several(form_of(parts[0]))
     if isinstance(kind, type) and issubclass(kind, FilePart):
         return (_list if issubclass(kind, FileRow) else _object)(kind, _entries_of(kind))
-    message = f"no entry of a file is {hint}: give the field a type that {__name__} lists"
-    raise TypeError(message)
+    raise TypeError(f"no entry of a file is {hint}: give the field a type that {__name__} lists")
 
 
 def _entries_of(kind: Any) -> dict[str, Entry]:

@@ -76,11 +76,9 @@ def opened_folder(folder: Path) -> Generator[Path]:
 def _require_own(folder: Path, status: os.stat_result) -> None:
     """Raises UnusableFolderError for a folder in which others could put something."""
     if status.st_uid not in {_user(status), 0}:
-        message = f"{folder} belongs to another user"
-        raise UnusableFolderError(message)
+        raise UnusableFolderError(f"{folder} belongs to another user")
     if os.name == "posix" and status.st_mode & WRITE_BITS:
-        message = f"others may write to {folder} (remedy: chmod go-w)"
-        raise UnusableFolderError(message)
+        raise UnusableFolderError(f"others may write to {folder} (remedy: chmod go-w)")
 
 
 def _require_fixed(folder: Path) -> None:
@@ -93,11 +91,11 @@ def _require_fixed(folder: Path) -> None:
         status = above.stat()
         sticky = status.st_mode & stat.S_ISVTX
         if status.st_uid not in {_user(status), 0, Path(above.anchor).stat().st_uid}:
-            message = f"{above}, above {folder}, belongs to another user"
-            raise UnusableFolderError(message)
+            raise UnusableFolderError(f"{above}, above {folder}, belongs to another user")
         if os.name == "posix" and status.st_mode & WRITE_BITS and not sticky:
-            message = f"others may write to {above}, above {folder} (remedy: chmod go-w)"
-            raise UnusableFolderError(message)
+            raise UnusableFolderError(
+                f"others may write to {above}, above {folder} (remedy: chmod go-w)"
+            )
 
 
 def _user(status: os.stat_result) -> int:

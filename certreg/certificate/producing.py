@@ -170,8 +170,10 @@ def count_certificate(problem: RegistrationProblem) -> Certificate[CountBody] | 
     a free scale: that kind states a rigid motion.
     """
     if problem.motion.options:
-        message = f"no certificate counts equilibria with {problem.motion.options}: leave --out out"
-        raise InvalidProblemError(message, array="problem")
+        raise InvalidProblemError(
+            f"no certificate counts equilibria with {problem.motion.options}: leave --out out",
+            array="problem",
+        )
     from certreg.equilibrium.counting import at_most_four  # loads FLINT, which few need
 
     proof = at_most_four(exact_moments(problem).cross)

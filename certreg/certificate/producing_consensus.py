@@ -338,11 +338,10 @@ def _similarity_body(
     decides.
     """
     if sum(length_of(piece.stages) for piece in found.pieces) > MOST:
-        message = (
+        raise UndecidedError(
             f"the proof of {problem.n} pairs with a free scale is longer than a certificate may "
             "be: give fewer of them, the surest ones"
         )
-        raise UndecidedError(message)
     rows = MetRows.of(problem, found.met, problem.weights)
     X, Y = (float((rows.weights * p * p).sum()) for p in (rows.source, rows.target))
     c, K = Y - rows.room, rows.davenport

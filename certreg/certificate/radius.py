@@ -144,8 +144,7 @@ def sines(degrees: float) -> tuple[Dyadic, Dyadic]:
     Raises ValueError outside of (0, 90].
     """
     if not 0.0 < degrees <= MOST_DEGREES:
-        message = f"the angle is {degrees!r} degrees: give more than 0, and at most 90"
-        raise ValueError(message)
+        raise ValueError(f"the angle is {degrees!r} degrees: give more than 0, and at most 90")
     half = dyadic_below(SAFE * Fraction(math.sin(math.radians(degrees) / 2)), RADIUS_BITS)
     cosine = dyadic_root_above(1 - half.value**2)
     sine = 2 * half.mantissa * cosine.mantissa * ((1 << 60) - 1)

@@ -82,8 +82,7 @@ def batch(
     changed.
     """
     if parquet and out is None:
-        message = "--parquet goes with --out"
-        raise click.UsageError(message)
+        raise click.UsageError("--parquet goes with --out")
     listing = read_listing(manifest)
     if listing.ignored:
         names = ", ".join(map(printable, listing.ignored))

@@ -103,11 +103,11 @@ def _require_fitting(
     """That what is said of clouds goes together, and with clouds."""
     given = [name for name, value in noise.items() if value is not None]
     if any_weight and (given or not paths):
-        message = "--any-weight goes with SOURCE TARGET, without --sigma and --weights"
-        raise click.UsageError(message)
+        raise click.UsageError(
+            "--any-weight goes with SOURCE TARGET, without --sigma and --weights"
+        )
     if len(paths) not in {0, 2} or ((given or further is not None) and not paths):
-        message = "give SOURCE and TARGET, or neither; the options go with them"
-        raise click.UsageError(message)
+        raise click.UsageError("give SOURCE and TARGET, or neither; the options go with them")
     if len(given) > 1:
         raise click.UsageError(SIGMA_OR_WEIGHTS)
 
@@ -116,18 +116,19 @@ def _require_weights(springs: object, wrong: object, *, any_weight: bool) -> Non
     """That with --any-weight the weights are all that is not given."""
     if any_weight and (springs or wrong) is not None:
         what = "springs" if wrong is None else "--max-residual"
-        message = f"--any-weight goes without {what}: give the --sigma that was certified"
-        raise click.UsageError(message)
+        raise click.UsageError(
+            f"--any-weight goes without {what}: give the --sigma that was certified"
+        )
 
 
 def _of_any_weight(clouds: RegistrationProblem | Clouds) -> Clouds:
     bare = isinstance(clouds, Clouds)
     if not bare and clouds.n > INLINE_MAX:  # its digest is of the weights, too
-        message = f"--any-weight is for {INLINE_MAX} points at most: give --sigma"
-        raise click.UsageError(message)
+        raise click.UsageError(f"--any-weight is for {INLINE_MAX} points at most: give --sigma")
     if not bare or clouds.weights is not None:
-        message = "--any-weight: a column of the clouds tells the weights: add --ignore-weights"
-        raise click.UsageError(message)
+        raise click.UsageError(
+            "--any-weight: a column of the clouds tells the weights: add --ignore-weights"
+        )
     return replace(clouds, any_weight=True)
 
 

@@ -29,8 +29,7 @@ def derive(names: tuple[str, ...], out: Path | None, *, listing: bool) -> int:
     """
     if listing:
         if names or out is not None:
-            message = "--list goes with nothing else"
-            raise click.UsageError(message)
+            raise click.UsageError("--list goes with nothing else")
         click.echo(chapters_text(chapters()))
         return DONE
     if out is not None:

@@ -79,11 +79,10 @@ def equilibria(
     if problem.factors is not None:
         return _spring_equilibria(problem, method, out=out, poses=poses, as_json=as_json)
     if problem.scaled and out is not None:
-        message = (
+        raise click.UsageError(
             f"--out {printable(out)}: with a free scale the number of equilibria has no "
             "certificate: leave it out"
         )
-        raise click.UsageError(message)
     enumeration = enumerated(problem, method)
     found = enumeration.equilibria
     if out is not None:
@@ -202,13 +201,11 @@ def simulate(
     """Release the damped body at rest and see where it ends. Exit code 0 converged, 4 not."""
     del pair
     if step is not None and not 0.0 < step < float("inf"):
-        message = f"--step is {step}: give a finite number above 0"
-        raise click.UsageError(message)
+        raise click.UsageError(f"--step is {step}: give a finite number above 0")
     if out is not None and out.suffix.lower() != TRAJECTORY:
-        message = (
+        raise click.UsageError(
             f"--out {printable(out)}: a trajectory is written as {TRAJECTORY}: end the name so"
         )
-        raise click.UsageError(message)
     trajectory = run(problem, integrator, step=step)
     text = dumps(trajectory.to_dict()) if as_json else str(trajectory)
     if out is not None:

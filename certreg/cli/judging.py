@@ -72,8 +72,7 @@ def _something_is_judged(command: Callable[..., Any]) -> Callable[..., Any]:
     @functools.wraps(command)
     def wrapped(*args: Any, pose_file: Path | None, labels_file: Path | None, **more: Any) -> Any:
         if pose_file is None and labels_file is None:
-            message = "Missing option '--pose', or '--labels' with '--max-residual'."
-            raise click.UsageError(message)
+            raise click.UsageError("Missing option '--pose', or '--labels' with '--max-residual'.")
         return command(*args, pose_file=pose_file, labels_file=labels_file, **more)
 
     return wrapped
@@ -119,14 +118,14 @@ def assess(
     if labels_file is not None and wrong is not None and pose_file is None and line is None:
         return _told_of_labels(problem, pair, labels_file, wrong, as_json=as_json)
     if pose_file is not None and labels_file is None and wrong is not None:
-        message = (
+        raise click.UsageError(
             "--pose is judged on all pairs, and --max-residual is for --labels: leave it out, and "
             "give the pairs that are right alone (--pairs FILE)"
         )
-        raise click.UsageError(message)
     if pose_file is None or labels_file is not None:
-        message = "give --pose, or --labels and --max-residual: a pose or labels are judged"
-        raise click.UsageError(message)
+        raise click.UsageError(
+            "give --pose, or --labels and --max-residual: a pose or labels are judged"
+        )
     pose = read_result_pose(pose_file, line)
     if pose.of_some:
         note(f"{pose_file}: {OF_SOME}")
@@ -169,8 +168,9 @@ def apply(result: Path, cloud: Path, *, out: Path, line: int | None, scaled: boo
     fault = why_no_rotation(pose.turn)
     if fault is not None:
         similar = " (--scaled moves by a similarity)" if "scales by" in fault else ""
-        message = f"{shown(result)}: {NO_ROTATION.said(fault=fault)}{similar}"
-        raise InvalidFileError(message, path=result)
+        raise InvalidFileError(
+            f"{shown(result)}: {NO_ROTATION.said(fault=fault)}{similar}", path=result
+        )
     scale = "" if pose.scale is None else f", scaled by {pose.scale:.15g}"
     points = read_cloud(cloud, noise=False)
     if points.ignored:

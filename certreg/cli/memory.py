@@ -48,11 +48,11 @@ def require_loadable(loading: str) -> None:
         return
     limited = LIMITED.format(max(0, limit - RESERVE))
     if not _succeeds([sys.executable, "-c", limited + loading]):
-        message = (
+        raise MissingToolError(
             f"the {limit >> 20} MB of memory that this process may use are too few to load NumPy "
-            "and what else computes: raise the limit (ulimit -v), or set OPENBLAS_NUM_THREADS=1"
+            "and what else computes: raise the limit (ulimit -v), or set OPENBLAS_NUM_THREADS=1",
+            tool="numpy",
         )
-        raise MissingToolError(message, tool="numpy")
     exec(loading, {})  # noqa: S102 - a constant of this module
 
 

@@ -68,11 +68,12 @@ def certificate_argument(command: Callable[..., Any]) -> Callable[..., Any]:
         if not value.is_dir():
             return value
         if not (value / CERTIFICATE).is_file():
-            message = (
+            raise click.BadParameter(
                 f"{printable(value)}: a folder without {CERTIFICATE}: give a folder that certify "
-                "--out wrote, or the file of a certificate"
+                "--out wrote, or the file of a certificate",
+                context,
+                parameter,
             )
-            raise click.BadParameter(message, context, parameter)
         return value / CERTIFICATE
 
     place = click.Path(path_type=Path)
@@ -106,11 +107,11 @@ def pairing_options(command: Callable[..., Any]) -> Callable[..., Any]:
         **options: Any,
     ) -> Any:
         if one_to_one and pairs is None:
-            message = "--one-to-one goes with --pairs: labels and rows are one to one anyway"
-            raise click.UsageError(message)
+            raise click.UsageError(
+                "--one-to-one goes with --pairs: labels and rows are one to one anyway"
+            )
         if pairs is not None and match == "common":
-            message = "--pairs and --match common exclude each other: give one"
-            raise click.UsageError(message)
+            raise click.UsageError("--pairs and --match common exclude each other: give one")
         if pairs is None and match == "all" and not ignore_weights:
             return command(*args, pairing=None, **options)
         pairing = io_pairing.Pairing(
@@ -219,8 +220,7 @@ def fit_options(command: Callable[..., Any]) -> Callable[..., Any]:
     @functools.wraps(command)
     def wrapped(*args: Any, require_fit: bool, max_rmse: float | None, **options: Any) -> Any:
         if max_rmse is not None and not math.isfinite(max_rmse):
-            message = f"--max-rmse is {max_rmse}: give a finite number, 0 or more"
-            raise click.UsageError(message)
+            raise click.UsageError(f"--max-rmse is {max_rmse}: give a finite number, 0 or more")
         demands = exit_codes.FitDemands(require_fit=require_fit, max_rmse=max_rmse)
         return command(*args, demands=demands, **options)
 

@@ -66,8 +66,7 @@ def shelter_streams() -> None:
     if sys.stderr is sys.__stderr__:
         sys.stderr = _sheltered(sys.stderr, STDERR)
     if sys.stdout is None:
-        reason = "standard output is closed"
-        raise UnwritableOutputError(reason)
+        raise UnwritableOutputError("standard output is closed")
     if sys.stdout is sys.__stdout__:
         sys.stdout = _sheltered(sys.stdout, 1)
     reconfigure = getattr(sys.stdout, "reconfigure", None)

@@ -101,8 +101,9 @@ def certify(
 ) -> int:
     """Register SOURCE to TARGET and certify the result."""
     if no_relaxation and solver is not None:
-        message = "--solver goes with the relaxation, which --no-relaxation leaves out"
-        raise click.UsageError(message)
+        raise click.UsageError(
+            "--solver goes with the relaxation, which --no-relaxation leaves out"
+        )
     about = {"certreg": __version__, **pair.about}
     asked: dict[str, Any] = {} if wrong is None else wrong.asked(pair)
     result: Any = certified(

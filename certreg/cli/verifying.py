@@ -63,22 +63,21 @@ def verify(
     and how many of them are verified.
     """
     if out is not None and not coq:
-        message = "--out goes with --coq"
-        raise click.UsageError(message)
+        raise click.UsageError("--out goes with --coq")
     limits: dict[str, Any] = {
         "max_angle": max_angle,
         "max_gap": max_gap,
         "max_undecided": max_undecided,
     }
     if coq and any(limit is not None for limit in limits.values()):
-        message = (
+        raise click.UsageError(
             "--max-angle, --max-gap, --max-undecided go without --coq: it decides on the claims"
         )
-        raise click.UsageError(message)
     if certificate.suffix == ".jsonl":
         if coq or clouds is not None:
-            message = "a file of many certificates goes without SOURCE TARGET and --coq"
-            raise click.UsageError(message)
+            raise click.UsageError(
+                "a file of many certificates goes without SOURCE TARGET and --coq"
+            )
         return verify_lines(certificate, **limits)
     if coq:
         verdict = verify_with_coq(certificate, clouds, out=out)

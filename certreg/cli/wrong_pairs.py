@@ -71,8 +71,7 @@ def consensus_options(command: Callable[..., Any]) -> Callable[..., Any]:
         **options: Any,
     ) -> Any:
         if max_residual is None and (objective or effort) is not None:
-            message = "--objective and --effort go with --max-residual"
-            raise click.UsageError(message)
+            raise click.UsageError("--objective and --effort go with --max-residual")
         wrong = None
         if max_residual is not None:
             wrong = WrongPairs(max_residual, 1.0 if effort is None else effort, objective)
@@ -98,8 +97,7 @@ def certified_bounds(command: Callable[..., Any]) -> Callable[..., Any]:
     @functools.wraps(command)
     def wrapped(*args: Any, max_residual: str | None, objective: str | None, **options: Any) -> Any:
         if max_residual is None and objective is not None:
-            message = "--objective goes with --max-residual"
-            raise click.UsageError(message)
+            raise click.UsageError("--objective goes with --max-residual")
         wrong = None if max_residual is None else WrongPairs(max_residual, 1.0, objective)
         with _named_as_typed(max_residual):
             return command(*args, wrong=wrong, **options)
@@ -127,19 +125,17 @@ class WrongPairs:
             return number
         if not Path(self.max_residual).is_file():
             what = _why_no_number(self.max_residual)
-            message = f"--max-residual {printable(self.max_residual)}: {what}"
-            raise click.UsageError(message)
+            raise click.UsageError(f"--max-residual {printable(self.max_residual)}: {what}")
         return io_bounds.read_bounds(Path(self.max_residual), pair)
 
     def columns(self) -> dict[str, str]:
         """The same as columns of a list of pairs, of which each has its own rows."""
         number = _number(self.max_residual)
         if number is None:
-            message = (
+            raise click.UsageError(
                 f"--max-residual {printable(self.max_residual)}: give a number; files of bounds go "
                 "in a column max_residual of MANIFEST, one for each pair"
             )
-            raise click.UsageError(message)
         problem_bounds.checked_bounds(number, 1)
         told = {"max_residual": repr(number), "objective": self.objective}
         told["effort"] = (

@@ -75,12 +75,13 @@ def basin_gaps(objective: Isotropic, length_exponent: int) -> list[float]:
     up, over = max(places, 0), moments.mass**2 << max(-places, 0)
     gaps = [(drop << up) / over for drop in objective.eigenvalue_drops[optima:]]
     if min(gaps, default=1.0) < SMALLEST_BARRIER:
-        message = (
+        raise DegenerateProblemError(
             "not every pose is optimal, but by less than double precision can tell: the clouds "
             "differ so much in size, or are so nearly uncorrelated, that springs hardly turn the "
-            "body; bring both clouds to one unit of length"
+            "body; bring both clouds to one unit of length",
+            value=min(gaps),
+            limit=SMALLEST_BARRIER,
         )
-        raise DegenerateProblemError(message, value=min(gaps), limit=SMALLEST_BARRIER)
     return gaps
 
 
@@ -100,6 +101,9 @@ def basins_of(
     if lost.any():
         instance = int(np.argmax(lost))
         where = f"the clouds of instance {instance}"
-        message = f"{where} differ too much in size for double precision: bring both to one unit"
-        raise DegenerateProblemError(message, instance=instance, limit=SMALLEST_BARRIER)
+        raise DegenerateProblemError(
+            f"{where} differ too much in size for double precision: bring both to one unit",
+            instance=instance,
+            limit=SMALLEST_BARRIER,
+        )
     return basins

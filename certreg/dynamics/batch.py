@@ -252,9 +252,12 @@ def bodies_on_springs(  # noqa: PLR0913 - each is one question, and has its usua
         try:
             bodies.append(body_on_springs(Springs.of(given.problem(k)), damping))
         except DegenerateProblemError as error:
-            message = f"instance {k}: {error}"
             raise DegenerateProblemError(
-                message, instance=k, rank=error.rank, value=error.value, limit=error.limit
+                f"instance {k}: {error}",
+                instance=k,
+                rank=error.rank,
+                value=error.value,
+                limit=error.limit,
             ) from error
     starts = np.array([body.start for body in bodies])
     return Bodies(
@@ -346,9 +349,11 @@ def _inertias(poses: StationaryPoses, units: NDArray[np.integer[Any]]) -> NDArra
     flat = ~(thinnest > SMALLEST_INERTIA)
     if flat.any():
         instance = int(np.argmax(flat))
-        message = f"the source of instance {instance} is collinear, or nearly so"
         raise DegenerateProblemError(
-            message, instance=instance, value=float(thinnest[instance]), limit=SMALLEST_INERTIA
+            f"the source of instance {instance} is collinear, or nearly so",
+            instance=instance,
+            value=float(thinnest[instance]),
+            limit=SMALLEST_INERTIA,
         )
     return upper
 

@@ -264,8 +264,9 @@ def exponent_of(dividend: int, divisor: int, places: int) -> int:
 def require_rank(found: int) -> None:
     """Raises DegenerateProblemError where the source, of a scatter of this rank, is collinear."""
     if found < 2:
-        message = "the source points are collinear: the rotational dynamics is not defined"
-        raise DegenerateProblemError(message, rank=found)
+        raise DegenerateProblemError(
+            "the source points are collinear: the rotational dynamics is not defined", rank=found
+        )
 
 
 def require_thick(inertia: list[float]) -> None:
@@ -274,11 +275,12 @@ def require_thick(inertia: list[float]) -> None:
         return
     thinnest = float(np.linalg.eigvalsh(_full(inertia))[0])
     if not thinnest > SMALLEST_INERTIA:
-        message = (
+        raise DegenerateProblemError(
             "the source is so nearly collinear, or so small beside the target, that its inertia is "
-            "singular in double precision: the dynamics cannot be simulated"
+            "singular in double precision: the dynamics cannot be simulated",
+            value=thinnest,
+            limit=SMALLEST_INERTIA,
         )
-        raise DegenerateProblemError(message, value=thinnest, limit=SMALLEST_INERTIA)
 
 
 def clearly_thick(inertia: list[float]) -> bool:

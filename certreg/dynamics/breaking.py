@@ -159,8 +159,11 @@ class _Annealed:
         self._bounds, self._weights = self._in_units(problem.bounds), block.weights
         least = float(self._bounds.min())
         if least < LEAST_BOUND:
-            message = "a bound is so small beside the clouds that the motion cannot be simulated"
-            raise DegenerateProblemError(message, value=least, limit=LEAST_BOUND)
+            raise DegenerateProblemError(
+                "a bound is so small beside the clouds that the motion cannot be simulated",
+                value=least,
+                limit=LEAST_BOUND,
+            )
         self.rotation, self._shift = np.eye(3), self._in_units(apart)
         self._held, self._steps, self._time = np.zeros(problem.n, dtype=np.bool_), 0, 0.0
 

@@ -131,11 +131,12 @@ def breathing_body(moments: ExactMoments, damping: float) -> BreathingBody:
     require_rank(rank(moments.source_scatter))
     own, other = _units(moments)
     if abs(own - other) > MOST_BITS_APART:
-        message = (
+        raise DegenerateProblemError(
             "source and target differ too much in size for a simulation in double precision: "
-            "change the unit of length of one cloud"
+            "change the unit of length of one cloud",
+            value=abs(own - other),
+            limit=MOST_BITS_APART,
         )
-        raise DegenerateProblemError(message, value=abs(own - other), limit=MOST_BITS_APART)
     record = _record(moments, damping, own, other)
     apart = (
         float((x - y) / power_of_two(other))

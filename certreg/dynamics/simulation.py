@@ -138,12 +138,12 @@ def _require_no_gain(moving: AnyBody, batch: Batch) -> None:
         end = moving.energies(batch.states[0])
         if math.isfinite(moving.kinetic(end) + end["potential"]):
             return
-    message = (
+    raise DegenerateProblemError(
         f"the {batch.integrator.value} integrator gained energy without end under the damping "
         f"{moving.damping:.3g}: take the midpoint integrator, whose energy never rises, or "
-        "more damping"
+        "more damping",
+        value=moving.damping,
     )
-    raise DegenerateProblemError(message, value=moving.damping)
 
 
 def optimal_damping(objective: Isotropic) -> float:
@@ -154,8 +154,10 @@ def optimal_damping(objective: Isotropic) -> float:
     Proof: derivations, optimal_damping.
     """
     if not (objective.classification.inertia_definite and objective.classification.unique):
-        message = "the best damping needs a source that is not collinear and a unique optimum"
-        raise DegenerateProblemError(message, rank=rank(objective.moments.source_scatter))
+        raise DegenerateProblemError(
+            "the best damping needs a source that is not collinear and a unique optimum",
+            rank=rank(objective.moments.source_scatter),
+        )
     core = core_of(objective.moments)
     basin_gaps(objective, core.length_exponent)  # raises where doubles do not tell the optimum
     optimum = unit_double(objective.eigenvectors[0]).tolist()

@@ -152,8 +152,10 @@ def spring_body(
         damping,
     ]
     if not np.isfinite(numbers).all():
-        message = "the springs are beyond double precision: bring the clouds to another unit"
-        raise DegenerateProblemError(message, value=float(exponent))
+        raise DegenerateProblemError(
+            "the springs are beyond double precision: bring the clouds to another unit",
+            value=float(exponent),
+        )
     return SprungBody(
         record=named(numbers, SPRING_BODY),
         length_exponent=exponent,

@@ -209,14 +209,22 @@ def clouds(sources: ArrayLike, targets: ArrayLike, weights: ArrayLike | None) ->
     require_same_labels(sources, target=targets)  # of data frames, the same in every instance
     x, y = _points(sources, "sources"), _points(targets, "targets")
     if x.shape[1] != y.shape[1]:
-        message = f"sources have {x.shape[1]} points and targets {y.shape[1]}: they correspond"
-        raise InvalidProblemError(message, array="targets", value=y.shape[1], limit=x.shape[1])
+        raise InvalidProblemError(
+            f"sources have {x.shape[1]} points and targets {y.shape[1]}: they correspond",
+            array="targets",
+            value=y.shape[1],
+            limit=x.shape[1],
+        )
     w = np.ones((1, x.shape[1])) if weights is None else _weights(weights, x.shape[1])
     count = max(len(x), len(y), len(w))
     for name, array in (("sources", x), ("targets", y), ("weights", w)):
         if len(array) not in {1, count}:
-            message = f"{name} are of {len(array)} instances, other arrays of {count}"
-            raise InvalidProblemError(message, array=name, value=len(array), limit=count)
+            raise InvalidProblemError(
+                f"{name} are of {len(array)} instances, other arrays of {count}",
+                array=name,
+                value=len(array),
+                limit=count,
+            )
     return ManyClouds(count=count, sources=x, targets=y, weights=w)
 
 
@@ -256,25 +264,31 @@ def _points(given: ArrayLike, name: str) -> Array:
     array = _doubles(given, name)
     array = array[np.newaxis] if array.ndim == 2 else array
     if array.ndim != 3 or array.shape[2] != 3 or 0 in array.shape:
-        message = (
-            f"{name} have the shape {array.shape}: give (count, N, 3) or (N, 3), none of them 0"
+        raise InvalidProblemError(
+            f"{name} have the shape {array.shape}: give (count, N, 3) or (N, 3), none of them 0",
+            array=name,
+            value=array.shape,
         )
-        raise InvalidProblemError(message, array=name, value=array.shape)
     return array
 
 
 def _weights(given: ArrayLike, points: int) -> Array:
     array = np.atleast_2d(_doubles(given, "weights"))
     if array.ndim != 2 or array.shape[1] != points:
-        message = f"weights have the shape {array.shape}: give (count, {points}) or ({points},)"
-        raise InvalidProblemError(message, array="weights", value=array.shape)
+        raise InvalidProblemError(
+            f"weights have the shape {array.shape}: give (count, {points}) or ({points},)",
+            array="weights",
+            value=array.shape,
+        )
     wrong = (array < 0.0).any(axis=1) | ~(array.max(axis=1) > 0.0) | ~np.isfinite(array).all(axis=1)
     if wrong.any():
         k = int(np.argmax(wrong))
-        message = (
-            f"the weights of instance {k} are not finite numbers >= 0, or all of them are zero"
+        raise InvalidProblemError(
+            f"the weights of instance {k} are not finite numbers >= 0, or all of them are zero",
+            array="weights",
+            instance=k,
+            limit=0.0,
         )
-        raise InvalidProblemError(message, array="weights", instance=k, limit=0.0)
     return array
 
 
@@ -282,11 +296,15 @@ def _doubles(given: ArrayLike, name: str) -> Array:
     try:
         array = np.asarray(given)
     except (ValueError, TypeError) as error:
-        message = f"{name} are not an array of numbers: {error}"
-        raise InvalidProblemError(message, array=name) from error
+        raise InvalidProblemError(
+            f"{name} are not an array of numbers: {error}", array=name
+        ) from error
     if array.dtype.kind not in "fiu":
-        message = f"{name} have entries of type {array.dtype}: give real numbers"
-        raise InvalidProblemError(message, array=name, value=array.dtype)
+        raise InvalidProblemError(
+            f"{name} have entries of type {array.dtype}: give real numbers",
+            array=name,
+            value=array.dtype,
+        )
     return np.ascontiguousarray(array, dtype=np.float64)
 
 

@@ -77,8 +77,9 @@ def source_size(objective: Isotropic) -> Fraction:
     exponent = moments.weight_exponent + 2 * moments.source_exponent
     size = Fraction(trace(moments.source_scatter), moments.mass) * power_of_two(exponent)
     if not size:
-        message = "the source points coincide: no scale fits them better than another"
-        raise DegenerateProblemError(message, rank=0)
+        raise DegenerateProblemError(
+            "the source points coincide: no scale fits them better than another", rank=0
+        )
     return size
 
 

@@ -73,8 +73,7 @@ class CriticalSet(Brief):
     def __post_init__(self) -> None:
         """Raises ValueError unless there is either a proof or a doubt."""
         if (self.completeness is None) == (self.doubt is None):
-            message = "a list is proved to be complete, or it says what may be missing"
-            raise ValueError(message)
+            raise ValueError("a list is proved to be complete, or it says what may be missing")
 
     @property
     def guarantee(self) -> Guarantee:

@@ -56,8 +56,10 @@ def eigenlines(objective: Isotropic) -> tuple[Eigenline, ...]:
     middles = [upper + lower for upper, lower in pairwise(values)]  # twice the numbers between
     for middle, above in zip(middles, shape.indices[1:], strict=True):
         if not _splits(objective, middle, above):
-            message = "two eigenvalues of the Davenport matrix are too close to be told apart"
-            raise UndecidedError(message, method="spectral")
+            raise UndecidedError(
+                "two eigenvalues of the Davenport matrix are too close to be told apart",
+                method="spectral",
+            )
     half = objective.eigenvalue_unit / 2
     marks = [None, *[middle * half for middle in middles], None]
     parts = zip(resolution.quaternions, shape.pattern, shape.indices, pairwise(marks), strict=True)
@@ -101,8 +103,10 @@ def _eigenline(
     gaps += [value - lower] if lower is not None else []
     error = rational_root_above(square)
     if any(gap <= error for gap in gaps):
-        message = "an eigenvector of the Davenport matrix was not found to the precision asked for"
-        raise UndecidedError(message, method="spectral")
+        raise UndecidedError(
+            "an eigenvector of the Davenport matrix was not found to the precision asked for",
+            method="spectral",
+        )
     return Eigenline(
         quaternion=q,
         kind=ComponentKind.of_multiplicity(many),

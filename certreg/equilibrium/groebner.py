@@ -135,8 +135,10 @@ def eliminate(C: Sequence[Sequence[int]], K: Sequence[Sequence[int]]) -> Elimina
         if int(reduced[PRODUCTS - 1, PRODUCTS - 1]) == 0:
             continue  # a solution at infinity of this chart
         return _quotient(K, frame, reduced, int(unit), chart=(1, t, t * t, t**3))
-    message = "the quadratics are independent, yet every chart has a solution at infinity"
-    raise ContradictionError(message, methods=("groebner",))
+    raise ContradictionError(
+        "the quadratics are independent, yet every chart has a solution at infinity",
+        methods=("groebner",),
+    )
 
 
 def fibres(elimination: Elimination, bits: int) -> tuple[Fibre, ...]:
@@ -186,8 +188,10 @@ def _quotient(
     """The quotient ring of a chart, from its rules unit * u_i u_j = a linear polynomial."""
     shifts = _multiplications(reduced, unit)
     if any(a * b != b * a for a, b in combinations(shifts, 2)):
-        message = "the rules of a chart are no Groebner basis: the quadratics contradict each other"
-        raise ContradictionError(message, methods=("groebner",))
+        raise ContradictionError(
+            "the rules of a chart are no Groebner basis: the quadratics contradict each other",
+            methods=("groebner",),
+        )
     image = [sum(a * entry for a, entry in zip(chart, column, strict=True)) for column in K]
     form = [sum(image[i] * frame[i][k] for i in range(4)) for k in range(4)]
     product = fmpz_mat(4, 4, [form[0] * unit * (i == j) for i in range(4) for j in range(4)])
@@ -230,8 +234,10 @@ def _continuum(K: Sequence[Sequence[int]], rank: int) -> Elimination:
     factors = tuple((f, _nullity(f, action) - 1) for f, _ in eliminant.factor()[1])
     sections = sum(f.degree() * (d + 1) * (d + 2) // 2 for f, d in factors)
     if sections != len(COLUMNS) - rank:
-        message = "the components found have another Hilbert function than the quadratics"
-        raise ContradictionError(message, methods=("groebner",))
+        raise ContradictionError(
+            "the components found have another Hilbert function than the quadratics",
+            methods=("groebner",),
+        )
     return Elimination(
         chart=None,
         dimension=None,
@@ -258,8 +264,9 @@ def _roots(elimination: Elimination) -> list[tuple[acb, int]]:
     for factor, dimension in elimination.factors:
         pairs: Any = factor.complex_roots()  # the stubs of python-flint know no pairs
         if any(multiplicity > 1 for _, multiplicity in pairs):
-            message = "a critical value of the finite case is repeated"
-            raise ContradictionError(message, methods=("groebner",))
+            raise ContradictionError(
+                "a critical value of the finite case is repeated", methods=("groebner",)
+            )
         roots += [(root, dimension) for root, _ in pairs]
     return roots
 

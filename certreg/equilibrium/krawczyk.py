@@ -107,8 +107,11 @@ def tightened(system: BallSystem, box: RootBox, bits: int) -> RootBox:
         )
         smaller = proved_root(system, middle, start_bits=start, max_bits=4 * start)
         if smaller is None:  # it holds with more bits whatever held with fewer
-            message = "a proved root was lost on the way to a smaller box"
-            raise ContradictionError(message, methods=("homotopy",), limit=bits)
+            raise ContradictionError(
+                "a proved root was lost on the way to a smaller box",
+                methods=("homotopy",),
+                limit=bits,
+            )
         box = smaller
     return box
 

@@ -87,11 +87,11 @@ def by_quotient_ring(objective: Springs) -> LineSet:
         if lines is not None and _are_told(lines):
             return _listed(objective, levelled, lines)
         bits *= 2
-    message = (
+    raise UndecidedError(
         f"{GROEBNER}: the quotient ring has the dimension 40, counted with multiplicity, but lines "
-        "meet, or so nearly that their eigenvalues could not be told apart."
+        "meet, or so nearly that their eigenvalues could not be told apart.",
+        method=GROEBNER,
     )
-    raise UndecidedError(message, method=GROEBNER)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

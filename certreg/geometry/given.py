@@ -115,22 +115,25 @@ def given_pose(pose: Any, translation: Any = None) -> GivenPose:
     if translation is None:
         return given
     if given.translation is not None:
-        message = "the pose has a translation of its own: give no other beside it"
-        raise InvalidProblemError(message, array="translation")
+        raise InvalidProblemError(
+            "the pose has a translation of its own: give no other beside it", array="translation"
+        )
     return replace(given, translation=_vector(translation))
 
 
 def _from_array(pose: Any) -> GivenPose:
     if isinstance(pose, str | bytes | Path):
-        message = (
+        raise InvalidProblemError(
             f"pose is a path or a text, {shown(pose)}: give what is in the file, of a matrix in "
-            "text np.loadtxt(path); the command reads pose files itself: certreg assess --pose"
+            "text np.loadtxt(path); the command reads pose files itself: certreg assess --pose",
+            array="pose",
+            value=pose,
         )
-        raise InvalidProblemError(message, array="pose", value=pose)
     name, values = _values(pose)
     if isinstance(values, type) or not any(hasattr(values, each) for each in NUMBERS):
-        message = f"{name} is of type {shown(type(values).__name__)}: {FORMS}"
-        raise InvalidProblemError(message, array=name, value=values)
+        raise InvalidProblemError(
+            f"{name} is of type {shown(type(values).__name__)}: {FORMS}", array=name, value=values
+        )
     array = doubles_of(values, name)
     if array.shape in ROTATIONS:
         return GivenPose(turn=_finite(array, "rotation"), translation=None)
@@ -139,8 +142,9 @@ def _from_array(pose: Any) -> GivenPose:
         return GivenPose(turn=rotation, translation=shift)
     stack = array.ndim == 3 and array.shape[1:] in {(4, 4), (3, 4), (3, 3)}
     remedy = f"a stack of {len(array)} poses: give one of them" if stack else FORMS
-    message = f"{name} has shape {array.shape}: {remedy}"
-    raise InvalidProblemError(message, array=name, value=array.shape)
+    raise InvalidProblemError(
+        f"{name} has shape {array.shape}: {remedy}", array=name, value=array.shape
+    )
 
 
 def _values(pose: Any) -> tuple[str, Any]:
@@ -168,8 +172,12 @@ def _parts(pose: object) -> Sequence[Any]:
 def _scale(value: Any) -> float:
     scale = float(doubles_of(value, "scale"))
     if not (math.isfinite(scale) and scale > 0.0):
-        message = f"scale is {scale!r}: that of a similarity is finite and > 0"
-        raise InvalidProblemError(message, array="scale", value=scale, limit=0.0)
+        raise InvalidProblemError(
+            f"scale is {scale!r}: that of a similarity is finite and > 0",
+            array="scale",
+            value=scale,
+            limit=0.0,
+        )
     return scale
 
 
@@ -181,13 +189,20 @@ def _is_plain(pose: object) -> bool:
 def _vector(values: Any) -> NDArray[np.float64]:
     array = doubles_of(values, "translation")
     if array.shape not in VECTORS:
-        message = f"translation must be (3,) finite numbers, found shape {array.shape}"
-        raise InvalidProblemError(message, array="translation", value=array.shape, limit=(3,))
+        raise InvalidProblemError(
+            f"translation must be (3,) finite numbers, found shape {array.shape}",
+            array="translation",
+            value=array.shape,
+            limit=(3,),
+        )
     return _finite(array.ravel(), "translation")
 
 
 def _finite(array: NDArray[np.float64], name: str) -> NDArray[np.float64]:
     if not np.isfinite(array).all():
-        message = f"{name} must be finite numbers, found {array.tolist()}"
-        raise InvalidProblemError(message, array=name, value=array.tolist())
+        raise InvalidProblemError(
+            f"{name} must be finite numbers, found {array.tolist()}",
+            array=name,
+            value=array.tolist(),
+        )
     return array

@@ -132,8 +132,12 @@ class Pose(Brief):
         """
         given = doubles_of(points, "points")
         if given.ndim not in {1, 2} or given.shape[-1] != 3:
-            message = f"points must be (N, 3), or (3,) for one point, found shape {given.shape}"
-            raise InvalidProblemError(message, array="points", value=given.shape, limit=(3,))
+            raise InvalidProblemError(
+                f"points must be (N, 3), or (3,) for one point, found shape {given.shape}",
+                array="points",
+                value=given.shape,
+                limit=(3,),
+            )
         with np.errstate(over="ignore", invalid="ignore"):
             return given @ self.rotation.T + self.translation
 
@@ -182,6 +186,8 @@ def _posed(quaternion: NDArray[np.float64], translation: NDArray[np.float64]) ->
 
 def _finite(translation: NDArray[np.float64]) -> NDArray[np.float64]:
     if not np.isfinite(translation).all():
-        message = "the translation of the pose exceeds the range of doubles: change the unit"
-        raise OutOfRangeError(message, value=translation.tolist())
+        raise OutOfRangeError(
+            "the translation of the pose exceeds the range of doubles: change the unit",
+            value=translation.tolist(),
+        )
     return translation + 0.0  # no -0.0

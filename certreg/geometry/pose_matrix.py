@@ -82,11 +82,15 @@ def doubles_of(values: Any, name: str) -> NDArray[np.float64]:
         if array.dtype.kind == "O":  # fractions, decimals: whatever has a float
             array = array.astype(np.float64)
     except (TypeError, ValueError, RuntimeError, OverflowError) as error:
-        message = f"{name} is not an array of real numbers: {shown(error)}"
-        raise InvalidProblemError(message, array=name) from error
+        raise InvalidProblemError(
+            f"{name} is not an array of real numbers: {shown(error)}", array=name
+        ) from error
     if array.dtype.kind not in REAL:
-        message = f"{name} has entries of type {array.dtype}: give real numbers"
-        raise InvalidProblemError(message, array=name, value=array.dtype)
+        raise InvalidProblemError(
+            f"{name} has entries of type {array.dtype}: give real numbers",
+            array=name,
+            value=array.dtype,
+        )
     return array.astype(np.float64, copy=False)
 
 
@@ -97,13 +101,21 @@ def split_matrix(
     if matrix.shape not in {(4, 4), (3, 4)}:
         stack = matrix.ndim == 3 and matrix.shape[1:] in {(4, 4), (3, 4), (3, 3)}
         remedy = f"a stack of {len(matrix)}: give one of them" if stack else "give [R | t]"
-        message = f"{name} must be (4, 4) or (3, 4), found shape {matrix.shape}: {remedy}"
-        raise InvalidProblemError(message, array=name, value=matrix.shape, limit=(4, 4))
+        raise InvalidProblemError(
+            f"{name} must be (4, 4) or (3, 4), found shape {matrix.shape}: {remedy}",
+            array=name,
+            value=matrix.shape,
+            limit=(4, 4),
+        )
     if not np.isfinite(matrix).all():
         row = int(np.argmin(np.isfinite(matrix).all(axis=1)))
         values = " ".join(map(repr, matrix[row].tolist()))
-        message = f"{name}, row {row} (counting from 0) is {values}: all must be finite numbers"
-        raise InvalidProblemError(message, array=name, row=row, value=matrix[row].tolist())
+        raise InvalidProblemError(
+            f"{name}, row {row} (counting from 0) is {values}: all must be finite numbers",
+            array=name,
+            row=row,
+            value=matrix[row].tolist(),
+        )
     if len(matrix) == 4 and matrix[3].tolist() != LAST_ROW:
         raise InvalidProblemError(
             f"{name}: {last_row_fault(matrix)}", array=name, row=3, value=matrix[3].tolist()

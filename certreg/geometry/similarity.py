@@ -115,8 +115,12 @@ class Similarity(Brief):
             For a scale that is negative or not finite.
         """
         if not (math.isfinite(scale) and scale >= 0.0):
-            message = f"scale is {scale!r}: a similarity has a finite one, >= 0"
-            raise InvalidProblemError(message, array="scale", value=scale, limit=0.0)
+            raise InvalidProblemError(
+                f"scale is {scale!r}: a similarity has a finite one, >= 0",
+                array="scale",
+                value=scale,
+                limit=0.0,
+            )
         return _scaled(pose, float(scale))
 
     def as_matrix(self) -> NDArray[np.float64]:
@@ -145,8 +149,10 @@ class Similarity(Brief):
             For a scale of 0, and where a number leaves the doubles.
         """
         if self.scale == 0.0:
-            message = "a similarity of scale 0 has no inverse: it puts every point at one place"
-            raise OutOfRangeError(message, value=self.scale)
+            raise OutOfRangeError(
+                "a similarity of scale 0 has no inverse: it puts every point at one place",
+                value=self.scale,
+            )
         back = _rigid(self).inverse()
         with np.errstate(over="ignore"):
             scale, shift = 1.0 / np.float64(self.scale), back.translation / self.scale + 0.0

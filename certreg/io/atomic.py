@@ -64,8 +64,9 @@ def require_vacant(folder: Path) -> None:
     """
     names = {entry.name for entry in folder.iterdir()} if folder.exists() else set[str]()
     if any(not name.startswith(TEMPORARY) for name in names):
-        message = f"{folder}: holds other files: choose a new folder, or empty it"
-        raise InvalidFileError(message, path=folder)
+        raise InvalidFileError(
+            f"{folder}: holds other files: choose a new folder, or empty it", path=folder
+        )
 
 
 def write_together(
@@ -81,11 +82,15 @@ def write_together(
     former = [*obsolete, *contents]
     for path in former:
         if path.is_symlink():
-            message = f"{path}: is a link where a file is to be: remove it, or choose another place"
-            raise InvalidFileError(message, path=path)
+            raise InvalidFileError(
+                f"{path}: is a link where a file is to be: remove it, or choose another place",
+                path=path,
+            )
         if path.is_dir():
-            message = f"{path}: is a folder where a file is to be: move it, or choose another place"
-            raise InvalidFileError(message, path=path)
+            raise InvalidFileError(
+                f"{path}: is a folder where a file is to be: move it, or choose another place",
+                path=path,
+            )
     with contextlib.ExitStack() as stack:  # which renames in the opposite order
         handles: list[int] = []
         for path, content in contents.items():
@@ -144,8 +149,9 @@ def written_atomically(
         if sync:
             _sync_folders([target.parent])
     except OSError as error:
-        message = f"{target}: cannot be written ({error.strerror}): {remedy_of(error)}"
-        raise InvalidFileError(message, path=target) from error
+        raise InvalidFileError(
+            f"{target}: cannot be written ({error.strerror}): {remedy_of(error)}", path=target
+        ) from error
     finally:
         with contextlib.suppress(OSError):  # gone, or held by another program: swept some day
             temporary.unlink()

@@ -69,8 +69,11 @@ def carbon_alphas(atoms: Iterable[Atom], file: Path) -> CarbonAlphas:
             continue
         occupancy = number(atom.place, atom.occupancy) if atom.occupancy else 1.0
         if (atom.label, atom.alternative) in places:
-            words = f"atom {shown(atom.label)} comes again: is it the file of one molecule?"
-            raise atom.place.refusal(words, column="atom", value=atom.label)
+            raise atom.place.refusal(
+                f"atom {shown(atom.label)} comes again: is it the file of one molecule?",
+                column="atom",
+                value=atom.label,
+            )
         places.add((atom.label, atom.alternative))
         before = kept.get(atom.label)
         if before is not None:
@@ -127,11 +130,15 @@ def _atom(place: Place, line: str, model: str) -> Atom:
     residue = line[22:27].replace(" ", "")
     for text in position:
         if len(text) != 8 or not COORDINATE.fullmatch(text):
-            words = f"'{shown(text)}' in columns 31 to 54 is not a coordinate: mend the columns"
-            raise place.refusal(words, value=text)
+            raise place.refusal(
+                f"'{shown(text)}' in columns 31 to 54 is not a coordinate: mend the columns",
+                value=text,
+            )
     if not RESIDUE.fullmatch(residue):
-        words = f"'{shown(residue)}' in columns 23 to 27 is not a residue number: mend the columns"
-        raise place.refusal(words, value=residue)
+        raise place.refusal(
+            f"'{shown(residue)}' in columns 23 to 27 is not a residue number: mend the columns",
+            value=residue,
+        )
     field = line[12:16]
     element = line[76:78].strip().upper() or ("C" if field.startswith(" C") else "")
     x, y, z = (text.strip() for text in position)
@@ -167,11 +174,14 @@ def chemical_points(lines: Iterator[str], file: Path, declared: str) -> tuple[ar
             continue
         width = width or len(words)
         if len(coordinates) == 3 * expected:
-            what = f"more than the {expected} points of line 1: give one frame only"
-            raise place.refusal(what, limit=expected)
+            raise place.refusal(
+                f"more than the {expected} points of line 1: give one frame only", limit=expected
+            )
         if len(words) < 4 or len(words) != width or not SYMBOL.fullmatch(words[0]):
-            what = "not 'symbol x y z' with as many columns as the rows above: mend it"
-            raise place.refusal(what, value=text.strip())
+            raise place.refusal(
+                "not 'symbol x y z' with as many columns as the rows above: mend it",
+                value=text.strip(),
+            )
         coordinates.extend(number(place, word) for word in words[1:4])
     if len(coordinates) != 3 * expected or not coordinates:
         held = len(coordinates) // 3

@@ -232,8 +232,10 @@ class DecimalCommas:
             return number(place, text)
         self._comma = self._comma or (place, text)
         if text.count(",") > 1 or not NUMBER.fullmatch(text.replace(",", ".")):
-            words = f"'{shown(text)}' is not a number: write plain decimal numbers, without groups"
-            raise place.refusal(words, value=text)
+            raise place.refusal(
+                f"'{shown(text)}' is not a number: write plain decimal numbers, without groups",
+                value=text,
+            )
         self._decimal = self._decimal or not GROUPED.fullmatch(text)
         return number(place, text.replace(",", "."))
 
@@ -248,8 +250,9 @@ class DecimalCommas:
             raise place.refusal(words + "decimal? Write decimal points", value=text)
         if not self._decimal:
             point, thousand = text.replace(",", "."), text.replace(",", "")
-            words = f"'{shown(text)}': is it {point} or {thousand}? Write decimal points"
-            raise place.refusal(words, value=text)
+            raise place.refusal(
+                f"'{shown(text)}': is it {point} or {thousand}? Write decimal points", value=text
+            )
 
     @property
     def notes(self) -> tuple[str, ...]:

@@ -97,13 +97,21 @@ def rows_by_label(
             missing, others = len(counters[1 - k].keys() - counters[k].keys()), len(counters[1 - k])
             where += f", which lacks {missing} of the {others} labels of {names[1 - k]}"
             remedy = "take --match common"
-        message = f"{where}: each must occur once in both; drop it, or {remedy}"
-        raise InvalidFileError(message, path=files[k], column="label", value=label, limit=1)
+        raise InvalidFileError(
+            f"{where}: each must occur once in both; drop it, or {remedy}",
+            path=files[k],
+            column="label",
+            value=label,
+            limit=1,
+        )
     rows = {label: row for row, label in enumerate(target)}
     kept = [row for row, label in enumerate(source) if label in rows]
     if not kept:
-        message = "the clouds have no label in common: check that they belong together"
-        raise InvalidFileError(message, path=files[1], column="label")
+        raise InvalidFileError(
+            "the clouds have no label in common: check that they belong together",
+            path=files[1],
+            column="label",
+        )
     return kept, [rows[source[row]] for row in kept]
 
 
@@ -119,12 +127,15 @@ def require_same_order(
         return
     row = next(k for k, (a, b) in enumerate(zip(source, target, strict=True)) if a != b)
     names = [shown(file) for file in files]
-    message = (
+    raise InvalidFileError(
         f"{names[0]} and {names[1]} name the same points in another order: point {row} (counting "
         f"from 0) is '{shown(source[row])}' and '{shown(target[row])}': rename the column that "
-        "names them to label in both files, or give pairs"
+        "names them to label in both files, or give pairs",
+        path=files[1],
+        row=row,
+        value=target[row],
+        limit=source[row],
     )
-    raise InvalidFileError(message, path=files[1], row=row, value=target[row], limit=source[row])
 
 
 def classes_note(

@@ -33,15 +33,20 @@ def parse_obj(lines: Iterator[str], file: Path) -> tuple[array[float], None, tup
         if key in CORNERED:
             last = max(last, (_largest(place, words[1:], len(coordinates) // 3), place))
         elif key not in PASSED_OVER:
-            what = f"'{shown(key)}' is not expected in a mesh of points and faces: mend the line"
-            raise place.refusal(what, value=key)
+            raise place.refusal(
+                f"'{shown(key)}' is not expected in a mesh of points and faces: mend the line",
+                value=key,
+            )
         others[key] = None
     n = len(coordinates) // 3
     if n == 0:
         raise Place(file, 1).refusal("no vertices: give lines 'v x y z'", value=0, limit=1)
     if last[0] > n:
-        words = f"names vertex {last[0]}, the file holds {n}: it is truncated; save it again"
-        raise last[1].refusal(words, value=last[0], limit=n)
+        raise last[1].refusal(
+            f"names vertex {last[0]}, the file holds {n}: it is truncated; save it again",
+            value=last[0],
+            limit=n,
+        )
     return coordinates, None, tuple(others)
 
 
@@ -50,8 +55,9 @@ def _statements(lines: Iterator[str], file: Path) -> Iterator[tuple[Place, list[
     for k, text in enumerate(lines, 1):
         line = text.partition("#")[0].strip()
         if line.endswith("\\"):
-            what = "the line goes on behind '\\': write each statement in one line"
-            raise Place(file, k).refusal(what)
+            raise Place(file, k).refusal(
+                "the line goes on behind '\\': write each statement in one line"
+            )
         if line:
             yield Place(file, k), line.split()
 
@@ -59,12 +65,16 @@ def _statements(lines: Iterator[str], file: Path) -> Iterator[tuple[Place, list[
 def _vertex(place: Place, words: list[str], coordinates: array[float]) -> dict[str, None]:
     """Add a vertex; what stands behind its coordinates. A fourth number is a weight, which is 1."""
     if len(words) not in {3, 4, 6, 7}:
-        what = f"{len(words)} numbers of a vertex: give 'v x y z'"
-        raise place.refusal(what, value=len(words), limit=3)
+        raise place.refusal(
+            f"{len(words)} numbers of a vertex: give 'v x y z'", value=len(words), limit=3
+        )
     values = [number(place, word) for word in words]
     if len(values) in {4, 7} and values[3] != 1:
-        what = f"a vertex of weight {words[3]}: divide x, y, z by it, and leave it out"
-        raise place.refusal(what, value=values[3], limit=1)
+        raise place.refusal(
+            f"a vertex of weight {words[3]}: divide x, y, z by it, and leave it out",
+            value=values[3],
+            limit=1,
+        )
     coordinates.extend(values[:3])
     return {} if len(values) == 3 else {"numbers behind x, y, z": None}
 
@@ -75,7 +85,9 @@ def _largest(place: Place, corners: list[str], held: int) -> int:
     for corner in corners:
         match = CORNER.fullmatch(corner)
         if match is None or int(match[1]) < -held:
-            what = f"'{shown(corner)}' names no vertex: mend the line, or save the file again"
-            raise place.refusal(what, value=corner)
+            raise place.refusal(
+                f"'{shown(corner)}' names no vertex: mend the line, or save the file again",
+                value=corner,
+            )
         largest = max(largest, int(match[1]))
     return largest

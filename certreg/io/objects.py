@@ -107,16 +107,17 @@ def pair(source: Any, target: Any, *, match: str = "all", **springs: Any) -> Pai
     (2, 3)
     """
     if springs:
-        message = (
+        raise InvalidProblemError(
             f"pair takes no {', '.join(springs)}: give them to certify(source, target, ...), which "
-            "pairs the clouds itself; a row of springs goes with its row of the target"
+            "pairs the clouds itself; a row of springs goes with its row of the target",
+            array=next(iter(springs)),
         )
-        raise InvalidProblemError(message, array=next(iter(springs)))
     try:
         pairing = Pairing(match=Match(match))
     except ValueError as error:
-        message = f"match is {match!r}: give 'all' or 'common'"
-        raise InvalidProblemError(message, array="match", value=match) from error
+        raise InvalidProblemError(
+            f"match is {match!r}: give 'all' or 'common'", array="match", value=match
+        ) from error
     first, second = cloud_of(source, "source"), cloud_of(target, "target")
     return pair_of(*_named_alike(source, target, first, second), pairing)
 
@@ -161,8 +162,12 @@ def _of_pairs(values: Any, paired: Pair, name: str) -> Any:
         return values
     array, n = real_numbers(values, name), paired.sizes[0]
     if array.shape not in {(), (n,)}:
-        message = f"{name} has shape {array.shape}: expected one number, or ({n},), one per point"
-        raise InvalidProblemError(message, array=name, value=array.shape, limit=(n,))
+        raise InvalidProblemError(
+            f"{name} has shape {array.shape}: expected one number, or ({n},), one per point",
+            array=name,
+            value=array.shape,
+            limit=(n,),
+        )
     return array if array.ndim == 0 else array[paired.source_rows]
 
 

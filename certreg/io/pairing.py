@@ -127,8 +127,9 @@ def read_pair(
     noise: whether columns `sigma` and `weight` are read, unless the pairing ignores them.
     """
     if is_standard_input(source) and is_standard_input(target):
-        message = "standard input holds one cloud: give a file for the other"
-        raise InvalidFileError(message, path=Path(source))
+        raise InvalidFileError(
+            "standard input holds one cloud: give a file for the other", path=Path(source)
+        )
     noise = noise and not pairing.ignore_weights
     return pair_of(read_cloud(source, noise=noise), read_cloud(target, noise=noise), pairing)
 
@@ -156,11 +157,13 @@ def pair_of(first: Cloud, second: Cloud, pairing: Pairing = BY_LABEL) -> Pair:
             bare.path, "has no labels to match: name a column label, or give pairs", column="label"
         )
     elif sizes[0] != sizes[1]:
-        message = (
+        raise InvalidFileError(
             f"{shown(first.path)} has {sizes[0]} points, {shown(second.path)} has {sizes[1]}: "
-            "without labels in both files row i pairs with row i, so both need the same number"
+            "without labels in both files row i pairs with row i, so both need the same number",
+            path=second.path,
+            value=sizes[1],
+            limit=sizes[0],
         )
-        raise InvalidFileError(message, path=second.path, value=sizes[1], limit=sizes[0])
     else:
         require_same_rows(first, second)
         return Pair(source=first, target=second, source_rows=None, sizes=sizes, further=further)
@@ -214,9 +217,12 @@ def _require_same(source: RowNumbers, target: RowNumbers, files: tuple[Path, Pat
         return
     names = [shown(file) for file in files]
     here, there = source.column[row].item(), target.column[row].item()
-    message = (
+    raise InvalidFileError(
         f"{names[0]} and {names[1]} number the same points in another order: point {row} (counting "
         f"from 0) is {here:.16g} and {there:.16g}, and files this large are not paired by "
-        "label: give pairs, or sort both by it"
+        "label: give pairs, or sort both by it",
+        path=files[1],
+        row=row,
+        value=there,
+        limit=here,
     )
-    raise InvalidFileError(message, path=files[1], row=row, value=there, limit=here)

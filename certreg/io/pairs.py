@@ -95,8 +95,9 @@ def _from_text(stream: BinaryIO, file: Path) -> NDArray[np.int64]:
             continue
         if len(words) != 2:
             columns = "1 column" if len(words) == 1 else f"{len(words)} columns"
-            what = f"{columns}: write a row of source and one of target"
-            raise place.refusal(what, value=len(words), limit=2)
+            raise place.refusal(
+                f"{columns}: write a row of source and one of target", value=len(words), limit=2
+            )
         pairs.append([_row_number(place, word) for word in words])
     return np.array(pairs, dtype=np.int64).reshape(-1, 2)
 

@@ -101,8 +101,9 @@ def _declared(file: Path, top: list[HeaderLine], further: frozenset[str]) -> Hea
         if line.key.startswith("#") or not line.key:
             continue
         if line.key not in KEYS or line.key in entries or not line.words:
-            words = f"'{shown(line.key)}' is unknown, empty or here again: mend it"
-            raise line.place.refusal(words, column=line.key)
+            raise line.place.refusal(
+                f"'{shown(line.key)}' is unknown, empty or here again: mend it", column=line.key
+            )
         entries[line.key] = line
     missing = sorted(KEYS - OPTIONAL - set(entries))
     if missing:
@@ -120,8 +121,11 @@ def _declared(file: Path, top: list[HeaderLine], further: frozenset[str]) -> Hea
         raise place.refusal(words, column="POINTS", value=points, limit=width * height)
     last = top[-1]
     if last.words not in (["ascii"], ["binary"], ["binary_compressed"]):
-        words = "unknown data: save it as ascii, binary or binary_compressed"
-        raise last.place.refusal(words, column="DATA", value=" ".join(last.words))
+        raise last.place.refusal(
+            "unknown data: save it as ascii, binary or binary_compressed",
+            column="DATA",
+            value=" ".join(last.words),
+        )
     fields = _fields(entries)
     single = [field.name for field in fields if field.count == 1]
     kept = (*"xyz", *(name for name in single if name in further and single.count(name) == 1))
@@ -132,12 +136,18 @@ def _require_plain(entries: dict[str, HeaderLine]) -> None:
     """That version and viewpoint, where they are given, are what they should be."""
     version = entries.get("VERSION")
     if version and (len(version.words) != 1 or version.words[0] not in VERSIONS):
-        words = "unknown version: save it as version 0.7"
-        raise version.place.refusal(words, column="VERSION", value=" ".join(version.words))
+        raise version.place.refusal(
+            "unknown version: save it as version 0.7",
+            column="VERSION",
+            value=" ".join(version.words),
+        )
     stand = entries.get("VIEWPOINT")
     if stand and (len(stand.words) != 7 or not all(map(NUMBER.fullmatch, stand.words))):
-        words = "the viewpoint is not 7 numbers: write 0 0 0 1 0 0 0"
-        raise stand.place.refusal(words, column="VIEWPOINT", value=" ".join(stand.words))
+        raise stand.place.refusal(
+            "the viewpoint is not 7 numbers: write 0 0 0 1 0 0 0",
+            column="VIEWPOINT",
+            value=" ".join(stand.words),
+        )
 
 
 def _one_count(line: HeaderLine) -> int:
@@ -150,24 +160,31 @@ def _fields(entries: dict[str, HeaderLine]) -> list[Field]:
     lines = [entries["SIZE"], entries["TYPE"], entries.get("COUNT", ones)]
     for line in lines:
         if len(line.words) != len(names):
-            words = f"{len(line.words)} entries for {len(names)} fields: mend it"
             raise line.place.refusal(
-                words, column=line.key, value=len(line.words), limit=len(names)
+                f"{len(line.words)} entries for {len(names)} fields: mend it",
+                column=line.key,
+                value=len(line.words),
+                limit=len(names),
             )
     fields: list[Field] = []
     for title, size, letter, times in zip(names, *(line.words for line in lines), strict=True):
         kind = letter.lower() + size
         if kind not in TYPES or not letter.isupper():
-            words = f"field '{shown(title)}' has no known TYPE and SIZE: use F 4"
-            raise lines[1].place.refusal(words, column=title, value=f"{letter} {size}")
+            raise lines[1].place.refusal(
+                f"field '{shown(title)}' has no known TYPE and SIZE: use F 4",
+                column=title,
+                value=f"{letter} {size}",
+            )
         fields.append(Field(title, kind, count(lines[2].place, times)))
         if fields[-1].count == 0:
-            words = f"field '{shown(title)}' has COUNT 0: leave it out"
-            raise lines[2].place.refusal(words, column=title, value=0, limit=1)
+            raise lines[2].place.refusal(
+                f"field '{shown(title)}' has COUNT 0: leave it out", column=title, value=0, limit=1
+            )
     single = [field.name for field in fields if field.count == 1]
     if [(single.count(axis), names.count(axis)) for axis in "xyz"] != [(1, 1)] * 3:
-        words = "give one field each x, y and z, of COUNT 1"
-        raise entries["FIELDS"].place.refusal(words, column="FIELDS", value=" ".join(names))
+        raise entries["FIELDS"].place.refusal(
+            "give one field each x, y and z, of COUNT 1", column="FIELDS", value=" ".join(names)
+        )
     return fields
 
 
@@ -183,11 +200,17 @@ def _from_text(
     for place, words in rows_of_words(stream, file, line):
         held += 1
         if held > declared.points:
-            what = f"row {held}, the header declares {declared.points} rows: mend the header"
-            raise place.refusal(what, value=held, limit=declared.points)
+            raise place.refusal(
+                f"row {held}, the header declares {declared.points} rows: mend the header",
+                value=held,
+                limit=declared.points,
+            )
         if len(words) != width:
-            what = f"{len(words)} numbers, the header declares {width}: mend the row or the header"
-            raise place.refusal(what, value=len(words), limit=width)
+            raise place.refusal(
+                f"{len(words)} numbers, the header declares {width}: mend the row or the header",
+                value=len(words),
+                limit=width,
+            )
         for axis, column in columns.items():
             try:
                 column.append(typed_number(place, words[slots[axis]], types[axis]))

@@ -176,8 +176,9 @@ def write_ply(file: Path, pieces: Iterable[NDArray[np.float64]], n: int) -> None
 
 def _declared(file: Path, top: list[HeaderLine], kept: Container[str]) -> Header:
     if top[0].key != "ply" or len(top) < 2 or top[1].key != "format":
-        words = "does not begin with 'ply' and 'format': is it a .ply file?"
-        raise Place(file, 1).refusal(words, value=top[0].key)
+        raise Place(file, 1).refusal(
+            "does not begin with 'ply' and 'format': is it a .ply file?", value=top[0].key
+        )
     kind, *version = top[1].words or [""]
     if kind not in ORDERS or version != ["1.0"]:
         stated = " ".join(top[1].words)
@@ -191,16 +192,18 @@ def _declared(file: Path, top: list[HeaderLine], kept: Container[str]) -> Header
         elif line.key == "property" and elements:
             elements[-1].properties.append(_property(line, elements[-1], kept))
         elif line.key not in {"", "comment", "obj_info"}:
-            words = f"'{shown(line.key)}' is not expected here: mend the header"
-            raise line.place.refusal(words, column=line.key)
+            raise line.place.refusal(
+                f"'{shown(line.key)}' is not expected here: mend the header", column=line.key
+            )
     return Header(ORDERS[kind], elements)
 
 
 def _element(line: HeaderLine, others: list[Element]) -> Element:
     if len(line.words) != 2 or line.words[0] in {other.name for other in others}:
         stated = " ".join(line.words)
-        words = "write 'element NAME COUNT', each name once"
-        raise line.place.refusal(words, column=line.key, value=stated)
+        raise line.place.refusal(
+            "write 'element NAME COUNT', each name once", column=line.key, value=stated
+        )
     return Element(line.words[0], count(line.place, line.words[1]), [])
 
 
@@ -211,11 +214,12 @@ def _property(line: HeaderLine, element: Element, kept: Container[str]) -> Prope
     taken = title in {other.name for other in element.properties}
     whole = kinds[0][:1] in {"i", "u"} if listed and kinds else True
     if len(kinds) != 1 + listed or not all(kinds) or not whole or taken:
-        words = (
+        raise line.place.refusal(
             "write 'property TYPE NAME' or 'property list COUNT_TYPE TYPE NAME', "
-            "with types such as float or uint8, each name once"
+            "with types such as float or uint8, each name once",
+            column=line.key,
+            value=" ".join(line.words),
         )
-        raise line.place.refusal(words, column=line.key, value=" ".join(line.words))
     return Property(title, kinds[-1], kinds[0] if listed else None, not listed and title in kept)
 
 
@@ -299,15 +303,13 @@ def _row(
         offset += code.size
         if entry:
             if value < 0:
-                message = "a list of negative length"
-                raise struct.error(message)
+                raise struct.error("a list of negative length")
             lengths.append(value)
             offset += value * entry
         elif kept:
             values.append(value)
     if offset > len(data):
-        message = "a row beyond the data"
-        raise struct.error(message)
+        raise struct.error("a row beyond the data")
     return values, lengths, offset
 
 
@@ -364,8 +366,9 @@ def _without_lists(place: Place, words: list[str], element: Element) -> list[str
     kept, at = list[str](), 0
     for item in element.properties:
         if at >= len(words) or (item.count is not None and not COUNT.fullmatch(words[at])):
-            what = "a list without its length, or too few numbers: mend the row"
-            raise place.refusal(what, column=item.name)
+            raise place.refusal(
+                "a list without its length, or too few numbers: mend the row", column=item.name
+            )
         kept.append(words[at])
         at += 1 if item.count is None else 1 + int(words[at])
     return kept if at == len(words) else []

@@ -98,8 +98,12 @@ def parse_line(stream: BinaryIO, file: Path, line: int) -> GivenPose:
     for last, text in enumerate(lines(stream, file), 1):
         if last == line:
             return _pose_of_line(PoseSource(file, line), _words(text))
-    message = f"{shown(file)} has {last} lines: --line {line} is none of them"
-    raise InvalidFileError(message, path=file, line=line, limit=last)
+    raise InvalidFileError(
+        f"{shown(file)} has {last} lines: --line {line} is none of them",
+        path=file,
+        line=line,
+        limit=last,
+    )
 
 
 def _pose_of_text(source: PoseSource, text: str) -> GivenPose:
@@ -117,8 +121,9 @@ def _pose_of_text(source: PoseSource, text: str) -> GivenPose:
         )
     numbers = [_numbers(source, row) for row in rows]
     if [len(row) for row in numbers] == [3, 3, 3]:
-        message = "holds a 3x3 matrix: give 3x4 or 4x4, with the translation"
-        raise source.refusal(message, value=(3, 3), limit=(4, 4))
+        raise source.refusal(
+            "holds a 3x3 matrix: give 3x4 or 4x4, with the translation", value=(3, 3), limit=(4, 4)
+        )
     return of_matrix(source, numbers)
 
 
@@ -132,8 +137,11 @@ def _pose_of_line(source: PoseSource, words: list[str]) -> GivenPose:
     if len(numbers) == 12:
         return of_matrix(source, [numbers[:4], numbers[4:8], numbers[8:]])
     forms = ", ".join(f"{size} ({form})" for size, form in FORMS.items())
-    message = f"holds {len(numbers)} numbers: a line that is a pose holds {forms}"
-    raise source.refusal(message, value=len(numbers), limit=tuple(FORMS))
+    raise source.refusal(
+        f"holds {len(numbers)} numbers: a line that is a pose holds {forms}",
+        value=len(numbers),
+        limit=tuple(FORMS),
+    )
 
 
 def _words(line: str) -> list[str]:
@@ -147,8 +155,10 @@ def _numbers(source: PoseSource, words: list[str]) -> list[float]:
         try:
             numbers.append(float(word))
         except ValueError as error:
-            message = f"'{shown(word)}' is not a number: write a 4x4 matrix, or w x y z tx ty tz"
-            raise source.refusal(message, value=word) from error
+            raise source.refusal(
+                f"'{shown(word)}' is not a number: write a 4x4 matrix, or w x y z tx ty tz",
+                value=word,
+            ) from error
     return numbers
 
 
@@ -162,8 +172,9 @@ def pose_of_json(source: PoseSource, content: bytes, text: str) -> GivenPose:
     try:
         document: Any = json.loads(text)
     except (ValueError, RecursionError) as error:
-        message = f"is not JSON ({shown(error)}): give a pose file or a certreg result"
-        raise source.refusal(message) from error
+        raise source.refusal(
+            f"is not JSON ({shown(error)}): give a pose file or a certreg result"
+        ) from error
     if isinstance(document, list):
         return of_matrix(source, document)
     fields = cast("dict[str, Any]", document)
@@ -187,8 +198,9 @@ def pose_of_certificate(source: PoseSource, content: bytes) -> GivenPose:
     try:
         statement = parse(content)
     except RefusalError as error:
-        message = f"is neither a pose file nor a well-formed certificate ({shown(error)})"
-        raise source.refusal(message) from error
+        raise source.refusal(
+            f"is neither a pose file nor a well-formed certificate ({shown(error)})"
+        ) from error
     q = getattr(statement, "pose", None) or _pose_of_fit(getattr(statement, "fit", None))
     if not any(q):  # that of a count holds none
         raise source.refusal("is a certificate that holds no pose: give a pose or a result")
@@ -221,9 +233,11 @@ def _pose_of_fields(source: PoseSource, fields: dict[str, Any]) -> GivenPose:
     pose = of_quaternion(source, quaternion, translation)
     apart = 0.0 if matrix is None else float(np.abs(matrix - pose.rotation).max())
     if apart > ROTATION_TOLERANCE:
-        message = "rotation and quaternion_wxyz are two different rotations: keep one"
         raise source.refusal(
-            message, column="quaternion_wxyz", value=apart, limit=ROTATION_TOLERANCE
+            "rotation and quaternion_wxyz are two different rotations: keep one",
+            column="quaternion_wxyz",
+            value=apart,
+            limit=ROTATION_TOLERANCE,
         )
     return replace(pose, scale=scale)
 
@@ -234,8 +248,12 @@ def _scale(source: PoseSource, value: Any) -> float | None:
         return None
     scale = float(finite_array(source, value, (), "scale"))
     if scale <= 0.0:
-        message = f"scale is {scale!r}: that of a similarity is > 0"
-        raise source.refusal(message, column="scale", value=scale, limit=0.0)
+        raise source.refusal(
+            f"scale is {scale!r}: that of a similarity is > 0",
+            column="scale",
+            value=scale,
+            limit=0.0,
+        )
     return scale
 
 
@@ -261,8 +279,12 @@ def finite_array(
     except (ValueError, TypeError, OverflowError) as error:
         raise source.refusal(f"{name} is not an array of numbers", column=name) from error
     if array.shape != shape or not np.isfinite(array).all():
-        message = f"{name} must be {shape} finite numbers, found shape {array.shape}"
-        raise source.refusal(message, column=name, value=array.shape, limit=shape)
+        raise source.refusal(
+            f"{name} must be {shape} finite numbers, found shape {array.shape}",
+            column=name,
+            value=array.shape,
+            limit=shape,
+        )
     return array
 
 
@@ -272,8 +294,12 @@ def of_quaternion(source: PoseSource, quaternion: Any, translation: Any) -> Give
     q = np.array(quaternion, dtype=np.float64)
     norm = math.hypot(*q.tolist())  # infinite beyond the doubles, without a warning
     if not abs(norm - 1.0) <= ROTATION_TOLERANCE:
-        message = f"the quaternion has norm {norm:.6g}, not 1: write unit w x y z, scalar first"
-        raise source.refusal(message, column="quaternion_wxyz", value=norm, limit=1.0)
+        raise source.refusal(
+            f"the quaternion has norm {norm:.6g}, not 1: write unit w x y z, scalar first",
+            column="quaternion_wxyz",
+            value=norm,
+            limit=1.0,
+        )
     return GivenPose(turn=q, translation=shift)
 
 
@@ -282,8 +308,11 @@ def of_array(source: PoseSource, array: NDArray[np.float64]) -> GivenPose:
     if array.shape not in {(4, 4), (3, 4)}:
         stack = array.ndim == 3 and array.shape[1:] in {(4, 4), (3, 4)}
         remedy = f"a stack of {len(array)}: save one of them" if stack else "save [R | t]"
-        message = f"holds an array {array.shape}, a pose is (4, 4) or (3, 4): {remedy}"
-        raise source.refusal(message, value=array.shape, limit=(4, 4))
+        raise source.refusal(
+            f"holds an array {array.shape}, a pose is (4, 4) or (3, 4): {remedy}",
+            value=array.shape,
+            limit=(4, 4),
+        )
     return of_matrix(source, array.tolist())
 
 

@@ -106,11 +106,13 @@ def _paired_weights(
     """One weight per pair, from a file with one per row of the source."""
     numbers, n = read_weights(weights), pair.sizes[0]
     if len(numbers) != n:
-        message = (
+        raise InvalidFileError(
             f"{weights}: holds {len(numbers)} weights, {source} has {n} "
-            "points: give one weight per row of the source"
+            "points: give one weight per row of the source",
+            path=Path(weights),
+            value=len(numbers),
+            limit=n,
         )
-        raise InvalidFileError(message, path=Path(weights), value=len(numbers), limit=n)
     return numbers if pair.source_rows is None else numbers[pair.source_rows]
 
 
@@ -119,16 +121,31 @@ def read_weights(path: str | os.PathLike[str]) -> NDArray[np.float64]:
     file = Path(path)
     weights = numbers_of(file)
     if weights.ndim != 1:
-        message = f"{file}: holds an array of shape {weights.shape}: expected (N,)"
-        raise InvalidFileError(message, path=file, value=weights.shape)
+        raise InvalidFileError(
+            f"{file}: holds an array of shape {weights.shape}: expected (N,)",
+            path=file,
+            value=weights.shape,
+        )
     if len(weights) == 0:
-        message = f"{file}: holds no weights: give one number per row of the source"
-        raise InvalidFileError(message, path=file, value=0, limit=1)
+        raise InvalidFileError(
+            f"{file}: holds no weights: give one number per row of the source",
+            path=file,
+            value=0,
+            limit=1,
+        )
     row = first_row(weights, lambda block: block < 0)
     if row is not None:
-        message = f"{file}: weight {row} (counting from 0) is {weights[row]}: weights must be >= 0"
-        raise InvalidFileError(message, path=file, row=row, value=float(weights[row]), limit=0.0)
+        raise InvalidFileError(
+            f"{file}: weight {row} (counting from 0) is {weights[row]}: weights must be >= 0",
+            path=file,
+            row=row,
+            value=float(weights[row]),
+            limit=0.0,
+        )
     if first_row(weights, lambda block: block > 0) is None:
-        message = f"{file}: all weights are zero: give a positive weight to the points that count"
-        raise InvalidFileError(message, path=file, value=0.0)
+        raise InvalidFileError(
+            f"{file}: all weights are zero: give a positive weight to the points that count",
+            path=file,
+            value=0.0,
+        )
     return weights

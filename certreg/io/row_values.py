@@ -98,8 +98,11 @@ def _of_table(rows: Rows, path: Path, pair: Pair) -> list[bool]:
     labels: dict[int, bool] = {}
     for line, fields in rest:
         if len(fields) != len(header):
-            words = f"{len(fields)} columns, not {len(header)}: mend the row"
-            raise line.refusal(words, value=len(fields), limit=len(header))
+            raise line.refusal(
+                f"{len(fields)} columns, not {len(header)}: mend the row",
+                value=len(fields),
+                limit=len(header),
+            )
         row, name = count(line.at(ROW), fields[0].strip()), text_of_field(fields[1])
         if row >= n or row in labels:
             words = f"row {row} {'comes twice' if row in labels else f'of {n} pairs, from 0'}"

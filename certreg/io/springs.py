@@ -77,8 +77,11 @@ def read_springs(
     springs = SpringSource(columns=(springs,)) if isinstance(springs, str) else springs
     unknown = [name for name in springs.columns if name not in OF_COLUMNS]
     if unknown:
-        message = f"springs is {unknown[0]!r}: give one of {', '.join(OF_COLUMNS)}"
-        raise InvalidProblemError(message, array="springs", value=unknown[0])
+        raise InvalidProblemError(
+            f"springs is {unknown[0]!r}: give one of {', '.join(OF_COLUMNS)}",
+            array="springs",
+            value=unknown[0],
+        )
     rows: dict[str, Any] = {}
     for name in dict.fromkeys(springs.columns):
         kind = OF_COLUMNS[name]
@@ -111,16 +114,22 @@ def _of_target(
     kind: str, source: str | os.PathLike[str], target: str | os.PathLike[str]
 ) -> SpringTable:
     if is_standard_input(target):
-        message = f"standard input is read once: give a file, or {kind} in one of their own"
-        raise InvalidFileError(message, path=Path(target), column=kind)
+        raise InvalidFileError(
+            f"standard input is read once: give a file, or {kind} in one of their own",
+            path=Path(target),
+            column=kind,
+        )
     try:
         return read_spring_table(Path(target), kind)
     except InvalidFileError as error:
         here = not is_standard_input(source) and columns_of(titles_of(Path(source)), kind)
         if error.column is None or not here:
             raise
-        message = f"{shown(source)}: has {kind}, the target has none: {TURNS}"
-        raise InvalidFileError(message, path=Path(source), column=error.column) from error
+        raise InvalidFileError(
+            f"{shown(source)}: has {kind}, the target has none: {TURNS}",
+            path=Path(source),
+            column=error.column,
+        ) from error
 
 
 def _same_file(one: Path, other: Path) -> bool:
@@ -184,8 +193,12 @@ def springs_of_pairs(
 def _taken(values: Any, kind: str, pair: Pair) -> Any:
     array, n = held_rows(values, kind), pair.sizes[1]
     if len(array) != n:
-        message = f"{kind} has shape {array.shape}: expected {n} rows, one per row of the target"
-        raise InvalidProblemError(message, array=kind, value=array.shape, limit=n)
+        raise InvalidProblemError(
+            f"{kind} has shape {array.shape}: expected {n} rows, one per row of the target",
+            array=kind,
+            value=array.shape,
+            limit=n,
+        )
     taken = getattr(values, "of_rows", None)  # with what it notes
     return array[pair.target_rows] if taken is None else taken(pair.target_rows)
 
@@ -281,18 +294,22 @@ def _of_text(stream: BinaryIO, file: Path, kind: str) -> SpringTable:
     place, titles, rows = titled_rows(stream, file)
     names = columns_of(titles, kind)
     if names is None:
-        words = (
-            f"the header ({shown(', '.join(titles))}) names no {kind}: add columns {_wanted(kind)}"
+        raise place.refusal(
+            f"the header ({shown(', '.join(titles))}) names no {kind}: add columns {_wanted(kind)}",
+            column=SPRING_COLUMNS[kind][0][0],
+            value=titles,
         )
-        raise place.refusal(words, column=SPRING_COLUMNS[kind][0][0], value=titles)
     plain = [title.strip().lower() for title in titles]
     chosen = [plain.index(name) for name in names]
     label = plain.index(LABEL) if plain.count(LABEL) == 1 else None
     numbers, labels = array("d"), list[str]()
     for place, row in rows:
         if len(row) != len(titles):
-            words = f"{len(row)} columns, not {len(titles)}: mend the row"
-            raise place.refusal(words, value=len(row), limit=len(titles))
+            raise place.refusal(
+                f"{len(row)} columns, not {len(titles)}: mend the row",
+                value=len(row),
+                limit=len(titles),
+            )
         numbers.extend(_cells(place, [row[k] for k in chosen], names))
         if label is not None:
             labels.append(text_of_field(row[label].strip()))
@@ -315,8 +332,10 @@ def _cells(place: Place, texts: list[str], names: tuple[str, ...]) -> list[float
         return [nan] * len(texts)
     if any(empty):
         name = names[empty.index(True)]
-        words = f"{name} is empty, other cells of {', '.join(names)} are not: give all or none"
-        raise place.refusal(words, column=name)
+        raise place.refusal(
+            f"{name} is empty, other cells of {', '.join(names)} are not: give all or none",
+            column=name,
+        )
     return [number(place, text) for text in texts]
 
 

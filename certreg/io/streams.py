@@ -102,8 +102,9 @@ def reading(path: str | os.PathLike[str]) -> Generator[BinaryIO]:
             yield stream
     except OSError as error:
         what = f"cannot be read ({error.strerror or error})"
-        message = f"{shown(path)}: {what}: {remedy_of(error, 'give a readable file')}"
-        raise InvalidFileError(message, path=Path(path)) from error
+        raise InvalidFileError(
+            f"{shown(path)}: {what}: {remedy_of(error, 'give a readable file')}", path=Path(path)
+        ) from error
 
 
 def large_file(stream: BinaryIO, file: Path) -> mmap.mmap | None:
@@ -163,8 +164,7 @@ def lines(stream: BinaryIO, file: Path, first: int = 1) -> Iterator[str]:
         try:
             text = raw.decode("utf-8-sig" if number == 1 else "utf-8")
         except UnicodeDecodeError as error:
-            words = f"{shown(error)}: save the file as UTF-8"
-            raise Place(file, number).refusal(words) from error
+            raise Place(file, number).refusal(f"{shown(error)}: save the file as UTF-8") from error
         yield text
 
 
@@ -241,8 +241,11 @@ def typed_number(place: Place, text: str, kind: str) -> float:
         least, most = (-1 << bits - 1, (1 << bits - 1) - 1) if signed else (0, (1 << bits) - 1)
         whole = text.lstrip("+-").isdigit() and len(text) <= 20  # those of -2^63
         if not whole or not least <= int(text) <= most or int(text) != value:
-            words = f"'{shown(text)}' is not of the integer type declared: mend it"
-            raise place.refusal(words, value=text, limit=kind)
+            raise place.refusal(
+                f"'{shown(text)}' is not of the integer type declared: mend it",
+                value=text,
+                limit=kind,
+            )
     return value
 
 
@@ -272,8 +275,11 @@ def standard_input() -> tuple[BinaryIO, Path]:
     """What stands on standard input, of bounded length, and a name that tells its format."""
     content = sys.stdin.buffer.read(MAX_TEXT_BYTES + 1)
     if len(content) > MAX_TEXT_BYTES:
-        message = f"standard input: more than {MAX_TEXT_BYTES} bytes: give a file"
-        raise InvalidFileError(message, path=Path(DASH), limit=MAX_TEXT_BYTES)
+        raise InvalidFileError(
+            f"standard input: more than {MAX_TEXT_BYTES} bytes: give a file",
+            path=Path(DASH),
+            limit=MAX_TEXT_BYTES,
+        )
     return io.BytesIO(content), Path(NAME + format_of(content[:LOOKED_AT]))
 
 

@@ -46,16 +46,23 @@ def parse_tum(stream: BinaryIO, file: Path) -> Parsed:
     for place, fields in parse_rows(stream, file):
         row = [number(place, field) for field in fields]
         if len(row) != TUM_COLUMNS:
-            words = f"{len(row)} columns, not 8: a TUM line is time tx ty tz x y z w"
-            raise place.refusal(words, value=len(row), limit=TUM_COLUMNS)
-        if not abs(math.hypot(*row[4:]) - 1.0) <= UNIT_SLACK:
-            words = f"the quaternion has norm {math.hypot(*row[4:]):.6g}, not 1: is it a TUM file?"
-            raise place.refusal(words, value=row[4:], limit=1.0)
-        if times and row[0] <= times[-1]:
-            words = (
-                f"time {row[0]!r} is not after {times[-1]!r}: sort the lines, drop repeated ones"
+            raise place.refusal(
+                f"{len(row)} columns, not 8: a TUM line is time tx ty tz x y z w",
+                value=len(row),
+                limit=TUM_COLUMNS,
             )
-            raise place.refusal(words, value=row[0], limit=times[-1])
+        if not abs(math.hypot(*row[4:]) - 1.0) <= UNIT_SLACK:
+            raise place.refusal(
+                f"the quaternion has norm {math.hypot(*row[4:]):.6g}, not 1: is it a TUM file?",
+                value=row[4:],
+                limit=1.0,
+            )
+        if times and row[0] <= times[-1]:
+            raise place.refusal(
+                f"time {row[0]!r} is not after {times[-1]!r}: sort the lines, drop repeated ones",
+                value=row[0],
+                limit=times[-1],
+            )
         times.append(row[0])
         positions.append(row[1:4])
     return _trajectory(positions, file, np.array(times))
@@ -67,8 +74,11 @@ def parse_kitti(stream: BinaryIO, file: Path) -> Parsed:
     for place, fields in parse_rows(stream, file):
         row = [number(place, field) for field in fields]
         if len(row) != KITTI_COLUMNS:
-            words = f"{len(row)} columns, not 12: a KITTI line is the rows of [R | t]"
-            raise place.refusal(words, value=len(row), limit=KITTI_COLUMNS)
+            raise place.refusal(
+                f"{len(row)} columns, not 12: a KITTI line is the rows of [R | t]",
+                value=len(row),
+                limit=KITTI_COLUMNS,
+            )
         positions.append([row[k] for k in KITTI_TRANSLATION])
     return _trajectory(positions, file, None)
 
@@ -86,12 +96,14 @@ def rows_by_time(
     kept = (back[there] == here) & (np.abs(target[there] - source) <= MOST_APART)
     if not kept.any():
         least = float(np.abs(target[there] - source).min())
-        message = (
+        raise InvalidFileError(
             f"no times of {shown(files[0])} and {shown(files[1])} are within "
             f"{as_given(MOST_APART)} s of each other, the nearest are {least:.6g} s apart: "
-            "do both count from one moment?"
+            "do both count from one moment?",
+            path=files[1],
+            value=least,
+            limit=MOST_APART,
         )
-        raise InvalidFileError(message, path=files[1], value=least, limit=MOST_APART)
     rows, others = here[kept], there[kept]
     most = float(np.abs(target[others] - source[rows]).max())
     note = f"rows are paired by time, at most {at_most(most)} s apart"

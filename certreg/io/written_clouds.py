@@ -68,12 +68,12 @@ def _written(
         finite = np.isfinite(part).all(axis=1)
         if not finite.all():
             row = int(np.argmin(finite))
-            message = (
-                f"{file}: row {rows.start + row} (counting from 0) would be {part[row].tolist()}, "
-                "beyond the doubles: change the unit of length"
-            )
             raise InvalidFileError(
-                message, path=file, row=rows.start + row, value=part[row].tolist()
+                f"{file}: row {rows.start + row} (counting from 0) would be {part[row].tolist()}, "
+                "beyond the doubles: change the unit of length",
+                path=file,
+                row=rows.start + row,
+                value=part[row].tolist(),
             )
         yield part
 
@@ -95,10 +95,12 @@ def _quoted(file: Path, label: str) -> str:
     kept = label == label.strip() and "\n\ufeff" not in label
     kept = kept and label == label.encode(errors="ignore").decode()
     if not kept or len(label) >= csv.field_size_limit():  # PLAIN may come before it
-        message = (
+        raise InvalidFileError(
             f"{file}: the label '{shown(label)}' cannot be written: use labels of Unicode text "
-            "without spaces at their ends"
+            "without spaces at their ends",
+            path=file,
+            column="label",
+            value=label,
         )
-        raise InvalidFileError(message, path=file, column="label", value=label)
     field = csv_field(label)
     return f'"{field}"' if field.startswith("\ufeff") else field  # or it would be a mark of order

@@ -173,8 +173,9 @@ def chosen_library() -> tuple[Path, str]:
         raise
     here = runnable(built, folder)
     if named and named not in here:
-        message = f"{VARIANT} is {named}, which this processor or build lacks: {_choice(here)}"
-        raise VariantError(message)
+        raise VariantError(
+            f"{VARIANT} is {named}, which this processor or build lacks: {_choice(here)}"
+        )
     variant = named or here[-1]
     return folder / built.variants[variant], f"{variant}, {built.compiler}"
 

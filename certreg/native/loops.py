@@ -53,8 +53,9 @@ class Integrator(enum.Enum):
     @classmethod
     def _missing_(cls, value: object) -> Never:
         known = ", ".join(repr(one.value) for one in cls)
-        message = f"integrator is {value!r}: give {known}"
-        raise InvalidProblemError(message, array="integrator", value=value)
+        raise InvalidProblemError(
+            f"integrator is {value!r}: give {known}", array="integrator", value=value
+        )
 
     @property
     def state(self) -> RecordType:
@@ -208,8 +209,7 @@ def _copied(count: int, given: Mapping[str, tuple[Records, RecordType]]) -> dict
     """Copies of records by name, each beside its type; raises ValueError for others."""
     for name, (records, expected) in given.items():
         if records.shape != (count,) or records.dtype != expected:
-            message = f"{name} are {records.shape} of {records.dtype}: expected {expected}"
-            raise ValueError(message)
+            raise ValueError(f"{name} are {records.shape} of {records.dtype}: expected {expected}")
     return {name: records.copy() for name, (records, _) in given.items()}
 
 

@@ -105,6 +105,5 @@ def _operation(
 def _matched(form: re.Pattern[str], text: str) -> tuple[str, ...]:
     found = form.fullmatch(text)
     if found is None:
-        message = f"no statement of generated C: {text!r}"
-        raise ValueError(message)
+        raise ValueError(f"no statement of generated C: {text!r}")
     return found.groups()

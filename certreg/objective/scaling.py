@@ -52,11 +52,11 @@ class Scaling(Brief):
         )
         for name, spread in (("source", source), ("target", target)):
             if spread == 0 and (name == "source" or kind is Scale.SYMMETRIC):
-                message = (
+                raise DegenerateProblemError(
                     f"all {name} points with weight lie {place}: they tell no {kind.value} scale; "
-                    "leave the scale out"
+                    "leave the scale out",
+                    rank=0,
                 )
-                raise DegenerateProblemError(message, rank=0)
         return cls(kind, source, target)
 
     @property

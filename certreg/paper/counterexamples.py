@@ -84,8 +84,9 @@ def in_integers(cloud: Any) -> RegistrationProblem:
 
 def _double(number: Any) -> float:
     if float(number) != number:
-        message = f"{number} is no double: give points of smaller denominators"
-        raise InvalidProblemError(message, value=number)
+        raise InvalidProblemError(
+            f"{number} is no double: give points of smaller denominators", value=number
+        )
     return float(number)
 
 

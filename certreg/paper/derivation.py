@@ -57,8 +57,9 @@ def outcomes(names: Sequence[str] = ()) -> Iterator[Any]:
             every: tuple[str, ...] = book.names()
             meant = difflib.get_close_matches(name, every, n=1)
             near = f"did you mean {meant[0]!r}? " if meant else ""
-            message = f"there is no claim {name!r}: {near}`certreg derive --list` prints the names"
-            raise UnknownClaimError(message)
+            raise UnknownClaimError(
+                f"there is no claim {name!r}: {near}`certreg derive --list` prints the names"
+            )
     return (prove(book.claim(name)) for name in (names or book.names()))
 
 

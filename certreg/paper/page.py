@@ -67,8 +67,9 @@ def make_folder(folder: Path) -> None:
         for name in (FIGURES, CERTIFICATES):
             (folder / name).mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        message = f"{folder}: cannot be made a folder ({error.strerror}): {remedy_of(error)}"
-        raise InvalidFileError(message, path=folder) from error
+        raise InvalidFileError(
+            f"{folder}: cannot be made a folder ({error.strerror}): {remedy_of(error)}", path=folder
+        ) from error
 
 
 def write_reproduction(

@@ -31,11 +31,18 @@ def cloud_array(cloud: Any, name: str) -> NDArray[Any]:
     array = _frame_points(cloud, name) if data_frame(cloud) else real_numbers(_held(cloud), name)
     if array.ndim != 2 or array.shape[1] != 3:
         remedy = remedy_of_shape(array.shape, name)
-        message = f"{name} has shape {array.shape}: expected (N, 3), one point per row{remedy}"
-        raise InvalidProblemError(message, array=name, value=array.shape)
+        raise InvalidProblemError(
+            f"{name} has shape {array.shape}: expected (N, 3), one point per row{remedy}",
+            array=name,
+            value=array.shape,
+        )
     if len(array) == 0:
-        message = f"{name} has no points: at least one correspondence is needed"
-        raise InvalidProblemError(message, array=name, value=0, limit=1)
+        raise InvalidProblemError(
+            f"{name} has no points: at least one correspondence is needed",
+            array=name,
+            value=0,
+            limit=1,
+        )
     return array
 
 
@@ -80,29 +87,35 @@ def _frame_points(frame: Any, name: str) -> NDArray[Any]:
     if len(names) == 3 and not any(isinstance(one, str) for one in names):
         return real_numbers(frame.to_numpy(), name)
     stated = ", ".join(map(str, names))[:WORDS]
-    message = (
+    raise InvalidProblemError(
         f"{name} is a data frame with the columns {stated}: which are x, y, z? Rename them so, or "
-        "let certreg.pair(source, target) read them"
+        "let certreg.pair(source, target) read them",
+        array=name,
+        value=names,
     )
-    raise InvalidProblemError(message, array=name, value=names)
 
 
 def real_numbers(values: Any, name: str) -> NDArray[Any]:
     """The values as an array of real numbers of any type, not copied if they are one."""
     if np.ma.isMaskedArray(values):
-        message = f"{name} is a masked array: drop the masked rows from both clouds first"
-        raise InvalidProblemError(message, array=name)
+        raise InvalidProblemError(
+            f"{name} is a masked array: drop the masked rows from both clouds first", array=name
+        )
     try:
         plain = hasattr(values, "__array__") or not callable(getattr(values, "numpy", None))
         array = np.asarray(values if plain else values.numpy())
     except (ValueError, TypeError, RuntimeError) as error:
         words = (str(error).splitlines() or [type(error).__name__])[0][:WORDS]
-        message = f"{name} is not an array of numbers: {words}{_remedy(values, name)}"
-        raise InvalidProblemError(message, array=name) from error
+        raise InvalidProblemError(
+            f"{name} is not an array of numbers: {words}{_remedy(values, name)}", array=name
+        ) from error
     if array.dtype.kind not in "fiu":
         hint = f"; convert it first, as by {name}.astype(float)" if array.dtype.kind in "OV" else ""
-        message = f"{name} has entries of type {array.dtype}: expected real numbers{hint}"
-        raise InvalidProblemError(message, array=name, value=array.dtype)
+        raise InvalidProblemError(
+            f"{name} has entries of type {array.dtype}: expected real numbers{hint}",
+            array=name,
+            value=array.dtype,
+        )
     return array
 
 
@@ -130,17 +143,16 @@ def finite_doubles(array: NDArray[Any], name: str) -> NDArray[np.float64]:
                 "round them yourself with .astype(float) if that is what you mean"
             )
             row = rows.start + int(np.argwhere(~same)[0][0])
-            value = array[row].tolist()
-            raise InvalidProblemError(message, array=name, row=row, value=value)
+            raise InvalidProblemError(message, array=name, row=row, value=array[row].tolist())
         finite = np.isfinite(doubles)
         if not finite.all():
             row = int(np.argwhere(~finite)[0][0])
-            message = (
-                f"{name} row {rows.start + row} (counting from 0) is {doubles[row].tolist()}: "
-                "every value must be finite; remove the correspondence from both clouds"
-            )
             raise InvalidProblemError(
-                message, array=name, row=rows.start + row, value=doubles[row].tolist()
+                f"{name} row {rows.start + row} (counting from 0) is {doubles[row].tolist()}: "
+                "every value must be finite; remove the correspondence from both clouds",
+                array=name,
+                row=rows.start + row,
+                value=doubles[row].tolist(),
             )
         if not mapped:
             np.add(doubles, 0.0, out=kept[rows])  # -0.0 + 0.0 is 0.0: one point, one digest

@@ -60,8 +60,12 @@ def _consensus(problem: RegistrationProblem, max_residual: Any) -> Consensus:
             f"{NAME} needs {LEAST_PAIRS} to {MOST_PAIRS} pairs, there are {problem.n}: "
             "give more, or some of them"
         )
-        limit = LEAST_PAIRS if problem.n < LEAST_PAIRS else MOST_PAIRS
-        raise InvalidProblemError(message, array=NAME, value=problem.n, limit=limit)
+        raise InvalidProblemError(
+            message,
+            array=NAME,
+            value=problem.n,
+            limit=LEAST_PAIRS if problem.n < LEAST_PAIRS else MOST_PAIRS,
+        )
     bounds = checked_bounds(max_residual, problem.n)
     _require_near(problem, bounds)
     _require_narrow(problem, bounds)
@@ -75,8 +79,11 @@ def _truncated(problem: RegistrationProblem, max_residual: Any) -> Truncated:
     near = sizes / MOST_BOUNDS <= bounds
     if not near.all():
         row = int(np.argmin(near))
-        message = f"row {row} (counting from 0) is 1e100 bounds away from the origin: remove it"
-        raise InvalidProblemError(message, array=NAME, row=row)
+        raise InvalidProblemError(
+            f"row {row} (counting from 0) is 1e100 bounds away from the origin: remove it",
+            array=NAME,
+            row=row,
+        )
     _require_telling(problem, bounds)
     return Truncated(bounds)
 
@@ -101,16 +108,21 @@ def checked_bounds(max_residual: Any, n: int) -> NDArray[np.float64]:
     """
     array = real_numbers(max_residual, NAME)
     if array.shape not in {(), (n,)}:
-        message = f"{NAME} has shape {array.shape}: give one number, or ({n},), one for each pair"
-        raise InvalidProblemError(message, array=NAME, value=array.shape, limit=(n,))
+        raise InvalidProblemError(
+            f"{NAME} has shape {array.shape}: give one number, or ({n},), one for each pair",
+            array=NAME,
+            value=array.shape,
+            limit=(n,),
+        )
     bounds = array.reshape(-1)
     row = first_row(bounds, lambda block: ~((block > 0) & np.isfinite(block)))
     if row is not None:
         place = NAME if array.ndim == 0 else f"{NAME}[{row}]"
         value = bounds[row].item()
         message = f"{place} is {value}: a bound must be finite and > 0, in the unit of the clouds"
-        named = None if array.ndim == 0 else row
-        raise InvalidProblemError(message, array=NAME, row=named, value=value, limit=0.0)
+        raise InvalidProblemError(
+            message, array=NAME, row=None if array.ndim == 0 else row, value=value, limit=0.0
+        )
     doubles = np.broadcast_to(np.array(finite_doubles(bounds, NAME)), (n,))
     doubles.flags.writeable = False
     return doubles
@@ -125,12 +137,13 @@ def _require_near(problem: RegistrationProblem, bounds: NDArray[np.float64]) -> 
     sizes = sizes[sizes > 0.0]
     least, most = float(sizes.min()), float(sizes.max())
     if np.frexp(most)[1] - np.frexp(least)[1] > MOST_SPAN:
-        message = (
+        raise InvalidProblemError(
             f"{NAME} with numbers from {at_least(least)} to {at_most(most)}, weights (1 where none "
             "are given) among them: their proofs would be too long; give the clouds in a unit in "
-            "which they are nearer to 1, and 0 for numbers that are nothing but rounding"
+            "which they are nearer to 1, and 0 for numbers that are nothing but rounding",
+            array=NAME,
+            value=most,
         )
-        raise InvalidProblemError(message, array=NAME, value=most)
 
 
 def _require_narrow(problem: RegistrationProblem, bounds: NDArray[np.float64]) -> None:
@@ -142,21 +155,24 @@ def _require_narrow(problem: RegistrationProblem, bounds: NDArray[np.float64]) -
     block = problem.points
     for name, points in (("source", block.source), ("target", block.target)):
         if (points == points[0]).all():
-            message = (
+            raise InvalidProblemError(
                 f"all {name} points are one, which tells no rotation from another, whichever pairs "
-                "are right: leave pairs that repeat a point out, and give some with other points"
+                "are right: leave pairs that repeat a point out, and give some with other points",
+                array=name,
+                value=problem.n,
             )
-            raise InvalidProblemError(message, array=name, value=problem.n)
     half, cloud = diameter(block.target) / 2.0, "target"
     if not problem.scaled:
         half, cloud = min(half, diameter(block.source) / 2.0), "smaller cloud"
     if float(bounds.min()) >= half:
         least = "" if (bounds == bounds[0]).all() else " at least"
-        message = (
+        raise InvalidProblemError(
             f"{NAME} is {as_given(bounds.min())}{least}, not below half the diameter of the "
-            f"{cloud}, {at_least(half, 6)}: every pair may be brought within; give a smaller bound"
+            f"{cloud}, {at_least(half, 6)}: every pair may be brought within; give a smaller bound",
+            array=NAME,
+            value=float(bounds.min()),
+            limit=half,
         )
-        raise InvalidProblemError(message, array=NAME, value=float(bounds.min()), limit=half)
 
 
 def _require_telling(problem: RegistrationProblem, bounds: NDArray[np.float64]) -> None:
@@ -167,38 +183,55 @@ def _require_telling(problem: RegistrationProblem, bounds: NDArray[np.float64]) 
         return
     most, value = float(reach.max()), float(bounds.min())
     if not most:
-        message = "all points are at the origin, where no rotation moves them: give other points"
-        raise InvalidProblemError(message, array="source", value=problem.n)
-    message = (
+        raise InvalidProblemError(
+            "all points are at the origin, where no rotation moves them: give other points",
+            array="source",
+            value=problem.n,
+        )
+    raise InvalidProblemError(
         f"{NAME} is {as_given(value)}, and no rotation takes the points of any pair farther apart "
         f"than {at_most(most, 6)}: each pair would be within, whether it is right or wrong; give a "
-        "bound below that, in the unit of the clouds"
+        "bound below that, in the unit of the clouds",
+        array=NAME,
+        value=value,
+        limit=most,
     )
-    raise InvalidProblemError(message, array=NAME, value=value, limit=most)
 
 
 def _require_unweighted(problem: RegistrationProblem) -> None:
     """Refuses too few pairs, or too many, and weights other than 1."""
     if not LEAST_PAIRS <= problem.n <= MOST_TRUNCATED:
-        message = (
-            f"{problem.n} pairs: truncated squares take {LEAST_PAIRS} to {MOST_TRUNCATED} pairs"
+        raise InvalidProblemError(
+            f"{problem.n} pairs: truncated squares take {LEAST_PAIRS} to {MOST_TRUNCATED} pairs",
+            array="source",
+            value=problem.n,
         )
-        raise InvalidProblemError(message, array="source", value=problem.n)
     if problem.noise_given:
-        message = "sigma is given: the bounds weigh the pairs here, leave sigma out"
-        raise InvalidProblemError(message, array="sigma")
+        raise InvalidProblemError(
+            "sigma is given: the bounds weigh the pairs here, leave sigma out", array="sigma"
+        )
     others = np.flatnonzero(np.asarray(problem.weights) != 1.0)
     if len(others):
         row, value = int(others[0]), float(problem.weights[others[0]])
-        message = f"weights[{row}] is {value}: the bounds weigh the pairs here, leave weights out"
-        raise InvalidProblemError(message, array="weights", row=row, value=value, limit=1.0)
+        raise InvalidProblemError(
+            f"weights[{row}] is {value}: the bounds weigh the pairs here, leave weights out",
+            array="weights",
+            row=row,
+            value=value,
+            limit=1.0,
+        )
 
 
 def _breaking(problem: RegistrationProblem, max_residual: Any) -> Breaking:
     row = next((i for i, w in enumerate(problem.weights.tolist()) if w == 0.0), None)
     if row is not None:
-        message = f"weights[{row}] is 0: such a spring neither pulls nor breaks, leave it out"
-        raise InvalidProblemError(message, array="weights", row=row, value=0.0, limit=0.0)
+        raise InvalidProblemError(
+            f"weights[{row}] is 0: such a spring neither pulls nor breaks, leave it out",
+            array="weights",
+            row=row,
+            value=0.0,
+            limit=0.0,
+        )
     return Breaking(checked_bounds(max_residual, problem.n))
 
 
@@ -217,20 +250,32 @@ def checked_inliers(labels: Any, n: int, least: int = LEAST_PAIRS) -> tuple[int,
     """
     texts = np.asarray(labels)
     if texts.shape != (n,):
-        message = f"{LABELS} has shape {texts.shape}: give ({n},), one for each pair"
-        raise InvalidProblemError(message, array=LABELS, value=texts.shape, limit=(n,))
+        raise InvalidProblemError(
+            f"{LABELS} has shape {texts.shape}: give ({n},), one for each pair",
+            array=LABELS,
+            value=texts.shape,
+            limit=(n,),
+        )
     rows: list[int] = []
     for row, value in enumerate(texts.tolist()):
         word = str(int(value)) if isinstance(value, bool) else str(value)
         if word not in INLIER_WORDS:
-            message = f"{LABELS}[{row}] is {value!r}: give 0 or 1, outlier or inlier"
-            raise InvalidProblemError(message, array=LABELS, row=row, value=value)
+            raise InvalidProblemError(
+                f"{LABELS}[{row}] is {value!r}: give 0 or 1, outlier or inlier",
+                array=LABELS,
+                row=row,
+                value=value,
+            )
         if INLIER_WORDS[word]:
             rows.append(row)
     if len(rows) < least:
         two = least == LEAST_DIRECTIONS
         always = "a single pair of equal lengths" if two else "two of equal lengths"
         named = f"{len(rows)} inlier{'s' * (len(rows) != 1)}"
-        message = f"{LABELS} name {named}: give at least {least}, as {always} always fit{'s' * two}"
-        raise InvalidProblemError(message, array=LABELS, value=len(rows), limit=least)
+        raise InvalidProblemError(
+            f"{LABELS} name {named}: give at least {least}, as {always} always fit{'s' * two}",
+            array=LABELS,
+            value=len(rows),
+            limit=least,
+        )
     return tuple(rows)

@@ -35,8 +35,12 @@ def checked_effort(effort: Any) -> float:
     except (TypeError, ValueError, OverflowError):
         value = math.nan
     if isinstance(effort, str) or not 0.0 < value <= MOST_EFFORT:
-        message = f"effort is {effort!r}: give a number above 0, at most {as_given(MOST_EFFORT)}"
-        raise InvalidProblemError(message, array="effort", value=effort, limit=MOST_EFFORT)
+        raise InvalidProblemError(
+            f"effort is {effort!r}: give a number above 0, at most {as_given(MOST_EFFORT)}",
+            array="effort",
+            value=effort,
+            limit=MOST_EFFORT,
+        )
     return value
 
 
@@ -47,6 +51,10 @@ def checked_threads(threads: Any) -> int:
     except TypeError:
         count = 0
     if isinstance(threads, bool) or count < 1:
-        message = f"threads is {threads!r}: it must be a whole number, 1 or more"
-        raise InvalidProblemError(message, array="threads", value=threads, limit=1)
+        raise InvalidProblemError(
+            f"threads is {threads!r}: it must be a whole number, 1 or more",
+            array="threads",
+            value=threads,
+            limit=1,
+        )
     return count

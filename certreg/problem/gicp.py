@@ -93,8 +93,12 @@ def gicp_information(cov_source: Any, cov_target: Any, rotation: Any) -> FrozenI
         raise InvalidProblemError(f"rotation: {fault}", array="rotation")
     here, there = _square(cov_source, "cov_source"), _square(cov_target, "cov_target")
     if len(here) != len(there):
-        message = f"cov_source has {len(here)} matrices, cov_target {len(there)}: one each per pair"
-        raise InvalidProblemError(message, array="cov_target", value=len(there), limit=len(here))
+        raise InvalidProblemError(
+            f"cov_source has {len(here)} matrices, cov_target {len(there)}: one each per pair",
+            array="cov_target",
+            value=len(there),
+            limit=len(here),
+        )
     sums = there + turn.rotation @ here @ turn.rotation.T
     even = (sums + sums.transpose(0, 2, 1)) / 2.0
     found = covariance_factors(even.reshape(-1, 9)[:, SIX_OF_NINE])

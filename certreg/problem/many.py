@@ -101,8 +101,11 @@ def _clouds(given: Any, name: str) -> _Rows:
     array = real_numbers(given, name)
     array = array[np.newaxis] if array.ndim == 2 else array
     if array.ndim != 3 or array.shape[2] != 3 or 0 in array.shape:
-        message = f"{name} have the shape {array.shape}: give (count, N, 3), or a list of (N, 3)"
-        raise InvalidProblemError(message, array=name, value=array.shape)
+        raise InvalidProblemError(
+            f"{name} have the shape {array.shape}: give (count, N, 3), or a list of (N, 3)",
+            array=name,
+            value=array.shape,
+        )
     sizes = np.full(len(array), array.shape[1], dtype=np.int64)
     return _Rows(rows=_finite(array.reshape(-1, 3), sizes, name), sizes=sizes)
 
@@ -118,14 +121,21 @@ def _weights(given: Any, sizes: NDArray[np.int64]) -> _Rows:
             array, sizes = np.full(sizes.max(), array), np.array([sizes.max()])
         array = np.atleast_2d(array)
         if array.ndim != 2 or 0 in array.shape:
-            message = f"weights have the shape {array.shape}: give (count, N), (N,) or a number"
-            raise InvalidProblemError(message, array=name, value=array.shape)
+            raise InvalidProblemError(
+                f"weights have the shape {array.shape}: give (count, N), (N,) or a number",
+                array=name,
+                value=array.shape,
+            )
         each = np.full(len(array), array.shape[1], dtype=np.int64)
         found = _Rows(rows=_finite(array.reshape(-1), each, name), sizes=each)
     counts = {len(found.sizes), len(sizes)} - {1}
     if len(counts) > 1 or (found.sizes != sizes).any():
-        message = f"weights are of {_shape(found.sizes)}, the clouds of {_shape(sizes)}"
-        raise InvalidProblemError(message, array=name, value=len(found.sizes), limit=len(sizes))
+        raise InvalidProblemError(
+            f"weights are of {_shape(found.sizes)}, the clouds of {_shape(sizes)}",
+            array=name,
+            value=len(found.sizes),
+            limit=len(sizes),
+        )
     return _counting(found)
 
 
@@ -136,8 +146,12 @@ def _counting(found: _Rows) -> _Rows:
     wrong = (least < 0.0) | (most <= 0.0)
     if wrong.any():
         k = int(np.argmax(wrong))
-        message = f"the weights of problem {k} are not all >= 0, or all are zero"
-        raise InvalidProblemError(message, array="weights", instance=k, limit=0.0)
+        raise InvalidProblemError(
+            f"the weights of problem {k} are not all >= 0, or all are zero",
+            array="weights",
+            instance=k,
+            limit=0.0,
+        )
     return found
 
 
@@ -146,8 +160,13 @@ def _joined(each: list[NDArray[Any]], name: str) -> _Rows:
     sizes = np.array([len(one) for one in each], dtype=np.int64)
     if not sizes.all():
         k = int(np.argmin(sizes))
-        message = f"{name}[{k}] has no rows: at least one correspondence is needed"
-        raise InvalidProblemError(message, array=name, instance=k, value=0, limit=1)
+        raise InvalidProblemError(
+            f"{name}[{k}] has no rows: at least one correspondence is needed",
+            array=name,
+            instance=k,
+            value=0,
+            limit=1,
+        )
     doubles = [
         one if one.dtype == np.float64 else finite_doubles(one, f"{name}[{k}]")
         for k, one in enumerate(each)
@@ -169,17 +188,22 @@ def _finite(rows: NDArray[Any], sizes: NDArray[np.int64], name: str) -> NDArray[
 def _common_sizes(x: _Rows, y: _Rows) -> NDArray[np.int64]:
     """The sizes of all problems, the same in both clouds."""
     if len({len(x.sizes), len(y.sizes)} - {1}) > 1:
-        message = f"sources are of {len(x.sizes)} problems, targets of {len(y.sizes)}"
-        raise InvalidProblemError(message, array="targets", value=len(y.sizes), limit=len(x.sizes))
+        raise InvalidProblemError(
+            f"sources are of {len(x.sizes)} problems, targets of {len(y.sizes)}",
+            array="targets",
+            value=len(y.sizes),
+            limit=len(x.sizes),
+        )
     sizes, others = np.broadcast_arrays(x.sizes, y.sizes)
     if (sizes != others).any():
         k = int(np.argmax(sizes != others))
-        message = (
-            f"problem {k} has {sizes[k]} source points and {others[k]} target points: "
-            "row i pairs with row i"
-        )
         raise InvalidProblemError(
-            message, array="targets", instance=k, value=int(others[k]), limit=int(sizes[k])
+            f"problem {k} has {sizes[k]} source points and {others[k]} target points: "
+            "row i pairs with row i",
+            array="targets",
+            instance=k,
+            value=int(others[k]),
+            limit=int(sizes[k]),
         )
     return sizes
 

@@ -136,11 +136,11 @@ def stated_many(
     n = sources.shape[1]
     kinds = {name: _numbers(rows, name) for name, rows in given.rows.items()}
     if not kinds:
-        message = (
+        raise InvalidProblemError(
             "no springs were given: give normals, directions, covariances, information or factors "
-            "(for one weight per pair: solve_many)"
+            "(for one weight per pair: solve_many)",
+            array="normals",
         )
-        raise InvalidProblemError(message, array="normals")
     several = {name: _has_problems(rows, name, n) for name, rows in kinds.items()}
     extra = {"sigma": sigma, "weights": weights}
     numbers = {k: _numbers(a, k).astype(float) for k, a in extra.items() if a is not None}
@@ -150,14 +150,19 @@ def stated_many(
     total = max(count, *leading) if leading else count
     for name, size in _sizes(kinds, several, numbers, (sources, targets)):
         if size not in {1, total}:
-            message = f"{name} are of {size} instances, other arrays of {total}"
-            raise InvalidProblemError(message, array=name, value=size, limit=total)
+            raise InvalidProblemError(
+                f"{name} are of {size} instances, other arrays of {total}",
+                array=name,
+                value=size,
+                limit=total,
+            )
     times = total if leading - {1} else 1
     rows = GivenSprings(**{k: _rows(a, times, n, own=several[k]) for k, a in kinds.items()})
     scaled = {name: _scales(array, name, times, n) for name, array in numbers.items()}
     if len(scaled) == 2:
-        message = "both sigma and weights were given: give one (weights = 1/sigma^2)"
-        raise InvalidProblemError(message, array="weights")
+        raise InvalidProblemError(
+            "both sigma and weights were given: give one (weights = 1/sigma^2)", array="weights"
+        )
     try:
         stated = stated_springs(rows, (None, None), times * n, **scaled)
     except InvalidProblemError as error:
@@ -166,8 +171,12 @@ def stated_many(
     empty = ~factors.any(axis=(1, 2))
     if empty.any():
         k = int(np.argmax(empty))
-        message = f"all springs of instance {k} are zero: no pair counts, every pose is as good"
-        raise InvalidProblemError(message, array="factors", instance=k, value=0.0)
+        raise InvalidProblemError(
+            f"all springs of instance {k} are zero: no pair counts, every pose is as good",
+            array="factors",
+            instance=k,
+            value=0.0,
+        )
     return ManySprings(
         count=total, sources=sources, targets=targets, factors=factors, notes=stated.notes
     )
@@ -215,11 +224,15 @@ def _numbers(rows: Any, name: str) -> Array:
     try:
         array = np.asarray(rows)
     except (ValueError, TypeError) as error:
-        message = f"{name} are not an array of numbers: {error}"
-        raise InvalidProblemError(message, array=name) from error
+        raise InvalidProblemError(
+            f"{name} are not an array of numbers: {error}", array=name
+        ) from error
     if array.dtype.kind not in "fiu":
-        message = f"{name} have entries of type {array.dtype}: give real numbers"
-        raise InvalidProblemError(message, array=name, value=array.dtype)
+        raise InvalidProblemError(
+            f"{name} have entries of type {array.dtype}: give real numbers",
+            array=name,
+            value=array.dtype,
+        )
     return array
 
 
@@ -259,17 +272,21 @@ def _scales(array: Array, name: str, times: int, n: int) -> Array:
     try:
         every = np.ascontiguousarray(np.broadcast_to(np.atleast_2d(array), (times, n))).ravel()
     except ValueError as error:
-        message = f"{name} have the shape {array.shape}: give ({n},) for all or (count, {n})"
-        raise InvalidProblemError(message, array=name, value=array.shape) from error
+        raise InvalidProblemError(
+            f"{name} have the shape {array.shape}: give ({n},) for all or (count, {n})",
+            array=name,
+            value=array.shape,
+        ) from error
     good = np.isfinite(every) & (every > 0.0 if name == "sigma" else every >= 0.0)
     if not good.all():
         row = int(np.argmin(good))
-        message = (
-            f"{name} of instance {row // n}, row {row % n}, is {every[row]}: give finite numbers "
-            f"{'> 0' if name == 'sigma' else '>= 0'}"
-        )
         raise InvalidProblemError(
-            message, array=name, instance=row // n, row=row % n, value=float(every[row])
+            f"{name} of instance {row // n}, row {row % n}, is {every[row]}: give finite numbers "
+            f"{'> 0' if name == 'sigma' else '>= 0'}",
+            array=name,
+            instance=row // n,
+            row=row % n,
+            value=float(every[row]),
         )
     return every
 

@@ -203,8 +203,11 @@ def moments_of_clouds(
             break
         clouds, sums = _summed(replace(clouds, origin=_means(clouds, sums)), threads)
     if factor == 0.0 or sums.mass == 0.0:
-        message = "all weights are zero: no correspondence counts, so every pose is as good"
-        raise InvalidProblemError(message, array="weights", value=0.0)
+        raise InvalidProblemError(
+            "all weights are zero: no correspondence counts, so every pose is as good",
+            array="weights",
+            value=0.0,
+        )
     if about_origin:  # of which the origin is taken for the mean
         sums = replace(sums, source=np.zeros(3), target=np.zeros(3))
     return _about_means(clouds, sums, factor=factor, weight_exponent=shift)
@@ -372,8 +375,7 @@ def _require_numbers(name: str, array: NDArray[Any], *, least: float = -math.inf
                 "from both clouds"
             )
             limit = 0.0 if least == 0.0 else None
-            value = part[row].tolist()
             raise InvalidProblemError(
-                message, array=name, row=first + row, value=value, limit=limit
+                message, array=name, row=first + row, value=part[row].tolist(), limit=limit
             )
         first += len(part)

@@ -77,15 +77,21 @@ def checked_scale(scale: Any) -> Scale:
     try:
         return Scale(scale)
     except ValueError as error:
-        message = f"scale is {scale!r}: give {', '.join(map(repr, map(str, Scale)))}"
-        raise InvalidProblemError(message, array="scale", value=scale) from error
+        raise InvalidProblemError(
+            f"scale is {scale!r}: give {', '.join(map(repr, map(str, Scale)))}",
+            array="scale",
+            value=scale,
+        ) from error
 
 
 def checked_rotation_only(rotation_only: Any) -> bool:
     """True or False; raises InvalidProblemError for others."""
     if not isinstance(rotation_only, bool):
-        message = f"rotation_only is {rotation_only!r}: give True or False"
-        raise InvalidProblemError(message, array="rotation_only", value=rotation_only)
+        raise InvalidProblemError(
+            f"rotation_only is {rotation_only!r}: give True or False",
+            array="rotation_only",
+            value=rotation_only,
+        )
     return rotation_only
 
 
@@ -97,6 +103,7 @@ def checked_damping(damping: Any) -> float:
         value = math.nan
     if isinstance(damping, str) or not MIN_DAMPING <= value <= MAX_DAMPING:
         message = f"damping is {damping!r}: it must be a positive finite number, 1e-150 to 1e150"
-        limit = (MIN_DAMPING, MAX_DAMPING)
-        raise InvalidProblemError(message, array="damping", value=damping, limit=limit)
+        raise InvalidProblemError(
+            message, array="damping", value=damping, limit=(MIN_DAMPING, MAX_DAMPING)
+        )
     return value

@@ -122,8 +122,9 @@ class RegistrationProblem(Brief):
         rotation_only: bool = False,
     ) -> None:
         if sigma is not None and weights is not None:
-            message = "both sigma and weights were given: give one (weights = 1/sigma^2)"
-            raise InvalidProblemError(message, array="weights")
+            raise InvalidProblemError(
+                "both sigma and weights were given: give one (weights = 1/sigma^2)", array="weights"
+            )
         source_points = finite_doubles(cloud_array(source, "source"), "source")
         target_points = finite_doubles(cloud_array(target, "target"), "target")
         n = len(source_points)
@@ -365,8 +366,12 @@ class RegistrationProblem(Brief):
         name = self._springs_are
         springs = contiguous(self._springs, rows, name)
         if name == "weights" and mapped_file(self._springs) is not None and (springs < 0.0).any():
-            row = (rows.start or 0) + int(np.argmax(springs < 0.0))
-            raise InvalidProblemError(CHANGED, array=name, row=row, limit=0.0)
+            raise InvalidProblemError(
+                CHANGED,
+                array=name,
+                row=(rows.start or 0) + int(np.argmax(springs < 0.0)),
+                limit=0.0,
+            )
         return Pairs(
             source=contiguous(self.source, rows, "source"),
             target=contiguous(self.target, rows, "target"),
@@ -405,11 +410,13 @@ class RegistrationProblem(Brief):
 
 def _require_as_many(n: int, m: int) -> None:
     if n != m:
-        message = (
+        raise InvalidProblemError(
             f"source has {n} points, target has {m}: correspondences pair row i with row i, so "
-            "both need the same number"
+            "both need the same number",
+            array="target",
+            value=m,
+            limit=n,
         )
-        raise InvalidProblemError(message, array="target", value=m, limit=n)
 
 
 def _motion(scale: Any, *, rotation_only: Any) -> Motion:

@@ -84,8 +84,11 @@ def require_same_labels(source: Any, *, called: str = "source", **others: Any) -
         remedy = f"give {name}.loc[{called}.index]"
         if name == "target":
             remedy = "take source, target = certreg.pair(source, target), which pairs by label"
-        message = (
+        raise InvalidProblemError(
             f"row {row} (counting from 0) is labelled {known[0]!r} in {called} and {known[1]!r} "
-            f"in {name}, and rows pair in order: {remedy}"
+            f"in {name}, and rows pair in order: {remedy}",
+            array=name,
+            row=row,
+            value=known[1],
+            limit=known[0],
         )
-        raise InvalidProblemError(message, array=name, row=row, value=known[1], limit=known[0])

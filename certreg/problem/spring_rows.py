@@ -67,14 +67,16 @@ def held_rows(given: Any, name: str) -> NDArray[Any]:
         return _of_frame(given, name)
     held = held_by(given, name)
     if held is None and not isinstance(given, np.ndarray) and _is_cloud(given):
-        message = f"{name}: the cloud that was given has no {name}: give those of the target"
-        raise InvalidProblemError(message, array=name)
+        raise InvalidProblemError(
+            f"{name}: the cloud that was given has no {name}: give those of the target", array=name
+        )
     array = real_numbers(given if held is None else held, name)
     if held is not None and array.shape[1:] in {(4,), (4, 4)}:  # small_gicp: a zero behind
         array = array[:, :3] if array.ndim == 2 else array[:, :3, :3]
     if held is not None and len(array) == 0:
-        message = f"{name}: the cloud that was given has none: estimate them first"
-        raise InvalidProblemError(message, array=name, value=0)
+        raise InvalidProblemError(
+            f"{name}: the cloud that was given has none: estimate them first", array=name, value=0
+        )
     return array
 
 
@@ -134,8 +136,11 @@ def _of_frame(frame: Any, name: str) -> NDArray[Any]:
     if not any(isinstance(one, str) for one in names):
         return real_numbers(frame.to_numpy(), name)
     wanted = " or ".join(",".join(one) for one in SPRING_COLUMNS[name])
-    message = f"{name} is a data frame without the columns {wanted}: name them so"
-    raise InvalidProblemError(message, array=name, value=names)
+    raise InvalidProblemError(
+        f"{name} is a data frame without the columns {wanted}: name them so",
+        array=name,
+        value=names,
+    )
 
 
 def require_not_of_source(given: Any, source: Any, target: Any, name: str) -> None:
@@ -152,11 +157,11 @@ def require_not_of_source(given: Any, source: Any, target: Any, name: str) -> No
         remedy = "give those of the target, or swap the clouds and invert the pose"
         if name == "covariances":
             remedy += "; of both sides: information=certreg.gicp_information(...)"
-        message = (
+        raise InvalidProblemError(
             f"{name} are of the source: they turn with the rotation that is sought, and a spring "
-            f"stands in the frame of the target; {remedy}"
+            f"stands in the frame of the target; {remedy}",
+            array=name,
         )
-        raise InvalidProblemError(message, array=name)
 
 
 def checked_rows(
@@ -170,14 +175,22 @@ def checked_rows(
     name = called or kind
     if array.shape[:1] != (n,) or array.shape[1:] not in SHAPES[kind]:
         forms = " or ".join(str((n, *shape)) for shape in SHAPES[kind])
-        message = f"{name} has shape {array.shape}: expected {forms}, one row per pair"
-        raise InvalidProblemError(message, array=name, value=array.shape, limit=n)
+        raise InvalidProblemError(
+            f"{name} has shape {array.shape}: expected {forms}, one row per pair",
+            array=name,
+            value=array.shape,
+            limit=n,
+        )
     flat = array.reshape(n, -1)
     absent = absent_rows(flat)
     if absent.any() and not several:
         row = int(np.argmax(absent))
-        message = f"{name} row {row} (counting from 0) is NaN: {ALONE}"
-        raise InvalidProblemError(message, array=name, row=row, value=flat[row].tolist())
+        raise InvalidProblemError(
+            f"{name} row {row} (counting from 0) is NaN: {ALONE}",
+            array=name,
+            row=row,
+            value=flat[row].tolist(),
+        )
     rows = finite_doubles(np.where(absent[:, None], 0, flat) if absent.any() else flat, name)
     if rows.shape[1] == 9:
         return _lower(rows, name) if kind == "factors" else _symmetric(rows, name)
@@ -217,8 +230,12 @@ def require(
     """
     if not good.all():
         k = int(np.argmin(good))
-        message = f"{name} row {start + k} (counting from 0) {words}"
-        raise InvalidProblemError(message, array=name, row=start + k, value=rows[k].tolist())
+        raise InvalidProblemError(
+            f"{name} row {start + k} (counting from 0) {words}",
+            array=name,
+            row=start + k,
+            value=rows[k].tolist(),
+        )
 
 
 def any_of(rows: NDArray[Any]) -> NDArray[np.bool_]:

@@ -120,8 +120,11 @@ class StatedSprings(Brief):
             counts += np.bincount(ranks_of(self.factors[part]), minlength=4)
         present = [rank for rank in KINDS if counts[rank]]
         if not present:
-            message = "all springs are zero: no correspondence counts, so every pose is as good"
-            raise InvalidProblemError(message, array="factors", value=0.0)
+            raise InvalidProblemError(
+                "all springs are zero: no correspondence counts, so every pose is as good",
+                array="factors",
+                value=0.0,
+            )
         kind = KINDS[present[0]] if len(present) == 1 else "mixed"
         zero, one, two, three = counts.tolist()
         return SpringSummary(kind=kind, ranks=(zero, one, two, three), notes=self.notes)
@@ -206,11 +209,12 @@ def _mixed(
         if (taken & here).any():
             row = part.start + int(np.argmax(taken & here))
             others = [other for other in kinds if other != name and kinds[other][1][row]]
-            message = (
+            raise InvalidProblemError(
                 f"row {row} (counting from 0) has {others[0]} and {name}: a pair has one kind of "
-                "spring, and NaN in the others"
+                "spring, and NaN in the others",
+                array=name,
+                row=row,
             )
-            raise InvalidProblemError(message, array=name, row=row)
         taken |= here
         chosen = np.asarray(rows[part], dtype=np.float64)
         factors[here] = _made(name, chosen, here, part.start, odd)[here]
@@ -290,8 +294,12 @@ def _per_point(values: ArrayLike, name: str, n: int) -> NDArray[np.float64]:
     if array.ndim == 0:
         return finite_doubles(array.reshape(1), name)
     if array.shape != (n,):
-        message = f"{name} has shape {array.shape}: expected one number, or ({n},), one per point"
-        raise InvalidProblemError(message, array=name, value=array.shape, limit=(n,))
+        raise InvalidProblemError(
+            f"{name} has shape {array.shape}: expected one number, or ({n},), one per point",
+            array=name,
+            value=array.shape,
+            limit=(n,),
+        )
     return finite_doubles(array, name)
 
 
@@ -301,27 +309,36 @@ def given_weights(weights: ArrayLike | None, n: int) -> NDArray[np.float64]:
     row = first_row(array, lambda block: block < 0)
     if row is not None:
         message = f"weights[{row}] is {array[row]}: weights must be >= 0"
-        value = float(array[row])
-        raise InvalidProblemError(message, array="weights", row=row, value=value, limit=0.0)
+        raise InvalidProblemError(
+            message, array="weights", row=row, value=float(array[row]), limit=0.0
+        )
     if first_row(array, lambda block: block > 0) is None:
-        message = "all weights are zero: no correspondence counts, so every pose is as good"
-        raise InvalidProblemError(message, array="weights", value=0.0)
+        raise InvalidProblemError(
+            "all weights are zero: no correspondence counts, so every pose is as good",
+            array="weights",
+            value=0.0,
+        )
     return np.broadcast_to(array, (n,))
 
 
 def given_sigma(sigma: ArrayLike, n: int) -> NDArray[np.float64]:
     """(n,) or (1,) standard deviations > 0."""
     if np.ndim(sigma) == 0 and not np.isfinite(real_numbers(sigma, "sigma")):
-        message = f"sigma is {sigma}: a standard deviation must be finite and > 0"
-        raise InvalidProblemError(message, array="sigma", value=sigma, limit=0.0)
+        raise InvalidProblemError(
+            f"sigma is {sigma}: a standard deviation must be finite and > 0",
+            array="sigma",
+            value=sigma,
+            limit=0.0,
+        )
     array = _per_point(sigma, "sigma", n)
     row = first_row(array, lambda block: block <= 0)
     if row is not None:
         place = "sigma" if np.ndim(sigma) == 0 else f"sigma[{row}]"
         message = f"{place} is {array[row]}: a standard deviation must be > 0"
         named = None if np.ndim(sigma) == 0 else row
-        value = float(array[row])
-        raise InvalidProblemError(message, array="sigma", row=named, value=value, limit=0.0)
+        raise InvalidProblemError(
+            message, array="sigma", row=named, value=float(array[row]), limit=0.0
+        )
     return array
 
 
@@ -333,11 +350,12 @@ def _weights_from_sigma(sigma: ArrayLike, n: int) -> NDArray[np.float64]:
     for i, value in enumerate(distinct.astype(float).tolist()):
         weights[i] = weight_of_sigma(value)
         if not 0.0 < weights[i] < math.inf:
-            message = (
+            raise InvalidProblemError(
                 f"sigma = {value!r} gives the weight 1/sigma^2 = {weights[i]}, outside the "
-                "doubles: change the unit of length, of clouds and sigma alike"
+                "doubles: change the unit of length, of clouds and sigma alike",
+                array="sigma",
+                value=value,
             )
-            raise InvalidProblemError(message, array="sigma", value=value)
     return np.broadcast_to(weights[inverse], (n,))
 
 

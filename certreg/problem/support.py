@@ -34,13 +34,19 @@ class Loss(StrEnum):
         Raises InvalidProblemError for other names, and for a name without a bound.
         """
         if objective not in {None, cls.CONSENSUS, cls.TRUNCATED}:
-            message = f"objective is {objective!r}: give '{cls.CONSENSUS}' or '{cls.TRUNCATED}'"
-            raise InvalidProblemError(message, array="objective", value=objective)
+            raise InvalidProblemError(
+                f"objective is {objective!r}: give '{cls.CONSENSUS}' or '{cls.TRUNCATED}'",
+                array="objective",
+                value=objective,
+            )
         if max_residual is not None:
             return cls(objective or cls.CONSENSUS)
         if objective is not None:
-            message = f"objective is {objective!r}: it goes with max_residual, give that, too"
-            raise InvalidProblemError(message, array="max_residual", value=None)
+            raise InvalidProblemError(
+                f"objective is {objective!r}: it goes with max_residual, give that, too",
+                array="max_residual",
+                value=None,
+            )
         return cls.SQUARES
 
 

@@ -93,8 +93,10 @@ def require_sound_trajectory(
     """
     ended = trajectory.status is SimulationStatus.CONVERGED
     if ended and isinstance(body, IsotropicBody) and not body.claims.basin:
-        message = "the simulation ended where the basin could not be proved: please report this"
-        raise ContradictionError(message, methods=("simulation", "certificate"))
+        raise ContradictionError(
+            "the simulation ended where the basin could not be proved: please report this",
+            methods=("simulation", "certificate"),
+        )
     moments = objective.moments
     unit = moments.total_weight * power_of_two(2 * trajectory.length_exponent)
     minimum = objective.energy(body.quaternion) - body.gap
@@ -103,9 +105,8 @@ def require_sound_trajectory(
     ulps = ENERGY_ULPS + trajectory.steps
     slack = ulps * np.finfo(float).eps * terms
     if (trajectory.potential < float(minimum / unit) - slack).any():
-        message = "the simulation went below the certified minimum: please report this"
         raise ContradictionError(
-            message,
+            "the simulation went below the certified minimum: please report this",
             methods=("simulation", "certificate"),
             value=float(trajectory.potential.min()),
             limit=float(minimum / unit),
@@ -163,11 +164,11 @@ def _placed(objective: Isotropic, quaternion: NDArray[np.float64]) -> _Place:
 def _angle(objective: Isotropic, method: str, place: _Place, allowed: float) -> float:
     angle = objective.angle_to_optimum(place.quaternion)
     if place.loss > allowed:
-        message = (
-            f"{method} contradicts the certified pose: it is {math.degrees(angle):.3g} degrees "
-            "away; please report this problem"
-        )
         raise ContradictionError(
-            message, methods=(method, "certificate"), value=place.loss, limit=allowed
+            f"{method} contradicts the certified pose: it is {math.degrees(angle):.3g} degrees "
+            "away; please report this problem",
+            methods=(method, "certificate"),
+            value=place.loss,
+            limit=allowed,
         )
     return angle

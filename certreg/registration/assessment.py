@@ -148,11 +148,13 @@ def assess(  # noqa: PLR0913 - each is one question, and has its usual answer
         stated, _ = stated_in_clouds(problem, pose, statement, depth=3)
         problem, pose, translation = stated, translation, None
     elif statement:
-        message = f"{', '.join(statement)} beside a problem, which states it itself"
-        raise InvalidProblemError(message, array="problem")
+        raise InvalidProblemError(
+            f"{', '.join(statement)} beside a problem, which states it itself", array="problem"
+        )
     if isinstance(pose, RegistrationProblem):
-        message = "pose is a RegistrationProblem: that comes first, and then the pose"
-        raise InvalidProblemError(message, array="pose")
+        raise InvalidProblemError(
+            "pose is a RegistrationProblem: that comes first, and then the pose", array="pose"
+        )
     given = given_pose(pose, translation)
     if isinstance(problem, RegistrationProblem):
         problem = certify(problem, relaxation=False, simulation=False)

@@ -220,11 +220,13 @@ def _fewest(problem: RegistrationProblem, least: int | None) -> int:
     """How many springs hold at what is listed."""
     if least is not None:
         if not LEAST_SPRINGS <= least <= problem.n:
-            message = (
+            raise InvalidProblemError(
                 f"least is {least}: give a number of springs from {LEAST_SPRINGS} to {problem.n}; "
-                "fewer hold the body in no pose, it turns about their line"
+                "fewer hold the body in no pose, it turns about their line",
+                array="least",
+                value=least,
+                limit=problem.n,
             )
-            raise InvalidProblemError(message, array="least", value=least, limit=problem.n)
         return least
     if problem.n <= FEW:
         return LEAST_SPRINGS
@@ -379,8 +381,12 @@ def simulate_breaking(  # noqa: PLR0913 - the data of a problem, then how it is 
     stated = RegistrationProblem(source, target, weights=weights, damping=damping)
     problem = bounded(stated, max_residual, Loss.BREAKING)
     if not 1.0 < shrinking <= LARGEST_SHRINKING:
-        message = f"shrinking is {shrinking!r}: give a number above 1, up to 1e6; 1.4 is usual"
-        raise InvalidProblemError(message, array="shrinking", value=shrinking, limit=1.0)
+        raise InvalidProblemError(
+            f"shrinking is {shrinking!r}: give a number above 1, up to 1e6; 1.4 is usual",
+            array="shrinking",
+            value=shrinking,
+            limit=1.0,
+        )
     run = run_breaking(problem, Integrator(integrator), shrinking=shrinking, settings=settings)
     return SimulatedBreaking(**vars(run), end=_end(run))
 

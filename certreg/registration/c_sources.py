@@ -30,8 +30,9 @@ def write_sources(folder: Path) -> list[Path]:
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        message = f"{folder}: cannot be made a folder ({error.strerror}): {remedy_of(error)}"
-        raise InvalidFileError(message, path=folder) from error
+        raise InvalidFileError(
+            f"{folder}: cannot be made a folder ({error.strerror}): {remedy_of(error)}", path=folder
+        ) from error
     contents = {
         C_FILE: (GENERATED / C_FILE).read_bytes(),
         HEADER_FILE: (GENERATED / HEADER_FILE).read_bytes(),

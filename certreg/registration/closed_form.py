@@ -128,17 +128,23 @@ def register(
     x = _readable(cloud_array(source, "source"), "source")
     y = _readable(cloud_array(target, "target"), "target")
     if len(x) != len(y):
-        message = (
+        raise InvalidProblemError(
             f"source has {len(x)} points, target has {len(y)}: correspondences pair row i with "
-            "row i, so both need the same number"
+            "row i, so both need the same number",
+            array="target",
+            value=len(y),
+            limit=len(x),
         )
-        raise InvalidProblemError(message, array="target", value=len(y), limit=len(x))
     require_same_labels(source, target=target, weights=weights)
     warn_of_unused(target, len(y), depth=1)
     w = None if weights is None else _readable(real_numbers(weights, "weights"), "weights")
     if w is not None and w.shape != (len(x),):
-        message = f"weights has shape {w.shape}: expected ({len(x)},), one per point"
-        raise InvalidProblemError(message, array="weights", value=w.shape, limit=(len(x),))
+        raise InvalidProblemError(
+            f"weights has shape {w.shape}: expected ({len(x)},), one per point",
+            array="weights",
+            value=w.shape,
+            limit=(len(x),),
+        )
     found = floating_pose(x, y, w, about_origin=about_origin)
     if found is not None and _is_told(found.gap, found.error):
         return found.pose if kind is Scale.NONE else _scaled_by_sums(found, kind)
@@ -161,8 +167,10 @@ def _by_moments(moments: Moments, kind: Scale) -> Pose | Similarity:
     with np.errstate(over="ignore"):
         scale = float(np.ldexp(quotient, exponent))
     if math.isinf(scale) or scale == 0.0 < quotient:
-        message = "the scale exceeds the range of doubles: change the unit of length of one cloud"
-        raise OutOfRangeError(message, value=scale)
+        raise OutOfRangeError(
+            "the scale exceeds the range of doubles: change the unit of length of one cloud",
+            value=scale,
+        )
     return _similarity(rigid, scale, here, there)
 
 
@@ -202,12 +210,14 @@ def _optimal_quaternion(moments: Moments) -> NDArray[np.float64]:
     gap = float(values[-1] - values[-2])
     error = davenport_error(moments.rounding, float(np.linalg.norm(davenport)))
     if not _is_told(gap, error):
-        message = (
+        raise DegenerateProblemError(
             "floating point does not tell the rotation: the two largest eigenvalues of the "
             f"Davenport matrix are {gap:.3g} apart, and rounding may move them by "
-            f"{at_most(error)}; certreg.certify decides exactly whether the best rotation is unique"
+            f"{at_most(error)}; certreg.certify decides exactly whether the best "
+            "rotation is unique",
+            value=gap,
+            limit=error,
         )
-        raise DegenerateProblemError(message, value=gap, limit=error)
     return canonical(vectors[:, -1])
 
 

@@ -344,11 +344,12 @@ def _require_spread(problem: RegistrationProblem, found: ProvedConsensus) -> Non
     weighty = [row for row in rows if block.weights[row] > 0.0] or rows
     for name, points in clouds.items():
         if (points[weighty] == points[weighty[0]]).all():
-            message = (
+            raise InvalidProblemError(
                 f"most pairs, {len(weighty)} that weigh, are met where all {name} points are one: "
-                "they have no scale; leave pairs that repeat a point out"
+                "they have no scale; leave pairs that repeat a point out",
+                array=name,
+                row=weighty[0],
             )
-            raise InvalidProblemError(message, array=name, row=weighty[0])
 
 
 def most_proved(tried: Iterable[ProvedConsensus | None]) -> ProvedConsensus | None:
@@ -377,8 +378,12 @@ def _fit(
     if not own[met].any():
         rows = RowNames(None).words(found.met[:3], len(found.met))
         one, array = ("weight", "weights") if factors is None else ("spring", "factors")
-        message = f"{one}s are 0 for all pairs that were met ({rows}): give one of them a {one}"
-        raise InvalidProblemError(message, array=array, value=0.0, row=found.met[0])
+        raise InvalidProblemError(
+            f"{one}s are 0 for all pairs that were met ({rows}): give one of them a {one}",
+            array=array,
+            value=0.0,
+            row=found.met[0],
+        )
     return fitted(problem.of_rows(met), met, names, asked)
 
 

@@ -164,12 +164,13 @@ def judged_labels(
     Raises InvalidProblemError for other labels.
     """
     if problem.scaled:
-        message = (
+        raise InvalidProblemError(
             "labels are judged for a rigid motion alone: with --scale let certify prove labels "
             "(certreg certify SOURCE TARGET --scale NAME --max-residual X --out FOLDER), and "
-            "compare yours with the column `proved` of FOLDER/fit.csv"
+            "compare yours with the column `proved` of FOLDER/fit.csv",
+            array="scale",
+            value=problem.scale.value,
         )
-        raise InvalidProblemError(message, array="scale", value=problem.scale.value)
     rows = checked_inliers(labels, problem.n)
     prover = ConsensusProver(problem, effort=checked_effort(effort))
     motion, most = common_motion(prover, rows), proved_consensus(problem, prover, effort)

@@ -112,8 +112,9 @@ def certify_many(
     if targets is not None:
         return _certificates(problems, targets, errors=errors, progress=progress, **options)
     if errors not in {"raise", "keep"}:
-        message = f"errors is {errors!r}: give 'raise' or 'keep'"
-        raise InvalidProblemError(message, array="errors", value=errors)
+        raise InvalidProblemError(
+            f"errors is {errors!r}: give 'raise' or 'keep'", array="errors", value=errors
+        )
     total = len(problems) if hasattr(problems, "__len__") else None  # pyright: ignore[reportArgumentType]
     results: list[Registration | CertregError] = []
     for number, problem in enumerate(problems):

@@ -41,15 +41,17 @@ def pose_at(objective: Isotropic | Springs, q: IntegerQuaternion) -> Pose | Simi
     """
     scale = nearest_double(objective.best_scale(q))
     if scale is None or (scale == 0.0 and objective.best_scale(q)):
-        message = "the scale exceeds the range of doubles: change the unit of length of one cloud"
-        raise OutOfRangeError(message, value=objective.best_scale(q))
+        raise OutOfRangeError(
+            "the scale exceeds the range of doubles: change the unit of length of one cloud",
+            value=objective.best_scale(q),
+        )
     translation = objective.rounded_translation(q, 1 if scale == 1.0 else Fraction(scale))
     if not all(map(math.isfinite, translation)):
-        message = (
+        raise OutOfRangeError(
             "the translation of a pose exceeds the range of doubles: "
-            "change the unit of length of both clouds"
+            "change the unit of length of both clouds",
+            value=objective.best_translation(q),
         )
-        raise OutOfRangeError(message, value=objective.best_translation(q))
     pose = Pose(
         rotation=rotation_double(q),
         translation=np.array(translation),

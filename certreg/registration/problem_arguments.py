@@ -38,16 +38,18 @@ def stated_problem_of(
     if isinstance(problem, RegistrationProblem):
         if target is not None or statement:
             given = ", ".join(["target"] * (target is not None) + list(statement))
-            message = f"{given} beside a problem, which states it itself: give one of the two"
-            raise InvalidProblemError(message, array="target" if target is not None else "problem")
+            raise InvalidProblemError(
+                f"{given} beside a problem, which states it itself: give one of the two",
+                array="target" if target is not None else "problem",
+            )
         require_squares(problem)
         return problem, {}
     if target is None:
-        message = (
+        raise InvalidProblemError(
             f"certify takes a RegistrationProblem, or source and target: a "
-            f"{type(problem).__name__} alone is neither"
+            f"{type(problem).__name__} alone is neither",
+            array="target",
         )
-        raise InvalidProblemError(message, array="target")
     require_supported(_declared(statement, loss))
     return stated_in_clouds(problem, target, statement)
 
@@ -55,19 +57,21 @@ def stated_problem_of(
 def require_problem(problem: Any, name: str) -> None:
     """Nothing for a problem; InvalidProblemError for what else the function of this name gets."""
     if not isinstance(problem, RegistrationProblem):
-        message = (
+        raise InvalidProblemError(
             f"{name} takes a RegistrationProblem, not {type(problem).__name__}: of two clouds "
-            "RegistrationProblem(source, target) makes one"
+            "RegistrationProblem(source, target) makes one",
+            array="problem",
         )
-        raise InvalidProblemError(message, array="problem")
     require_squares(problem)
 
 
 def require_squares(problem: RegistrationProblem) -> None:
     """Nothing for least squares over all pairs; InvalidProblemError where they have bounds."""
     if problem.loss.kind is not Loss.SQUARES:
-        message = "the pairs of this problem have bounds: give the one that it was made of"
-        raise InvalidProblemError(message, array="problem")
+        raise InvalidProblemError(
+            "the pairs of this problem have bounds: give the one that it was made of",
+            array="problem",
+        )
 
 
 def require_method(method: Any, known: Sequence[str], cell: Cell) -> None:
@@ -75,8 +79,11 @@ def require_method(method: Any, known: Sequence[str], cell: Cell) -> None:
     if method in set(Verb):
         require_supported(cell, Verb(method))
     if method not in known:
-        message = f"method is {method!r}: give {', '.join(map(repr, known))}"
-        raise InvalidProblemError(message, array="method", value=method)
+        raise InvalidProblemError(
+            f"method is {method!r}: give {', '.join(map(repr, known))}",
+            array="method",
+            value=method,
+        )
 
 
 def _declared(statement: ProblemOptions, loss: Loss) -> Cell:

@@ -27,8 +27,12 @@ def checked_angle(degrees: float | None) -> float | None:
     """An angle of more than 0 and at most 90 degrees, or None; InvalidProblemError for others."""
     if degrees is None or 0.0 < degrees <= MOST_DEGREES:
         return degrees
-    message = f"the angle of robustness is {degrees!r} degrees: give more than 0, and at most 90"
-    raise InvalidProblemError(message, array="robustness_angle", value=degrees, limit=MOST_DEGREES)
+    raise InvalidProblemError(
+        f"the angle of robustness is {degrees!r} degrees: give more than 0, and at most 90",
+        array="robustness_angle",
+        value=degrees,
+        limit=MOST_DEGREES,
+    )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

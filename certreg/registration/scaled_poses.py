@@ -102,11 +102,13 @@ def read_for(problem: RegistrationProblem, given: GivenPose) -> GivenPose:
     if problem.rotation_only and translation is not None:
         if translation.any():
             shift = translation.tolist()
-            message = (
+            raise InvalidProblemError(
                 f"the problem is of rotations alone, and the pose has the translation {shift}: "
-                "give its rotation, or state the problem without rotation_only (--rotation-only)"
+                "give its rotation, or state the problem without rotation_only (--rotation-only)",
+                array="translation",
+                value=shift,
+                limit=0.0,
             )
-            raise InvalidProblemError(message, array="translation", value=shift, limit=0.0)
         given = replace(given, translation=None)
     if not problem.scaled:
         return given.scaled_within()

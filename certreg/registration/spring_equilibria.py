@@ -300,6 +300,5 @@ def spring_pose(problem: RegistrationProblem) -> Pose:
         about = " and ".join(axis_words(axis) for axis in soft)
         open_ = f"rotation about the source's axis {about} is undetermined to first order"
     if open_:
-        message = f"{open_}; certreg.certify says what is proved of it"
-        raise DegenerateProblemError(message)
+        raise DegenerateProblemError(f"{open_}; certreg.certify says what is proved of it")
     return pose_at(objective, found.quaternion)

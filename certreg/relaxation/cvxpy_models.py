@@ -114,8 +114,9 @@ def outcome(problem: Any, solver: str) -> tuple[RelaxationStatus, str]:
     modelling = library("cvxpy", WHO)
     found: list[str] = modelling.installed_solvers()
     if solver.upper() not in found:
-        message = f"CVXPY finds no solver {solver!r}: it finds {', '.join(found)}"
-        raise MissingToolError(message, tool=solver)
+        raise MissingToolError(
+            f"CVXPY finds no solver {solver!r}: it finds {', '.join(found)}", tool=solver
+        )
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # of answers that are rough: their status says so

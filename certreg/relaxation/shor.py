@@ -107,8 +107,7 @@ def relax(
 
 def _known(form: str) -> RelaxationForm:
     if form not in set(RelaxationForm):
-        message = f"form is {form!r}: this version knows {', '.join(RelaxationForm)}"
-        raise ValueError(message)
+        raise ValueError(f"form is {form!r}: this version knows {', '.join(RelaxationForm)}")
     return RelaxationForm(form)
 
 

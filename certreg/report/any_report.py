@@ -170,8 +170,7 @@ def required_proof(registration: Registration) -> tuple[Certificate[Any], Verdic
     """The certificate and the checker's verdict. Raises ValueError where there is none."""
     certificate, verdict = registration.certificate, registration.verdict
     if certificate is None or verdict is None:
-        message = "the registration is not certified: there is no certificate to report"
-        raise ValueError(message)
+        raise ValueError("the registration is not certified: there is no certificate to report")
     return certificate, verdict
 
 

@@ -52,8 +52,9 @@ def write_folder(
     try:
         place.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        message = f"{place}: cannot be made a folder ({error.strerror}): {remedy_of(error)}"
-        raise InvalidFileError(message, path=place) from error
+        raise InvalidFileError(
+            f"{place}: cannot be made a folder ({error.strerror}): {remedy_of(error)}", path=place
+        ) from error
     path = place / CERTIFICATE if result.certificate is not None else None
     contents = _contents(result, None if path is None else str(path), notes)
     try:
@@ -62,8 +63,10 @@ def write_folder(
             obsolete=[place / name for name in FILES if name not in contents],
         )
     except InvalidFileError as error:
-        message = f"{place}: the files of this registration could not be written there: {error}"
-        raise InvalidFileError(message, path=error.path or place) from error
+        raise InvalidFileError(
+            f"{place}: the files of this registration could not be written there: {error}",
+            path=error.path or place,
+        ) from error
     return path
 
 

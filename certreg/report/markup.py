@@ -80,8 +80,7 @@ def asset(tag: str, content: str) -> Markup:
     from markupsafe import Markup
 
     if f"</{tag}" in content.lower() or "<!--" in content:
-        message = f"the content would end its own <{tag}>"
-        raise ValueError(message)
+        raise ValueError(f"the content would end its own <{tag}>")
     return Markup(content)  # noqa: S704  (a file of this package, which does not end its element)
 
 

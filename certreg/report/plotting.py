@@ -24,8 +24,9 @@ def plotted(registration: Registration, axes: Any = None) -> Any:
         pyplot = library("matplotlib.pyplot", "plot")
         axes = pyplot.figure().add_subplot(projection="3d")
     if getattr(axes, "name", "") != "3d":
-        message = "axes is not of three dimensions: make it by figure.add_subplot(projection='3d')"
-        raise ValueError(message)
+        raise ValueError(
+            "axes is not of three dimensions: make it by figure.add_subplot(projection='3d')"
+        )
     sample = Sample.of(registration, PLOTTED)
     few = Sample.of(registration, JOINED)
     ends = few.target if few.ends is None else few.ends

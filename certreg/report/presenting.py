@@ -150,8 +150,9 @@ class ReportPresenter:
         """Write the page of a registration; where it was written."""
         place = Path(path)
         if result.certificate is None:
-            message = f"{shown(place)}: not written: there is no certificate to report"
-            raise InvalidFileError(message, path=place)
+            raise InvalidFileError(
+                f"{shown(place)}: not written: there is no certificate to report", path=place
+            )
         write_atomically(place, pages.html_page(pages.report_on(result)))
         return place
 

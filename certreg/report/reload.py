@@ -115,8 +115,9 @@ def report_of(
     body = None if loaded is None else _required_body(loaded, file, pointless=points is None)
     verdict = verify(content, points)
     if loaded is None or body is None or not verdict.proved:
-        message = f"{shown(file)}: REFUSED: {verdict.words}: there is nothing to report"
-        raise RefusedCertificateError(message, verdict=verdict)
+        raise RefusedCertificateError(
+            f"{shown(file)}: REFUSED: {verdict.words}: there is nothing to report", verdict=verdict
+        )
     if isinstance(body, (ConsensusBody, ConsensusSimilarityBody)):
         return _consensus_report(replace(loaded, body=body), content, verdict, file)
     if isinstance(body, TruncatedRotationBody):
@@ -155,11 +156,11 @@ def certified_pose(certificate: str | os.PathLike[str]) -> Pose | Similarity:
     with reading(file) as stream:
         loaded = _loaded(stream.read(FILE_MAX + 1))
     if loaded is not None and loaded.data is None:
-        message = (
+        raise InvalidFileError(
             f"{shown(file)}: holds no points, from which its pose is computed: give the result or "
-            "the pose file that certify --out wrote beside it"
+            "the pose file that certify --out wrote beside it",
+            path=file,
         )
-        raise InvalidFileError(message, path=file)
     return report_of(file).registration.pose
 
 
@@ -177,11 +178,13 @@ def _required_body(certificate: Certificate[Any], file: Path, *, pointless: bool
     if isinstance(body, (CountBody, SpringsListBody)):
         held = "holds no pose" if isinstance(body, CountBody) else "`certreg verify` tells in words"
         what = f"is a certificate of kind {shown(body.KIND)}, which {held}"
-        message = f"{shown(file)}: {what}: give the certificate.json that certify wrote"
-        raise InvalidFileError(message, path=file)
+        raise InvalidFileError(
+            f"{shown(file)}: {what}: give the certificate.json that certify wrote", path=file
+        )
     if certificate.data is None and pointless:
-        message = f"{shown(file)}: holds no points, only their digest: give SOURCE TARGET, too"
-        raise InvalidFileError(message, path=file)
+        raise InvalidFileError(
+            f"{shown(file)}: holds no points, only their digest: give SOURCE TARGET, too", path=file
+        )
     return body
 
 
@@ -211,8 +214,9 @@ def _spring_problem(certificate: Certificate[Any]) -> RegistrationProblem:
     """The points and springs of a certificate that the checker has accepted for the clouds."""
     n, data = certificate.n, certificate.data or b""
     if not data:
-        message = "the certificate holds no springs: give the problem that it is about"
-        raise InvalidFileError(message)
+        raise InvalidFileError(
+            "the certificate holds no springs: give the problem that it is about"
+        )
     doubles = np.frombuffer(data, dtype="<f8", offset=len(data) - SPRING * n)
     source, target, factors = np.split(doubles, [3 * n, 6 * n])
     return RegistrationProblem(
@@ -247,8 +251,10 @@ def _consensus_report(
     """The report of a certificate of wrong pairs: of its fit no more than it proves itself."""
     n, data, fields = certificate.n, certificate.data or b"", certificate.body.fit
     if fields is None or not data:
-        message = f"{shown(file)}: holds no least squares, or no points: there is no pose to report"
-        raise InvalidFileError(message, path=file)
+        raise InvalidFileError(
+            f"{shown(file)}: holds no least squares, or no points: there is no pose to report",
+            path=file,
+        )
     stated = _bounded_problem(certificate.body, n, data)
     result = restated_consensus(stated, certificate, verdict)
     proved = result.fit.as_proved(body_of(fields))
@@ -271,11 +277,11 @@ def _truncated_report(
     """The report of a certificate of truncated squares: of its rotation what it proves."""
     n, data = certificate.n, certificate.data or b""
     if not data:
-        message = (
+        raise InvalidFileError(
             f"{shown(file)}: holds no points: a report of truncated squares needs the "
-            "certificate.json that certify wrote"
+            "certificate.json that certify wrote",
+            path=file,
         )
-        raise InvalidFileError(message, path=file)
     doubles = np.frombuffer(data, dtype="<f8", offset=len(data) - BOUNDED_PAIR * n)
     source, target, _, bounds = np.split(doubles, [3 * n, 6 * n, 7 * n])
     points = RegistrationProblem(source.reshape(n, 3), target.reshape(n, 3), rotation_only=True)

@@ -14,7 +14,7 @@ from syntax import nodes
 import certreg
 
 PACKAGE = Path(certreg.__file__).parent
-MOST_STATEMENTS = 36_223
+MOST_STATEMENTS = 35_924
 MOST_FILES = 355
 
 

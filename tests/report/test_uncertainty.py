@@ -264,7 +264,9 @@ def test_without_a_translation_no_deviation_of_the_centre_is_told(springs: dict[
     document = result_document(found)
 
     assert document["pose"]["uncertainty"]["centre"] is None
-    assert "rotation takes it" in document["reasons"]["pose.uncertainty.centre"]
+    assert document["reasons"]["pose.uncertainty.centre"] == (
+        "without a translation the source's mean goes where the rotation takes it"
+    )
 
 
 def test_where_the_centre_lands_is_told_to_its_deviation_at_any_size():
