@@ -13,7 +13,13 @@ import pytest
 
 from certreg.certificate import cones, many, squares
 from certreg.certificate.cones import RANGES, CappedMinimum, _curvature, _width
-from certreg.certificate.consensus import ConsensusSimilarityBody, Piece, ScaleRange, Witness
+from certreg.certificate.consensus import (
+    ConsensusSimilarityBody,
+    Piece,
+    ScaledWitness,
+    ScaleRange,
+    Witness,
+)
 from certreg.certificate.consistency import ConsistentPairs, ExactRows, _at_most
 from certreg.certificate.joint_feasibility import is_refuted
 from certreg.certificate.listing import SECOND_BITS, _below
@@ -325,7 +331,7 @@ def met_in_fractions(problem: RegistrationProblem, witness: Witness) -> list[int
     for place, (here, there, bound) in enumerate(zip(x, y, bounds, strict=True)):
         square = Fraction(0)
         for own, to, moved in zip(turn, there, shift, strict=True):
-            turned = sum(a * Fraction(b) for a, b in zip(own, here, strict=True))
+            turned = witness.scale * sum(a * Fraction(b) for a, b in zip(own, here, strict=True))
             square += (Fraction(to) - turned - moved * Fraction(2) ** exponent) ** 2
         if square <= Fraction(bound) ** 2:
             met.append(place)
@@ -334,18 +340,22 @@ def met_in_fractions(problem: RegistrationProblem, witness: Witness) -> list[int
 
 @pytest.mark.parametrize("unit", [-300, -3, 0, 40, 300])
 @pytest.mark.parametrize("far", [0, 30])
-def test_who_is_met_is_who_the_fractions_say_is_met(unit: int, far: int):
+@pytest.mark.parametrize("scale", ["none", "asymmetric"])
+def test_who_is_met_is_who_the_fractions_say_is_met(unit: int, far: int, scale: str):
     """Bounds from one a thousandth below the residual to three times it, in any unit."""
     rng = np.random.default_rng(unit + far + 400)
     q, shift = (3, -1, 4, 2), (5 << far, -7, 11 << far)
     source, off = rng.normal(size=(2, 42, 3))
-    turn = np.array(rotation_matrix(q)) / 30
-    target = source @ turn.T + [math.ldexp(k, -3) for k in shift] + off
-    found = np.linalg.norm(target - source @ turn.T - [math.ldexp(k, -3) for k in shift], axis=1)
+    witness: Witness = Witness(quaternion=q, shift=(*shift, unit - 3))
+    if scale == "asymmetric":
+        witness = ScaledWitness(quaternion=q, shift=witness.shift, factor=Dyadic.of_pair([3, -1]))
+    moved = float(witness.scale) * source @ np.array(rotation_matrix(q)).T / 30
+    moved += [math.ldexp(k, -3) for k in shift]
+    target = moved + off
+    found = np.linalg.norm(target - moved, axis=1)
     bounds = found * np.tile([0.999, 1 - 1e-15, 1.0, 1 + 1e-15, 1.001, 1.5, 3.0], 6)
-    points = RegistrationProblem(np.ldexp(source, unit), np.ldexp(target, unit))
+    points = RegistrationProblem(np.ldexp(source, unit), np.ldexp(target, unit), scale=scale)
     problem = points.under(Consensus(np.ldexp(bounds, unit)))
-    witness = Witness(quaternion=q, shift=(*shift, unit - 3))
     met = ConsistentPairs(problem).met_by(witness)
 
     assert met == met_in_fractions(problem, witness)
