@@ -95,7 +95,7 @@ class Certificates(Brief):
             for pairs in (optima.mu, optima.delta, optima.sine)
         )
         claims = Claims(
-            gap=delta.scaled(1),
+            gap=delta.shifted(1),
             sin2_half_angle=sine,
             unique=True,
             pattern=PATTERN,

@@ -92,7 +92,7 @@ def produce(
         mu=mu,
         delta=delta,
         claims=Claims(
-            gap=delta.scaled(1),
+            gap=delta.shifted(1),
             sin2_half_angle=angle,
             unique=classification.unique,
             pattern=classification.pattern,
@@ -307,13 +307,13 @@ def _optimality(objective: Isotropic) -> tuple[Dyadic, Dyadic] | None:
     q, shape = objective.optimum, objective.classification
     gap = objective.eigenvalue_difference(0, 1) if len(shape.pattern) > 1 else Fraction(0)
     none = Dyadic(mantissa=0, exponent=0)
-    mu = dyadic_below(gap, BOUND_BITS).scaled(-1) if shape.unique else none
+    mu = dyadic_below(gap, BOUND_BITS).shifted(-1) if shape.unique else none
     smallest = objective.size * power_of_two(-min(4 * objective.eigenspaces.pose_bits, LEAST_BITS))
     (r, s), (g, h) = objective.squared_residual(q).as_integer_ratio(), gap.as_integer_ratio()
     first, least = max(Fraction(4 * r * h, s * g) if g else Fraction(0), smallest), mu.value
     guess = dyadic_above(first, BOUND_BITS)
     for attempt in range(ATTEMPTS):
-        delta = guess.scaled(GROWTH_BITS * attempt)
+        delta = guess.shifted(GROWTH_BITS * attempt)
         if proves_optimality(objective, q, least, delta.value):
             return mu, delta
     return None

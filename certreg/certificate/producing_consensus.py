@@ -359,8 +359,8 @@ def _similarity_body(
         pieces=found.pieces,
         states=found.states,
         scale=problem.scale.value,
-        scale_lower=lower.scaled(rows.exponent),
-        scale_upper=dyadic_above(Fraction(high), ANGLE_BITS).scaled(rows.exponent),
+        scale_lower=lower.shifted(rows.exponent),
+        scale_upper=dyadic_above(Fraction(high), ANGLE_BITS).shifted(rows.exponent),
         fit=None if fit is None else unheld(fit),
         reach=reach,
     )

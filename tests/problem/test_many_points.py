@@ -90,7 +90,7 @@ def test_a_certificate_of_other_points_or_of_too_strong_a_claim_is_refused(way):
     moved = problem.target.copy()
     moved[3, 1] = np.nextafter(moved[3, 1], 9.0)
     body = certificate.body
-    half = replace(body, claims=replace(body.claims, gap=body.claims.gap.scaled(-1)))
+    half = replace(body, claims=replace(body.claims, gap=body.claims.gap.shifted(-1)))
     low = replace(body, delta=Dyadic(mantissa=1, exponent=-4000))
     forged = {
         "other points": (certificate, RegistrationProblem(problem.source, moved)),
