@@ -49,18 +49,18 @@ PROVED = (
     ),
     _of("certificate/truncated", "disproves_labels", "certificate/test_label_sets"),
     _of(
-        "certificate/producing",
+        "certificate/isotropic",
         "proves_optimality _bits_tell proves_basin proved_multiplier proves_multiplier "
         "multiplier_gap _radius",
         "certificate/test_optimality_edges",
     ),
     _of(
-        "certificate/spring_bounds",
+        "certificate/bounds",
         "spring_pose_bounds _shift least_range _differences",
         "certificate/test_spring_bound_edges certificate/test_shift_bounds",
     ),
     _of(
-        "certificate/springs_basin",
+        "certificate/basin",
         "barrier_of basin_of_springs",
         "registration/test_flags_enumerated",
     ),

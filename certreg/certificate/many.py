@@ -16,8 +16,7 @@ import numpy as np
 
 from certreg.certificate.checking import check_own, require_accepted
 from certreg.certificate.envelope import Certificate
-from certreg.certificate.isotropic import Claims, IsotropicBody
-from certreg.certificate.producing import produce
+from certreg.certificate.isotropic import Claims, IsotropicBody, produce
 from certreg.equilibrium.equilibrium_set import rotation_double
 from certreg.exact.dyadic import (
     ASIN_SLACK,

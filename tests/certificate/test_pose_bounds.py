@@ -20,7 +20,7 @@ from certreg.certificate.bounds import (
     pose_energy,
     sin2_half_angle_between,
 )
-from certreg.certificate.producing import produce, produce_similarity
+from certreg.certificate.isotropic import produce
 from certreg.geometry.so3 import rotation_matrix, squared_norm
 from certreg.objective.isotropic import Isotropic
 from certreg.objective.springs import Springs
@@ -133,7 +133,7 @@ def test_the_least_gap_of_a_symmetric_scale_is_below_the_exact_one():
     objective = Isotropic.of(problem)
     scaling = objective.scaling
     assert scaling is not None
-    certificate = produce_similarity(problem, objective, scaling)
+    certificate = produce(problem, objective)
     assert certificate is not None
     bounds = pose_bounds(objective, certificate.body, POSE)
     above = pose_energy(objective, POSE) - objective.energy(certificate.body.quaternion)

@@ -15,10 +15,10 @@ from hypothesis import strategies as st
 
 import certreg
 from certreg import RegistrationProblem
-from certreg.certificate import blockwise, checking, producing
+from certreg.certificate import blockwise, checking, envelope
 from certreg.certificate.blockwise import check_in_blocks, check_on_sums
+from certreg.certificate.count import count_certificate
 from certreg.certificate.envelope import PIECE, file_pieces
-from certreg.certificate.producing import count_certificate
 from certreg.errors import RefusedCertificateError
 from certreg.exact.dyadic import Dyadic
 from certreg.problem.exact_sums import SumMethod, fastest_method, second_method, sums_by
@@ -170,7 +170,7 @@ def test_a_file_that_is_changed_during_a_check_is_noticed(tmp_path, monkeypatch,
 
 def test_beyond_the_inline_limit_a_certificate_needs_its_points(monkeypatch, tmp_path):
     problem = random_problem(n=40)
-    monkeypatch.setattr(producing, "INLINE_POINTS", 39)
+    monkeypatch.setattr(envelope, "INLINE_POINTS", 39)
     monkeypatch.setattr(checking, "INLINE_MAX", 39)
     certificate = solve(problem).certificate
     assert certificate is not None
