@@ -44,7 +44,7 @@ PROVED = (
         "certificate/bounds",
         "PoseBounds.share_upper PoseBounds.meet PoseBounds.covers_range PoseBounds.gap_lower "
         "PoseBounds.gap_upper ExactPose.moved pose_bounds flat_energy pose_energy "
-        "sin2_half_angle_between angle_from",
+        "spring_energy sin2_half_angle_between angle_from",
         "certificate/test_pose_bounds",
     ),
     _of("certificate/truncated", "disproves_labels", "certificate/test_label_sets"),

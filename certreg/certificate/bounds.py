@@ -21,7 +21,6 @@ from certreg.exact.dyadic import (
     root_above,
 )
 from certreg.geometry.so3 import body_frame, dot, rotation_matrix, squared_norm
-from certreg.objective.isotropic import Isotropic
 from certreg.problem.lifting import lift
 from certreg.results import Absent, Explained, present
 
@@ -32,6 +31,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.certificate.pose_claims import PoseBody
+    from certreg.objective.isotropic import Isotropic
     from certreg.objective.springs import Springs
     from certreg.problem.moments import ExactMoments
     from certreg.results import Limits
@@ -197,19 +197,15 @@ def flat_energy(moments: ExactMoments) -> Fraction:
     return moments.total_weight * sum((c * c for c in centroids), start=Fraction(0))
 
 
-def pose_energy(
-    objective: Isotropic | Springs, pose: ExactPose, shifted: Fraction | None = None
-) -> Fraction:
+def pose_energy(objective: Isotropic, pose: ExactPose, shifted: Fraction | None = None) -> Fraction:
     """The objective at exactly this pose: sum w |y - R x - t|^2, of a free scale its own.
 
     shifted: its `translation_energy`, where that is known.
     """
     q = pose.quaternion
-    if isinstance(objective, Isotropic):
-        if shifted is None:
-            shifted = objective.translation_energy(q, pose.translation, pose.scale)
-        return objective.energy_at(q, shifted, pose.scale)
-    return objective.energy(q) + objective.translation_energy(q, pose.translation)
+    if shifted is None:
+        shifted = objective.translation_energy(q, pose.translation, pose.scale)
+    return objective.energy_at(q, shifted, pose.scale)
 
 
 def sin2_half_angle_between(p: Sequence[int], q: Sequence[int]) -> Fraction:
@@ -229,6 +225,12 @@ def angle_from(certified: Sequence[int], q: Sequence[int], claimed: Fraction) ->
     return min(math.pi, math.nextafter(own + half_angle_bound(claimed), math.inf))
 
 
+def spring_energy(objective: Springs, pose: ExactPose) -> Fraction:
+    """The same of springs with matrices: sum (y - R x - t)^T W (y - R x - t)."""
+    q = pose.quaternion
+    return objective.energy(q) + objective.translation_energy(q, pose.translation)
+
+
 def spring_pose_bounds(objective: Springs, body: PoseBody, pose: ExactPose) -> PoseBounds:
     """Bounds on a pose; they hold if the checker accepts the certificate for these data.
 
@@ -236,7 +238,7 @@ def spring_pose_bounds(objective: Springs, body: PoseBody, pose: ExactPose) -> P
     that is the better bound where the certificate's is coarse and the springs fit well.
     """
     q, least = pose.quaternion, objective.energy(body.quaternion)
-    energy = objective.energy(q) + objective.translation_energy(q, pose.translation)
+    energy = spring_energy(objective, pose)
     span = least_range(objective, least)
     above = energy - least
     told = body.claims.sin2_half_angle

@@ -32,8 +32,6 @@ FORMAT = "certreg-certificate/1"
 FILE = json.JSONEncoder(sort_keys=True, allow_nan=False, indent=1)
 CERTIFICATE = "certificate.json"  # of a folder that certify --out wrote
 LINE = json.JSONEncoder(sort_keys=True, allow_nan=False, separators=(",", ":"))
-INLINE_POINTS = 1_000_000  # the contract: beyond, the file carries the digest only
-INLINE_SPRINGS = 700_000  # of general springs, 128 bytes each in base64: files are below 1e8 bytes
 PIECE = 3 << 18  # bytes of data encoded at a time: a multiple of three
 
 
@@ -41,11 +39,13 @@ class CertificateBody(FilePart):
     """What a kind of certificate adds to the envelope: its proof and its claims.
 
     COMPACT: thousands of small integers, without a line for each.
+    INLINE: the contract: of more points the file carries the digest only.
     """
 
     __slots__ = ()
     KIND: ClassVar[str]
     COMPACT: ClassVar[bool] = False
+    INLINE: ClassVar[int] = 1_000_000
 
 
 BODIES = {  # by their kind: module of this wing, and class
@@ -196,7 +196,7 @@ def enclosed(
 ) -> Certificate[AnyBody_co]:
     """The body in its envelope, with the points unless they are too many."""
     inline = None
-    if problem.n <= (INLINE_POINTS if problem.factors is None else INLINE_SPRINGS):
+    if problem.n <= body.INLINE:
         inline = problem.data_bytes() if problem.mapped else problem  # a file may change meanwhile
     return Certificate(
         n=problem.n,

@@ -29,6 +29,7 @@ from numpy.typing import NDArray
 
 from certreg.certificate.envelope import enclosed
 from certreg.certificate.pose_claims import PoseBody, PoseClaims
+from certreg.certificate.squares import INLINE_SPRINGS
 from certreg.equilibrium.paths import PathsOutcome
 from certreg.equilibrium.quartics import FloatingQuartic
 from certreg.exact.dyadic import Dyadic, dyadic_above, dyadic_below
@@ -109,6 +110,7 @@ class SpringsListBody(PoseBody):
     """
 
     KIND: ClassVar[str] = "springs-list"
+    INLINE: ClassVar[int] = INLINE_SPRINGS
     PLACES: ClassVar = {
         "quaternion": "proof.pose",
         "bits": "proof.bits",

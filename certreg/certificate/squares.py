@@ -34,6 +34,8 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
+INLINE_SPRINGS = 700_000  # points, 128 bytes each in base64: files are below 1e8 bytes
+
 QUARTICS: tuple[tuple[int, ...], ...] = tuple(combinations_with_replacement(range(4), 4))
 PRODUCTS = tuple(combinations_with_replacement(range(4), 2))
 SQUARE = tuple((1 + (a < c)) * (a == b and c == d) for a, b, c, d in QUARTICS)  # of |q|^4
@@ -62,6 +64,7 @@ class SpringsBody(PoseBody):
     rotation_only: of a problem without a translation.
     """
 
+    INLINE: ClassVar[int] = INLINE_SPRINGS
     PLACES: ClassVar = {
         "quaternion": "proof.pose",
         "symmetry": "proof.symmetry",

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 from certreg._loading import cached_property, late
 from certreg.certificate.bounds import (
     ExactPose,
-    pose_energy,
     sin2_half_angle_between,
+    spring_energy,
     spring_pose_bounds,
 )
 from certreg.exact.dyadic import half_angle_bound
@@ -130,7 +130,7 @@ class QuarticSolution(Solution):
 
     def worth(self, place: ExactPose, body: Any) -> PoseWorth:
         """What a pose costs, and what a body of a certificate of this problem proves of it."""
-        energy, stiffness = pose_energy(self.objective, place), self.sums.stiffness
+        energy, stiffness = spring_energy(self.objective, place), self.sums.stiffness
         measured = 0.0 < stiffness < math.inf
         return PoseWorth(
             energy=energy,

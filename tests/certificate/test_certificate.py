@@ -356,7 +356,7 @@ def test_a_certificate_of_another_problem_is_refused():
 
 
 def test_a_certificate_without_its_points_needs_them(monkeypatch):
-    monkeypatch.setattr(envelope, "INLINE_POINTS", 5)
+    monkeypatch.setattr(envelope.CertificateBody, "INLINE", 5)
     problem = strategies.random_problem(np.random.default_rng(0))
     certificate = produce(problem, Isotropic(exact_moments(problem)))
     assert certificate is not None

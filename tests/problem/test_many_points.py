@@ -170,7 +170,7 @@ def test_a_file_that_is_changed_during_a_check_is_noticed(tmp_path, monkeypatch,
 
 def test_beyond_the_inline_limit_a_certificate_needs_its_points(monkeypatch, tmp_path):
     problem = random_problem(n=40)
-    monkeypatch.setattr(envelope, "INLINE_POINTS", 39)
+    monkeypatch.setattr(envelope.CertificateBody, "INLINE", 39)
     monkeypatch.setattr(checking, "INLINE_MAX", 39)
     certificate = solve(problem).certificate
     assert certificate is not None
