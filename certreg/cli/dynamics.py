@@ -9,7 +9,7 @@ import click
 
 from certreg.cli.as_json import json_option
 from certreg.cli.numbers import NUMBER
-from certreg.cli.options import CLOUD, EXIT_CODES, FOLDER, cloud_options
+from certreg.cli.options import CLOUD, EXIT_CODES, FOLDER, cloud_options, refuse_if
 from certreg.cli.writing import WritingCommand
 from certreg.dynamics.trajectory import Record
 from certreg.io.atomic import require_vacant, write_atomically, write_together
@@ -77,11 +77,11 @@ def equilibria(
     del pair
     if poses is not None:
         require_vacant(poses)
-    if problem.scaled and out is not None:
-        raise click.UsageError(
-            f"--out {printable(out)}: with a free scale the number of equilibria has no "
-            "certificate: leave it out"
-        )
+    refuse_if(
+        problem.scaled and out is not None,
+        f"--out {printable(out)}: with a free scale the number of equilibria has no "
+        "certificate: leave it out",
+    )
     enumeration = enumerated(problem, method)
     structure = enumeration.objective.structure
     listing, listed = LISTINGS[structure], SHOWN[structure](enumeration)
@@ -198,12 +198,14 @@ def simulate(
 ) -> int:
     """Release the damped body at rest and see where it ends. Exit code 0 converged, 4 not."""
     del pair
-    if step is not None and not 0.0 < step < float("inf"):
-        raise click.UsageError(f"--step is {step}: give a finite number above 0")
-    if out is not None and out.suffix.lower() != TRAJECTORY:
-        raise click.UsageError(
-            f"--out {printable(out)}: a trajectory is written as {TRAJECTORY}: end the name so"
-        )
+    refuse_if(
+        step is not None and not 0.0 < step < float("inf"),
+        f"--step is {step}: give a finite number above 0",
+    )
+    refuse_if(
+        out is not None and out.suffix.lower() != TRAJECTORY,
+        f"--out {printable(out)}: a trajectory is written as {TRAJECTORY}: end the name so",
+    )
     trajectory = run(problem, integrator, step=step)
     text = dumps(trajectory.to_dict()) if as_json else str(trajectory)
     if out is not None:
