@@ -16,7 +16,7 @@ from scipy.spatial.transform import Rotation
 import certreg
 from benchmarks.clouds import random_clouds
 from benchmarks.measuring import Figure, Quantity, fastest, power_of_ten
-from certreg.certificate.producing import produce
+from certreg.certificate.isotropic import produce
 from certreg.objective.isotropic import Isotropic
 from certreg.problem.moments import exact_moments
 from certreg.problem.problem import RegistrationProblem

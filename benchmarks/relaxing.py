@@ -19,7 +19,7 @@ import numpy as np
 
 from benchmarks.clouds import random_problem
 from benchmarks.measuring import Figure, Quantity, fastest
-from certreg.certificate.producing import multiplier_gap, proved_multiplier
+from certreg.certificate.isotropic import multiplier_gap, proved_multiplier
 from certreg.objective.isotropic import Isotropic
 from certreg.problem.lifting import lift
 from certreg.problem.moments import exact_moments

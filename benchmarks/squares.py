@@ -13,7 +13,7 @@ from statistics import median
 from typing import TYPE_CHECKING
 
 from benchmarks.measuring import Figure, Quantity, fastest
-from certreg.certificate.producing_springs import springs_certificate
+from certreg.certificate.cones import springs_certificate
 from certreg.objective.springs import Springs
 from certreg.problem.problem import RegistrationProblem
 from certreg.relaxation.cvxpy_models import quartic_statement, solve_stated

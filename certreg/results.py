@@ -73,35 +73,20 @@ def _short_number(value: Fraction | float) -> str:
 
 
 class Presenter(Protocol):
-    """Shows results: as text, as a document, as a card, in files and in a picture."""
+    """Shows results, each way by a function: of a registration alone, but for the first three.
 
-    def words(self, result: Any) -> str:
-        """The text of the command line."""
-        ...
+    words: the text of the command line. document: what `--json` prints. card: HTML for a notebook,
+    that loads nothing. headline: the first line. report: writes the page. save: writes the files.
+    plot: draws into axes of Matplotlib.
+    """
 
-    def headline(self, result: Any) -> str:
-        """The first line of a registration."""
-        ...
-
-    def document(self, result: Any) -> dict[str, Any]:
-        """What `--json` prints."""
-        ...
-
-    def card(self, result: Any) -> str:
-        """HTML for a notebook, that loads nothing."""
-        ...
-
-    def report(self, result: Any, path: str | os.PathLike[str]) -> Path:
-        """Write the page of a registration."""
-        ...
-
-    def save(self, result: Any, folder: str | os.PathLike[str]) -> Path | None:
-        """Write the files of a registration."""
-        ...
-
-    def plot(self, result: Any, axes: Any) -> Any:
-        """Draw a registration into axes of Matplotlib."""
-        ...
+    words: Callable[[Any], str]
+    document: Callable[[Any], dict[str, Any]]
+    card: Callable[[Any], str]
+    headline: Callable[[Any], str]
+    report: Callable[[Any, str | os.PathLike[str]], Path]
+    save: Callable[[Any, str | os.PathLike[str]], Path | None]
+    plot: Callable[[Any, Any], Any]
 
 
 _PRESENTERS: list[Callable[[], Presenter]] = []  # one: what `certreg/__init__.py` said

@@ -21,7 +21,7 @@ from checker_boundaries import Case, outcome_of, value_of
 from spring_families import Cell, instance, statement
 from springs_boundaries import pair
 
-from certreg.certificate.producing_springs import springs_list_certificate
+from certreg.certificate.listing import springs_list_certificate
 from certreg.equilibrium.paths import critical_lines
 from certreg.objective.quartics import MONOMIALS
 from certreg.objective.springs import Springs

@@ -44,23 +44,23 @@ PROVED = (
         "certificate/bounds",
         "PoseBounds.share_upper PoseBounds.meet PoseBounds.covers_range PoseBounds.gap_lower "
         "PoseBounds.gap_upper ExactPose.moved pose_bounds flat_energy pose_energy "
-        "sin2_half_angle_between angle_from",
+        "spring_energy sin2_half_angle_between angle_from",
         "certificate/test_pose_bounds",
     ),
     _of("certificate/truncated", "disproves_labels", "certificate/test_label_sets"),
     _of(
-        "certificate/producing",
+        "certificate/isotropic",
         "proves_optimality _bits_tell proves_basin proved_multiplier proves_multiplier "
         "multiplier_gap _radius",
         "certificate/test_optimality_edges",
     ),
     _of(
-        "certificate/spring_bounds",
+        "certificate/bounds",
         "spring_pose_bounds _shift least_range _differences",
         "certificate/test_spring_bound_edges certificate/test_shift_bounds",
     ),
     _of(
-        "certificate/springs_basin",
+        "certificate/basin",
         "barrier_of basin_of_springs",
         "registration/test_flags_enumerated",
     ),

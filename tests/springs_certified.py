@@ -9,7 +9,7 @@ from typing import Any
 from spring_families import Cell, instance, statement
 
 from certreg import simulate
-from certreg.certificate.producing_springs import springs_certificate
+from certreg.certificate.cones import springs_certificate
 from certreg.objective.springs import Springs
 from certreg.problem.problem import RegistrationProblem
 from certreg.registration.valley import SimulatedSprings

@@ -34,7 +34,7 @@ from certreg.problem.problem import RegistrationProblem
 from certreg.relaxation.optimum import find_optimum
 
 if TYPE_CHECKING:
-    from certreg.certificate.springs_cones import SpringsConesBody
+    from certreg.certificate.cones import SpringsConesBody
     from certreg.exact.spaces import IntegerQuaternion
 
 

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 
 from spring_families import LISTED, instance, statement
 
-from certreg.certificate.producing_springs import springs_list_certificate
+from certreg.certificate.listing import springs_list_certificate
 from certreg.equilibrium.paths import critical_lines
 from certreg.objective.springs import Springs
 from certreg.problem.problem import RegistrationProblem

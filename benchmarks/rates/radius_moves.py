@@ -20,7 +20,7 @@ import numpy as np
 import spring_families as families
 
 from certreg import RegistrationProblem, certify, register
-from certreg.certificate.producing_springs import springs_certificate
+from certreg.certificate.cones import springs_certificate
 from certreg.objective.springs import Springs
 from certreg.relaxation.optimum import find_optimum
 from certreg.verify import check

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 
 import spring_families as families
 
-from certreg.certificate.producing_springs import springs_certificate
+from certreg.certificate.cones import springs_certificate
 from certreg.objective.springs import Springs
 from certreg.problem.problem import RegistrationProblem
 from certreg.relaxation.optimum import find_optimum

@@ -10,21 +10,28 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import product
 from typing import TYPE_CHECKING
 
-from certreg.exact.dyadic import double_above, double_below, half_angle_bound, root_above
+from certreg.exact.dyadic import (
+    double_above,
+    double_below,
+    half_angle_bound,
+    rational_root_above,
+    root_above,
+)
 from certreg.geometry.so3 import body_frame, dot, rotation_matrix, squared_norm
-from certreg.objective.isotropic import Isotropic
 from certreg.problem.lifting import lift
-from certreg.results import Absent, Explained
+from certreg.results import Absent, Explained, present
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Sequence
 
     import numpy as np
     from numpy.typing import NDArray
 
-    from certreg.certificate.isotropic import IsotropicBody, SimilarityBody
+    from certreg.certificate.pose_claims import PoseBody
+    from certreg.objective.isotropic import Isotropic
     from certreg.objective.springs import Springs
     from certreg.problem.moments import ExactMoments
     from certreg.results import Limits
@@ -33,6 +40,21 @@ if TYPE_CHECKING:
 NO_ANGLE = Absent("the optimum is not unique: no angle to 'the' optimum exists")
 NOT_CLAIMED = Absent("the certificate bounds no angle, though the optimum is unique")
 NOTHING = Fraction(0)
+NO_ANGLE_CLAIMED = Absent("the certificate bounds no angle to the optima")
+NO_SHIFT = Absent("the certificate bounds no angle to the optima, and so no shift")
+SHIFT_IS_FREE = Absent("no spring resists some shift: optima are as far along it as one likes")
+FARTHEST = 8  # norm(R - R')^2 = 8 sin^2(angle / 2), of rotations
+CONSTANT = 6  # the dimension of the symmetries of an energy that all rotations have
+FAR = (  # half turns, turns by 90 and 120 degrees: the 24 of a cube
+    *((0, 1, 0, 0), (0, 0, 1, 0), (0, 0, 0, 1), (1, 0, 0, 0)),
+    *((1, s, 0, 0) for s in (1, -1)),
+    *((1, 0, s, 0) for s in (1, -1)),
+    *((1, 0, 0, s) for s in (1, -1)),
+    *((1, r, s, t) for r, s, t in product((1, -1), repeat=3)),
+    *((0, 1, s, 0) for s in (1, -1)),
+    *((0, 1, 0, s) for s in (1, -1)),
+    *((0, 0, 1, s) for s in (1, -1)),
+)
 NO_RANGE = Absent("every rotation fits equally: the range of energies is zero")
 
 
@@ -130,7 +152,7 @@ class ExactPose:
 
 def pose_bounds(
     objective: Isotropic,
-    body: IsotropicBody | SimilarityBody,
+    body: PoseBody,
     pose: ExactPose,
     *,
     shifted: Fraction | None = None,
@@ -175,19 +197,15 @@ def flat_energy(moments: ExactMoments) -> Fraction:
     return moments.total_weight * sum((c * c for c in centroids), start=Fraction(0))
 
 
-def pose_energy(
-    objective: Isotropic | Springs, pose: ExactPose, shifted: Fraction | None = None
-) -> Fraction:
+def pose_energy(objective: Isotropic, pose: ExactPose, shifted: Fraction | None = None) -> Fraction:
     """The objective at exactly this pose: sum w |y - R x - t|^2, of a free scale its own.
 
     shifted: its `translation_energy`, where that is known.
     """
     q = pose.quaternion
-    if isinstance(objective, Isotropic):
-        if shifted is None:
-            shifted = objective.translation_energy(q, pose.translation, pose.scale)
-        return objective.energy_at(q, shifted, pose.scale)
-    return objective.energy(q) + objective.translation_energy(q, pose.translation)
+    if shifted is None:
+        shifted = objective.translation_energy(q, pose.translation, pose.scale)
+    return objective.energy_at(q, shifted, pose.scale)
 
 
 def sin2_half_angle_between(p: Sequence[int], q: Sequence[int]) -> Fraction:
@@ -196,7 +214,7 @@ def sin2_half_angle_between(p: Sequence[int], q: Sequence[int]) -> Fraction:
     return Fraction(squared_norm(across), squared_norm(p) * squared_norm(q))
 
 
-def _angle_upper(body: IsotropicBody | SimilarityBody, q: Sequence[int]) -> float | None:
+def _angle_upper(body: PoseBody, q: Sequence[int]) -> float | None:
     claimed = body.claims.sin2_half_angle
     return None if claimed is None else angle_from(body.quaternion, q, claimed.value)
 
@@ -205,3 +223,76 @@ def angle_from(certified: Sequence[int], q: Sequence[int], claimed: Fraction) ->
     """A bound in radians on the angle from R(q) to the optima; claimed: sin^2 of half of theirs."""
     own = half_angle_bound(sin2_half_angle_between(certified, q))
     return min(math.pi, math.nextafter(own + half_angle_bound(claimed), math.inf))
+
+
+def spring_energy(objective: Springs, pose: ExactPose) -> Fraction:
+    """The same of springs with matrices: sum (y - R x - t)^T W (y - R x - t)."""
+    q = pose.quaternion
+    return objective.energy(q) + objective.translation_energy(q, pose.translation)
+
+
+def spring_pose_bounds(objective: Springs, body: PoseBody, pose: ExactPose) -> PoseBounds:
+    """Bounds on a pose; they hold if the checker accepts the certificate for these data.
+
+    The energy is a sum of squares, so no pose is farther above the minimum than its own energy:
+    that is the better bound where the certificate's is coarse and the springs fit well.
+    """
+    q, least = pose.quaternion, objective.energy(body.quaternion)
+    energy = spring_energy(objective, pose)
+    span = least_range(objective, least)
+    above = energy - least
+    told = body.claims.sin2_half_angle
+    shifted = _shift(objective, body, pose)
+    return PoseBounds(
+        least_gap=max(Fraction(0), above),
+        greatest_gap=min(energy, max(Fraction(0), above + body.gap if span else above)),
+        angle_upper=None if told is None else angle_from(body.quaternion, q, told.value),
+        least_range_squared=span**2,
+        shift_upper=present(shifted),
+        flat_energy=least or objective.translation_energy(q, (Fraction(0),) * 3),
+        absent={
+            "angle_upper": NO_ANGLE_CLAIMED if body.claims.unique is not False else NO_ANGLE,
+            **({} if span else {"share_upper": NO_RANGE}),
+            **({"shift_upper": shifted} if isinstance(shifted, Absent) else {}),
+        },
+    )
+
+
+def _shift(objective: Springs, body: PoseBody, pose: ExactPose) -> float | Absent:
+    """How far the pose puts the source's centre from where any optimum puts it, rounded up.
+
+    At a rotation R the best translation puts the centre at p(R) = M vec R + const. All optima are
+    there, at rotations R with norm(R - C)^2 = 8 sin^2(angle / 2), C the certified one and the angle
+    proved. So norm(p(R) - p(C)) <= norm(M) norm(R - C), in Frobenius norms; and from p(C) the image
+    under the pose is as far as it is, exactly.
+    """
+    if objective.free_translations:
+        return SHIFT_IS_FREE
+    centre, told = objective.centre, body.claims.sin2_half_angle
+    slopes = objective.image_slopes(centre)
+    size = sum((entry * entry for row in slopes for entry in row), start=Fraction(0))
+    if told is None and size:
+        return NO_SHIFT
+    best = objective.best_translation(body.quaternion)
+    there = ExactPose(quaternion=body.quaternion, translation=best).moved(centre)
+    apart = [a - b for a, b in zip(pose.moved(centre), there, strict=True)]
+    about = FARTHEST * size * (told.value if told else 0)
+    return double_above(rational_root_above(squared_norm(apart)) + rational_root_above(about))
+
+
+def least_range(objective: Springs, least: Fraction) -> Fraction:
+    """A lower bound of max f - min f over all rotations, 0 only where f is constant.
+
+    least: f at some rotation. From it and the rotations of a cube; others where all are alike.
+    """
+    if len(objective.symmetry) == CONSTANT:
+        return Fraction(0)
+    found = max(objective.energy(q) for q in FAR) - least
+    return found if found > 0 else next(_differences(objective, least))
+
+
+def _differences(objective: Springs, least: Fraction) -> Iterator[Fraction]:
+    """|f - least| at rotations of small integers: of a form of degree four one is not zero."""
+    for q in product(range(-4, 5), repeat=4):
+        if any(q) and (apart := abs(objective.energy(q) - least)):
+            yield apart

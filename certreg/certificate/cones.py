@@ -24,14 +24,15 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import product
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, TypeVar
 
 import numpy as np
 
-from certreg.certificate.springs_cones import SpringsConesBody
-from certreg.certificate.squares import growth_claims
+from certreg.certificate.envelope import enclosed
+from certreg.certificate.radius import growth_radius
+from certreg.certificate.squares import SpringsBody, growth_claims, sos_body
 from certreg.equilibrium.quartics import FloatingQuartic, descended
-from certreg.exact.dyadic import dyadic_above, dyadic_below
+from certreg.exact.dyadic import Dyadic, dyadic_above, dyadic_below
 from certreg.exact.elimination import is_positive_definite
 from certreg.geometry.so3 import body_frame, dot, squared_norm
 from certreg.native.cones import ConesEnding, search_cones
@@ -39,14 +40,19 @@ from certreg.objective.normalisation import levelled_exactly
 from certreg.objective.quartics import MONOMIALS
 from certreg.relaxation.refining import refined
 from certreg.results import Brief
+from certreg.verify import CAPS_MAX
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from numpy.typing import NDArray
 
+    from certreg.certificate.envelope import Certificate
+    from certreg.certificate.squares import SpringsSosBody
     from certreg.exact.spaces import IntegerQuaternion
     from certreg.objective.springs import Springs
+    from certreg.problem.problem import RegistrationProblem
+    from certreg.relaxation.optimum import Found
 
 
 BUDGET = 300_000  # cones; the checker refuses beyond
@@ -77,6 +83,36 @@ RANGES: dict[tuple[int, ...], Fraction] = {  # of monomials on the unit quaterni
     (2, 1, 1, 0): Fraction(1, 4),
     (1, 1, 1, 1): Fraction(1, 8),
 }
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SpringsConesBody(SpringsBody):
+    """A proof that a pose of general springs is optimal up to bounds, by cones and caps.
+
+    delta, mu: the objective exceeds its value here less delta by mu sin^2(theta/2), theta the angle
+        to that rotation; in units of the energy. delta is the claimed gap.
+    caps: of each six integers: a quaternion, at whose rotation the Hessian of the objective, in
+        rotation angle, exceeds curvature I; mantissa and exponent of the curvature.
+    """
+
+    KIND: ClassVar[str] = "springs-cones"
+    PLACES: ClassVar = {**SpringsBody.PLACES, "mu": "proof.mu", "caps": "proof.caps"}
+
+    mu: Dyadic
+    caps: Annotated[tuple[int, ...], range(0, 6 * CAPS_MAX + 1, 6)]
+
+    @property
+    def delta(self) -> Dyadic:
+        """The objective exceeds its value here less this by mu sin^2(theta/2)."""
+        return self.claims.gap
+
+    @property
+    def growth(self) -> Fraction:
+        """The objective exceeds its value here less `gap` by this times sin^2(theta/2)."""
+        return self.mu.value
+
+
+AnyBody = TypeVar("AnyBody", "SpringsSosBody", SpringsConesBody)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -116,6 +152,47 @@ class ConesAttempt:
     capped: tuple[CappedMinimum, ...]
     words: str
     tied: bool = False
+
+
+def springs_certificate(
+    problem: RegistrationProblem,
+    objective: Springs,
+    found: Found,
+    *,
+    robustness_angle: float | None = None,
+    about: dict[str, Any] | None = None,
+) -> Certificate[SpringsSosBody] | Certificate[SpringsConesBody] | None:
+    """A certificate of the optimum that was found, by squares or by cones; None if not proved.
+
+    Cones are cut where squares leave open whether the optimum is unique, and kept where they prove
+    more; `about` says then how. robustness_angle: as `produce` takes it.
+    None means not proved, not disproved.
+    """
+    squares = sos_body(objective, found)
+    if squares is not None and squares.claims.unique is not None:
+        return enclosed(problem, _moving(objective, squares, robustness_angle), about)
+    cones = cones_body(objective, found.minima)
+    body = cones.body
+    if body is not None and (squares is None or body.claims.unique or body.gap < squares.gap):
+        told = {**(about or {}), "cones": cones.words}
+        return enclosed(problem, _moving(objective, body, robustness_angle), told)
+    if squares is None:
+        return None
+    return enclosed(problem, _moving(objective, squares, robustness_angle), about)
+
+
+def _moving(objective: Springs, body: AnyBody, degrees: float | None) -> AnyBody:
+    """The same body, with how far the points may move where that is proved and asked for."""
+    if degrees is None:
+        return body
+    radius = growth_radius(
+        objective.moments,
+        mu=body.growth,
+        delta=body.gap,
+        value=objective.energy(body.quaternion),
+        degrees=degrees,
+    )
+    return replace(body, radius=radius)
 
 
 def cones_body(objective: Springs, minima: Sequence[IntegerQuaternion]) -> ConesProposal:

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any, ClassVar
 
+from certreg.certificate.envelope import CertificateBody
 from certreg.certificate.file_parts import REST, FilePart, FileRow
 from certreg.exact.dyadic import Dyadic
 
@@ -126,7 +127,7 @@ class Reach(FilePart):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class LabelledBody(FilePart):
+class LabelledBody(CertificateBody):
     """What is proved of the pairs, and of the least squares over those that the witness meets.
 
     labels: of each pair "i", an inlier in every motion that meets as many as the witness, "o", an
@@ -135,7 +136,7 @@ class LabelledBody(FilePart):
     fit: the certificate of the least-squares pose, as a file holds it; None where none was found.
     """
 
-    COMPACT: ClassVar[bool] = True  # thousands of small integers: no line for each
+    COMPACT: ClassVar[bool] = True
     PLACES: ClassVar = {"labels": "claims.labels", "upper": "claims.upper", "reach": "reach?"}
 
     witness: Witness

@@ -7,15 +7,21 @@ formulas of its own.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
-from certreg.certificate.file_parts import FilePart
+from certreg.certificate.envelope import CertificateBody, enclosed
+from certreg.errors import InvalidProblemError
+from certreg.problem.moments import exact_moments
+
+if TYPE_CHECKING:
+    from certreg.certificate.envelope import Certificate
+    from certreg.problem.problem import RegistrationProblem
 
 AT_MOST = 4
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class CountBody(FilePart):
+class CountBody(CertificateBody):
     """A proof that a problem has few equilibria, complex ones counted with multiplicity.
 
     chart, modulus: with which the quadratics are seen to be independent.
@@ -32,3 +38,22 @@ class CountBody(FilePart):
     chart: tuple[int, int, int, int]
     modulus: int
     at_most: int = AT_MOST
+
+
+def count_certificate(problem: RegistrationProblem) -> Certificate[CountBody] | None:
+    """The certificate that a problem has at most four equilibria; None for infinitely many.
+
+    None means not proved, not disproved. Raises InvalidProblemError without a translation, or with
+    a free scale: that kind states a rigid motion.
+    """
+    if problem.motion.options:
+        raise InvalidProblemError(
+            f"no certificate counts equilibria with {problem.motion.options}: leave --out out",
+            array="problem",
+        )
+    from certreg.equilibrium.counting import at_most_four  # loads FLINT, which few need
+
+    proof = at_most_four(exact_moments(problem).cross)
+    if proof is None:
+        return None
+    return enclosed(problem, CountBody(chart=proof.chart, modulus=proof.prime))

@@ -7,11 +7,12 @@ integer or a dyadic pair [mantissa, exponent]. What a body proves is said by its
 from __future__ import annotations
 
 import base64
+import hashlib
 import json
 import os
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar, Generic, Protocol, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeVar
 
 from certreg._loading import found_late
 from certreg.certificate.file_parts import FilePart, MisreadError
@@ -34,23 +35,26 @@ LINE = json.JSONEncoder(sort_keys=True, allow_nan=False, separators=(",", ":"))
 PIECE = 3 << 18  # bytes of data encoded at a time: a multiple of three
 
 
-class CertificateBody(Protocol):
-    """What a kind of certificate adds to the envelope: its proof and its claims."""
+class CertificateBody(FilePart):
+    """What a kind of certificate adds to the envelope: its proof and its claims.
 
+    COMPACT: thousands of small integers, without a line for each.
+    INLINE: the contract: of more points the file carries the digest only.
+    """
+
+    __slots__ = ()
     KIND: ClassVar[str]
-
-    def to_fields(self) -> dict[str, Any]:
-        """The part of the file that is of this kind alone."""
-        ...
+    COMPACT: ClassVar[bool] = False
+    INLINE: ClassVar[int] = 1_000_000
 
 
 BODIES = {  # by their kind: module of this wing, and class
     "isotropic": ("isotropic", "IsotropicBody"),
     "similarity": ("isotropic", "SimilarityBody"),
     "count": ("count", "CountBody"),
-    "springs-sos": ("springs_sos", "SpringsSosBody"),
-    "springs-cones": ("springs_cones", "SpringsConesBody"),
-    "springs-list": ("springs_list", "SpringsListBody"),
+    "springs-sos": ("squares", "SpringsSosBody"),
+    "springs-cones": ("cones", "SpringsConesBody"),
+    "springs-list": ("listing", "SpringsListBody"),
     "consensus": ("consensus", "ConsensusBody"),
     "truncated-rotation": ("truncated", "TruncatedRotationBody"),
     "consensus-similarity": ("consensus", "ConsensusSimilarityBody"),
@@ -156,7 +160,7 @@ class Certificate(Brief, Generic[AnyBody_co]):
 
     def pieces(self) -> Iterator[bytes]:
         """The file's content, piece by piece."""
-        form = LINE if getattr(self.body, "COMPACT", False) else FILE
+        form = LINE if self.body.COMPACT else FILE
         yield from file_pieces(self._document(), self.data, form=form)
 
     def _document(self) -> dict[str, Any]:
@@ -185,6 +189,24 @@ class Certificate(Brief, Generic[AnyBody_co]):
             Where it cannot be written.
         """
         write_atomically(path, self.pieces())
+
+
+def enclosed(
+    problem: RegistrationProblem, body: AnyBody_co, about: dict[str, Any] | None = None
+) -> Certificate[AnyBody_co]:
+    """The body in its envelope, with the points unless they are too many."""
+    inline = None
+    if problem.n <= body.INLINE:
+        inline = problem.data_bytes() if problem.mapped else problem  # a file may change meanwhile
+    return Certificate(
+        n=problem.n,
+        digest=hashlib.sha256(inline).hexdigest()
+        if isinstance(inline, bytes)
+        else problem.digest(),
+        inline=inline,
+        body=body,
+        about=about or {},
+    )
 
 
 def body_of(document: dict[str, Any]) -> CertificateBody:

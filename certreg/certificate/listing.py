@@ -22,17 +22,14 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
 from itertools import chain
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from certreg.certificate.springs_list import (
-    ListClaims,
-    SpringsListBody,
-    quaternion_product,
-    with_positive_first,
-)
+from certreg.certificate.envelope import enclosed
+from certreg.certificate.pose_claims import PoseBody, PoseClaims
+from certreg.certificate.squares import INLINE_SPRINGS
 from certreg.equilibrium.paths import PathsOutcome
 from certreg.equilibrium.quartics import FloatingQuartic
 from certreg.exact.dyadic import Dyadic, dyadic_above, dyadic_below
@@ -43,10 +40,12 @@ from certreg.results import Brief
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from certreg.certificate.envelope import Certificate
     from certreg.equilibrium.paths import CriticalLines
     from certreg.exact.spaces import IntegerQuaternion
     from certreg.objective.normalisation import LevelledExactly
     from certreg.objective.springs import Springs
+    from certreg.problem.problem import RegistrationProblem
 
 Complexes = NDArray[np.complex128]
 
@@ -65,6 +64,81 @@ GAP_BITS, SECOND_BITS = 32, 96  # of what is claimed; the barrier may be a small
 FOUND_WORDS = "All 40 critical lines are apart, simple, and in boxes of their own."
 MULTIPLE_WORDS = "{} of the 40 critical lines could not be separated: they meet, or nearly so."
 UNPAIRED_WORDS = "The critical lines that are not real do not come in pairs: some were found twice."
+
+
+def quaternion_product(a: Sequence[int], p: Sequence[int]) -> IntegerQuaternion:
+    """The product a p."""
+    (w, x, y, z), (d, e, f, g) = a, p
+    return (
+        w * d - x * e - y * f - z * g,
+        x * d + w * e - z * f + y * g,
+        y * d + z * e + w * f - x * g,
+        z * d - y * e + x * f + w * g,
+    )
+
+
+def with_positive_first(q: IntegerQuaternion) -> IntegerQuaternion:
+    """The quaternion of the same rotation whose first entry that is not zero is positive."""
+    w, x, y, z = q
+    return q if next(filter(None, q), 1) > 0 else (-w, -x, -y, -z)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ListClaims(PoseClaims):
+    """What a list of equilibria claims besides.
+
+    indices: of all real equilibria, in the order of the list: how many independent directions lead
+        down. Those of index 0 are stable. None is degenerate.
+    second: the objective is at least that at every equilibrium but the first.
+    """
+
+    indices: Annotated[tuple[int, ...], range(41)]
+    second: Dyadic
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SpringsListBody(PoseBody):
+    """A proof that these are all equilibria of general springs: boxes of 40 complex lines.
+
+    quaternion: of the first equilibrium, the best.
+    chart: an integer quaternion a; a critical line holds a p, p = (2^bits, x, y, z), where
+        x, y, z are within 1 of the integers in `lines`.
+    lines: x, x', y, y', z, z' of each, of x + i x', y + i y', z + i z': those of the equilibria,
+        which are real, and one of two that are conjugate.
+    modulus: with which linear algebra shows that there are no more.
+    rotation_only: of a problem without a translation.
+    """
+
+    KIND: ClassVar[str] = "springs-list"
+    INLINE: ClassVar[int] = INLINE_SPRINGS
+    PLACES: ClassVar = {
+        "quaternion": "proof.pose",
+        "bits": "proof.bits",
+        "chart": "proof.chart",
+        "lines": "proof.lines",
+        "modulus": "proof.modulus",
+        "rotation_only": "rotation_only?",
+    }
+
+    bits: int
+    chart: tuple[int, int, int, int]
+    lines: Annotated[tuple[int, ...], range(120, 241, 6)]  # 40, half of them at least real
+    modulus: int
+    claims: ListClaims
+    rotation_only: bool = False
+
+    @property
+    def quaternions(self) -> tuple[IntegerQuaternion, ...]:
+        """Of all equilibria, right to about 2^-bits: integers (w, x, y, z) of any length."""
+        rows = [self.lines[k : k + 6] for k in range(0, len(self.lines), 6)]
+        real = [row[::2] for row in rows if not any(row[1::2])]
+        found = [quaternion_product(self.chart, (1 << self.bits, *line)) for line in real]
+        return tuple(map(with_positive_first, found))
+
+    @property
+    def stable(self) -> int:
+        """How many equilibria are stable."""
+        return self.claims.indices.count(0)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -103,6 +177,21 @@ class Gaussian:
         )
 
     __rmul__ = __mul__
+
+
+def springs_list_certificate(
+    problem: RegistrationProblem,
+    objective: Springs,
+    lines: CriticalLines,
+    *,
+    about: dict[str, Any] | None = None,
+) -> Certificate[SpringsListBody] | None:
+    """A certificate of all equilibria, from the ends of all 40 paths.
+
+    None means not proved, not disproved: lines are multiple, or nearly so; `list_body` says it.
+    """
+    body = list_body(objective, lines).body
+    return None if body is None else enclosed(problem, body, about)
 
 
 def list_body(objective: Springs, lines: CriticalLines) -> ListProposal:

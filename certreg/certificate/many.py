@@ -16,8 +16,7 @@ import numpy as np
 
 from certreg.certificate.checking import check_own, require_accepted
 from certreg.certificate.envelope import Certificate
-from certreg.certificate.isotropic import Claims, IsotropicBody
-from certreg.certificate.producing import produce
+from certreg.certificate.isotropic import Claims, IsotropicBody, produce
 from certreg.equilibrium.equilibrium_set import rotation_double
 from certreg.exact.dyadic import (
     ASIN_SLACK,
@@ -95,7 +94,7 @@ class Certificates(Brief):
             for pairs in (optima.mu, optima.delta, optima.sine)
         )
         claims = Claims(
-            gap=delta.scaled(1),
+            gap=delta.shifted(1),
             sin2_half_angle=sine,
             unique=True,
             pattern=PATTERN,

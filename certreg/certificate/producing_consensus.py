@@ -37,11 +37,8 @@ from certreg.certificate.consensus import (
     ranges,
 )
 from certreg.certificate.consistency import ConsistentPairs
-from certreg.certificate.isotropic import IsotropicBody, SimilarityBody
-from certreg.certificate.producing import enclosed
+from certreg.certificate.envelope import enclosed
 from certreg.certificate.proof_stages import MOST, Part, Stager, length_of, settled
-from certreg.certificate.springs_cones import SpringsConesBody
-from certreg.certificate.springs_sos import SpringsSosBody
 from certreg.certificate.vertex_elimination import Graph
 from certreg.errors import UndecidedError
 from certreg.exact.dyadic import Dyadic, dyadic_above, dyadic_below
@@ -54,10 +51,9 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.certificate.envelope import Certificate
+    from certreg.certificate.pose_claims import PoseBody
     from certreg.native.bitset_graph import Neighbours
     from certreg.problem.problem import RegistrationProblem
-
-FitBody = IsotropicBody | SpringsSosBody | SpringsConesBody | SimilarityBody
 
 LOG = logging.getLogger(__name__)
 OPEN_TOLD = "ranges of scales left open are looked at one by one ..."
@@ -288,7 +284,7 @@ def pose_of(witness: Witness) -> Pose:
 def consensus_certificate(
     problem: RegistrationProblem,
     found: ProvedConsensus,
-    fit: Certificate[FitBody] | None,
+    fit: Certificate[PoseBody] | None,
     about: dict[str, Any] | None = None,
 ) -> Certificate[ConsensusBody | ConsensusSimilarityBody]:
     """The certificate; fit: of the least squares over the rows that the witness meets.
@@ -299,7 +295,7 @@ def consensus_certificate(
 
 
 def _rigid_body(
-    problem: RegistrationProblem, found: ProvedConsensus, fit: Certificate[FitBody] | None
+    problem: RegistrationProblem, found: ProvedConsensus, fit: Certificate[PoseBody] | None
 ) -> ConsensusBody:
     """How far motions that meet all these rows may turn from the fit: they have 2 p^T K p >= c.
 
@@ -329,7 +325,7 @@ def _rigid_body(
 
 
 def _similarity_body(
-    problem: RegistrationProblem, found: ProvedConsensus, fit: Certificate[FitBody] | None
+    problem: RegistrationProblem, found: ProvedConsensus, fit: Certificate[PoseBody] | None
 ) -> ConsensusSimilarityBody:
     """Between which scales, and how far from the fit, all motions are that meet the met rows.
 
@@ -359,8 +355,8 @@ def _similarity_body(
         pieces=found.pieces,
         states=found.states,
         scale=problem.scale.value,
-        scale_lower=lower.scaled(rows.exponent),
-        scale_upper=dyadic_above(Fraction(high), ANGLE_BITS).scaled(rows.exponent),
+        scale_lower=lower.shifted(rows.exponent),
+        scale_upper=dyadic_above(Fraction(high), ANGLE_BITS).shifted(rows.exponent),
         fit=None if fit is None else unheld(fit),
         reach=reach,
     )
@@ -406,7 +402,7 @@ class MetRows:
         )
 
 
-def unheld(fit: Certificate[FitBody]) -> dict[str, Any]:
+def unheld(fit: Certificate[PoseBody]) -> dict[str, Any]:
     """The certificate as a file holds it, without its points: they are those of the outer one."""
     fields: dict[str, Any] = json.loads(fit.line())
     return {**fields, "problem": {"data": None, "digest": fit.digest, "n": fit.n}}

@@ -80,14 +80,14 @@ def isotropic_radius(
     n, d = sin2_half_angle.as_integer_ratio()
     tangent = dyadic_root_above(Fraction(n, d - n))  # the angle is less than twice that
     source, target = (
-        dyadic_root_above(trace(scatter)).scaled(moments.weight_exponent + e)
+        dyadic_root_above(trace(scatter)).shifted(moments.weight_exponent + e)
         for scatter, e in (
             (moments.source_scatter, moments.source_exponent),
             (moments.target_scatter, moments.target_exponent),
         )
     )
     mass = Dyadic(mantissa=moments.mass, exponent=moments.weight_exponent)
-    given = separation, sine, tangent.scaled(1), source, target, mass
+    given = separation, sine, tangent.shifted(1), source, target, mass
     (g, turn, own, x, y, m), unit = in_one_unit(*given)
     most = SAFE.numerator * g * (turn - own)  # beta is g (sin a - a0) / 2 at most: less by `SAFE`
     if most <= 0:

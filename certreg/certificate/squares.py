@@ -14,13 +14,14 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
 from itertools import combinations_with_replacement
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from certreg.certificate.springs_sos import SpringsClaims, SpringsSosBody
-from certreg.exact.dyadic import dyadic_above, power_of_two
+from certreg.certificate.pose_claims import PoseBody, PoseClaims
+from certreg.certificate.radius import Radius
+from certreg.exact.dyadic import Dyadic, dyadic_above, power_of_two
 from certreg.exact.elimination import is_positive_definite
 from certreg.geometry.so3 import dot, squared_norm
 
@@ -32,6 +33,8 @@ if TYPE_CHECKING:
 
 
 Array = NDArray[np.float64]
+
+INLINE_SPRINGS = 700_000  # points, 128 bytes each in base64: files are below 1e8 bytes
 
 QUARTICS: tuple[tuple[int, ...], ...] = tuple(combinations_with_replacement(range(4), 4))
 PRODUCTS = tuple(combinations_with_replacement(range(4), 2))
@@ -50,6 +53,57 @@ LEAST_DELTA = 64 * ROUNDING  # coefficients rounded down by less than 2: |entrie
 MORE = 1 + 2.0**-20  # of what doubles say of an eigenvalue, relative to itself
 ATTEMPTS = 12
 GROWTH_BITS = 8  # of delta after a refused attempt
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SpringsBody(PoseBody):
+    """A proof that a pose of general springs is optimal.
+
+    symmetry: turns (a, b) of world and body that keep the objective; where there are many optima.
+    radius: how far points may move before an optimum turns by more than an angle.
+    rotation_only: of a problem without a translation.
+    """
+
+    INLINE: ClassVar[int] = INLINE_SPRINGS
+    PLACES: ClassVar = {
+        "quaternion": "proof.pose",
+        "symmetry": "proof.symmetry",
+        "radius": "radius?",
+        "rotation_only": "rotation_only?",
+    }
+
+    symmetry: Annotated[tuple[int, ...], (6,)] | None = None
+    radius: Radius | None = None
+    rotation_only: bool = False
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SpringsSosBody(SpringsBody):
+    """A proof that a pose of general springs is optimal: integers over 2^unit, and what follows.
+
+    level, mu: the objective exceeds level + mu sin^2(theta/2), theta the angle to that rotation.
+    gram: the twenty entries of the Gram matrix that its identity leaves free, and k: over
+        2^(unit + k).
+    """
+
+    KIND: ClassVar[str] = "springs-sos"
+    PLACES: ClassVar = {
+        **SpringsBody.PLACES,
+        "unit": "proof.unit",
+        "level": "proof.level",
+        "mu": "proof.mu",
+        "gram": "proof.gram",
+    }
+
+    unit: int
+    level: int
+    mu: int
+    gram: Annotated[tuple[int, ...], (21,)]
+
+    @property
+    def growth(self) -> Fraction:
+        """The objective exceeds its value here less `gap` by this times sin^2(theta/2)."""
+        return Dyadic(mantissa=self.mu, exponent=self.unit).value
 
 
 def sos_body(objective: Springs, found: Found) -> SpringsSosBody | None:
@@ -113,7 +167,7 @@ def _body(
 
 def growth_claims(
     objective: Springs, gap: Fraction, mu: Fraction, width: Fraction
-) -> tuple[SpringsClaims, tuple[int, ...] | None]:
+) -> tuple[PoseClaims, tuple[int, ...] | None]:
     """What follows where the objective grows from the pose as mu sin^2(angle/2), less the gap.
 
     And the symmetry by which the optimum is none alone. width: at least the range of the objective.
@@ -125,7 +179,7 @@ def growth_claims(
         symmetry = next((turns for turns in objective.symmetry if _moves_all(turns)), None)
         unique = None if symmetry is None else False
     angle = dyadic_above(gap / mu, BOUND_BITS) if gap < mu else None
-    claims = SpringsClaims(gap=dyadic_above(gap, BOUND_BITS), sin2_half_angle=angle, unique=unique)
+    claims = PoseClaims(gap=dyadic_above(gap, BOUND_BITS), sin2_half_angle=angle, unique=unique)
     return claims, symmetry
 
 

@@ -17,8 +17,8 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from certreg.certificate.checking import as_verdict
-from certreg.certificate.file_parts import FilePart
-from certreg.certificate.producing import enclosed
+from certreg.certificate.envelope import enclosed
+from certreg.certificate.pose_claims import PoseBody, PoseClaims
 from certreg.exact.dyadic import Dyadic, dyadic_above, dyadic_below
 from certreg.geometry.so3 import davenport_matrix
 from certreg.verify import (
@@ -43,37 +43,27 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class TruncatedClaims(FilePart):
-    """What the certificate claims; the checker proves each from the data or refuses.
+class TruncatedClaims(PoseClaims):
+    """What the certificate claims besides; the checker proves each from the data or refuses.
 
-    gap: the cost of the rotation exceeds the minimum by less.
     labels: a character a pair: 1, at every optimum it is within its bound; 0, at every optimum it
         is not; ?, no claim.
-    sin2_half_angle: sin^2(theta/2) is less, for the angle theta to every optimum; None: no claim.
     unique: True claims that the optimum is one single rotation; False claims nothing.
     """
 
-    gap: Dyadic
     labels: str
-    sin2_half_angle: Dyadic | None
     unique: bool
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class TruncatedRotationBody(FilePart):
+class TruncatedRotationBody(PoseBody):
     """A proof that a rotation is optimal; mu makes that of the angle short."""
 
     KIND: ClassVar[str] = "truncated-rotation"
     PLACES: ClassVar = {"quaternion": "pose", "mu": "optimality.mu"}
 
-    quaternion: tuple[int, int, int, int]
     mu: Dyadic
     claims: TruncatedClaims
-
-    @property
-    def gap(self) -> Fraction:
-        """The claimed bound on cost(R(q)) - minimum."""
-        return self.claims.gap.value
 
 
 BOUND_BITS = 32  # mantissas of what is claimed: short numbers

@@ -20,6 +20,7 @@ from certreg.cli.options import (
     fit_options,
     limit_options,
     model_options,
+    refuse_if,
 )
 from certreg.cli.progress import Progress
 from certreg.cli.writing import require_folder_apart
@@ -33,6 +34,8 @@ if TYPE_CHECKING:
     from collections.abc import Generator
     from pathlib import Path
 
+    from certreg.campaign.runner import Kind
+    from certreg.campaign.workers import Workers
     from certreg.cli.wrong_pairs import WrongPairs
     from certreg.registration.exit_codes import FitDemands
 
@@ -81,8 +84,7 @@ def batch(
     place. With --out, run the same command again to go on with what was interrupted, mended or
     changed.
     """
-    if parquet and out is None:
-        raise click.UsageError("--parquet goes with --out")
+    refuse_if(parquet and out is None, "--parquet goes with --out")
     listing = read_listing(manifest)
     if listing.ignored:
         names = ", ".join(map(printable, listing.ignored))
@@ -149,20 +151,12 @@ def _streamed(campaign: PairCampaign, scheduler: str | None) -> Tally:
 
 def _kept(campaign: PairCampaign, scheduler: str | None, out: Path, *, parquet: bool) -> Tally:
     """All pairs, their results in a folder, where those of an earlier run are kept."""
-    if parquet:
-        require_parquet()
-    manifest = campaign.manifest()
     _require_kept(campaign, out)
-    with (
-        occupied(out, manifest),
-        workers_at(scheduler) as workers,
-        Progress(manifest.count, items="pairs") as progress,
-        resumable(out),
-    ):
+    with at_work(campaign, out, scheduler, parquet=parquet, items="pairs") as (workers, progress):
         run(campaign, out, workers, progress.observer())
         tally = write_pair_results(campaign, out, parquet=parquet)
-    done, place = manifest.count - tally.errors, printable(out)
-    click.echo(f"{done} of {manifest.count} pairs registered: {place}/{RESULTS}")
+    count, place = campaign.listing.count, printable(out)
+    click.echo(f"{count - tally.errors} of {count} pairs registered: {place}/{RESULTS}")
     click.echo(f"Table: {place}/{SUMMARY}, certificates: {place}/{CERTIFICATES}")
     return tally
 
@@ -172,6 +166,28 @@ def _require_kept(campaign: PairCampaign, out: Path) -> None:
     left = [name for name in TABLES if (out / name).exists()]
     if left:
         require_folder_apart(out, left, campaign.inputs())
+
+
+@contextmanager
+def at_work(
+    campaign: Kind,
+    out: Path,
+    scheduler: str | None,
+    *,
+    parquet: bool,
+    items: str = "instances",
+) -> Generator[tuple[Workers, Progress]]:
+    """The folder of a campaign, its workers, and a bar over its items."""
+    if parquet:
+        require_parquet()
+    manifest = campaign.manifest()
+    with (
+        occupied(out, manifest),
+        workers_at(scheduler) as workers,
+        Progress(manifest.count, items=items) as progress,
+        resumable(out),
+    ):
+        yield workers, progress
 
 
 @contextmanager

@@ -17,6 +17,7 @@ from certreg.cli.options import (
     SIGMA_OR_WEIGHTS,
     model_options,
     pairing_options,
+    refuse_if,
     spring_options,
 )
 from certreg.cli.wrong_pairs import certified_bounds
@@ -28,10 +29,9 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from certreg.certificate import checking
-    from certreg.cli.wrong_pairs import WrongPairs
     from certreg.io import pairing as io_pairing
     from certreg.io import problems
-    from certreg.io.pairing import Pair, Pairing
+    from certreg.io.pairing import Pairing
     from certreg.problem.problem import RegistrationProblem
 else:
     # These load NumPy, and are loaded where they are needed: `certreg verify` does without.
@@ -70,11 +70,16 @@ def bound_clouds(*, lightly: bool) -> Callable[[Callable[..., Any]], Callable[..
         ) -> Any:
             noise = {name: options.pop(name) for name in ("sigma", "weights")}
             springs, model, wrong = (options.pop(name) for name in ("springs", "model", "wrong"))
-            if not paths and model != RIGID:
-                message = "--scale and --rotation-only go with SOURCE TARGET: the certificate has "
-                raise click.UsageError(f"{message}its own")
+            refuse_if(
+                not paths and model != RIGID,
+                "--scale and --rotation-only go with SOURCE TARGET: the certificate has its own",
+            )
             _require_fitting(paths, noise, pairing or springs or wrong, any_weight=any_weight)
-            _require_weights(springs, wrong, any_weight=any_weight)
+            refuse_if(
+                any_weight and (springs or wrong) is not None,
+                f"--any-weight goes without {'springs' if wrong is None else '--max-residual'}: "
+                "give the --sigma that was certified",
+            )
             clouds, pair, notes = None, None, list[str]()
             if paths and (springs or wrong) is not None:
                 chosen = {} if springs is None else {"springs": springs}
@@ -89,7 +94,7 @@ def bound_clouds(*, lightly: bool) -> Callable[[Callable[..., Any]], Callable[..
                 clouds = _of_any_weight(clouds) if any_weight else clouds
                 clouds = _of_model(clouds, **model)
             if wrong is not None and pair is not None:
-                clouds = _bounded(clouds, pair, wrong)
+                clouds = checking.bounded_clouds(clouds, wrong.bounds(pair), wrong.objective)
             return command(*args, clouds=clouds, **options)
 
         return wrapped
@@ -102,39 +107,28 @@ def _require_fitting(
 ) -> None:
     """That what is said of clouds goes together, and with clouds."""
     given = [name for name, value in noise.items() if value is not None]
-    if any_weight and (given or not paths):
-        raise click.UsageError(
-            "--any-weight goes with SOURCE TARGET, without --sigma and --weights"
-        )
-    if len(paths) not in {0, 2} or ((given or further is not None) and not paths):
-        raise click.UsageError("give SOURCE and TARGET, or neither; the options go with them")
-    if len(given) > 1:
-        raise click.UsageError(SIGMA_OR_WEIGHTS)
-
-
-def _require_weights(springs: object, wrong: object, *, any_weight: bool) -> None:
-    """That with --any-weight the weights are all that is not given."""
-    if any_weight and (springs or wrong) is not None:
-        what = "springs" if wrong is None else "--max-residual"
-        raise click.UsageError(
-            f"--any-weight goes without {what}: give the --sigma that was certified"
-        )
+    refuse_if(
+        any_weight and (given or not paths),
+        "--any-weight goes with SOURCE TARGET, without --sigma and --weights",
+    )
+    refuse_if(
+        len(paths) not in {0, 2} or ((given or further is not None) and not paths),
+        "give SOURCE and TARGET, or neither; the options go with them",
+    )
+    refuse_if(len(given) > 1, SIGMA_OR_WEIGHTS)
 
 
 def _of_any_weight(clouds: RegistrationProblem | Clouds) -> Clouds:
     bare = isinstance(clouds, Clouds)
-    if not bare and clouds.n > INLINE_MAX:  # its digest is of the weights, too
-        raise click.UsageError(f"--any-weight is for {INLINE_MAX} points at most: give --sigma")
+    refuse_if(  # its digest is of the weights, too
+        not bare and clouds.n > INLINE_MAX,
+        f"--any-weight is for {INLINE_MAX} points at most: give --sigma",
+    )
     if not bare or clouds.weights is not None:
         raise click.UsageError(
             "--any-weight: a column of the clouds tells the weights: add --ignore-weights"
         )
     return replace(clouds, any_weight=True)
-
-
-def _bounded(clouds: Any, pair: Pair, wrong: WrongPairs) -> Clouds:
-    """The clouds of a problem with the bounds of its pairs."""
-    return checking.bounded_clouds(clouds, wrong.bounds(pair), wrong.objective)
 
 
 def _of_model(

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from certreg._loading import require
-from certreg.cli.options import FOLDER
+from certreg.cli.options import FOLDER, refuse_if
 from certreg.paper.derivation import all_hold, audit, chapters, outcomes, write_code, write_latex
 from certreg.paper.terminal import audit_lines, chapters_text, claim_line, closing_line
 from certreg.registration.exit_codes import DONE, REFUSED
@@ -28,8 +28,7 @@ def derive(names: tuple[str, ...], out: Path | None, *, listing: bool) -> int:
     theirs.
     """
     if listing:
-        if names or out is not None:
-            raise click.UsageError("--list goes with nothing else")
+        refuse_if(names or out is not None, "--list goes with nothing else")
         click.echo(chapters_text(chapters()))
         return DONE
     if out is not None:

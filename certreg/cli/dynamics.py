@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 import shlex
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
 
 from certreg.cli.as_json import json_option
 from certreg.cli.numbers import NUMBER
-from certreg.cli.options import CLOUD, EXIT_CODES, FOLDER, cloud_options
+from certreg.cli.options import CLOUD, EXIT_CODES, FOLDER, cloud_options, refuse_if
 from certreg.cli.writing import WritingCommand
 from certreg.dynamics.trajectory import Record
 from certreg.io.atomic import require_vacant, write_atomically, write_together
-from certreg.registration.breathing import scaled_equilibria
+from certreg.objective.structure import Structure
 from certreg.registration.enumeration import (
+    SHOWN,
     certified_count,
     certified_list,
     enumerated,
@@ -22,15 +23,15 @@ from certreg.registration.enumeration import (
 )
 from certreg.registration.exit_codes import DONE, NOT_CERTIFIED, NOT_UNIQUE
 from certreg.registration.simulation import simulate as run
-from certreg.report.breathing import scaled_enumeration_summary
-from certreg.report.document import dumps, equilibria_document, scaled_document
+from certreg.report.document import dumps
 from certreg.report.markup import printable
-from certreg.report.methods import enumeration_summary
-from certreg.report.spring_equilibria import spring_enumeration_summary, spring_equilibria_document
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
     from pathlib import Path
 
+    from certreg.certificate.envelope import Certificate
+    from certreg.equilibrium.equilibrium_set import EquilibriumSet
     from certreg.io.pairing import Pair
     from certreg.problem.problem import RegistrationProblem
     from certreg.registration.enumeration import Enumeration
@@ -76,73 +77,81 @@ def equilibria(
     del pair
     if poses is not None:
         require_vacant(poses)
-    if problem.factors is not None:
-        return _spring_equilibria(problem, method, out=out, poses=poses, as_json=as_json)
-    if problem.scaled and out is not None:
-        raise click.UsageError(
-            f"--out {printable(out)}: with a free scale the number of equilibria has no "
-            "certificate: leave it out"
-        )
+    refuse_if(
+        problem.scaled and out is not None,
+        f"--out {printable(out)}: with a free scale the number of equilibria has no "
+        "certificate: leave it out",
+    )
     enumeration = enumerated(problem, method)
-    found = enumeration.equilibria
+    structure = enumeration.objective.structure
+    listing, listed = LISTINGS[structure], SHOWN[structure](enumeration)
     if out is not None:
-        _write_count(problem, out)
+        _write_certificate(problem, enumeration, out)
     if poses is not None:
         _write_poses(enumeration, poses)
-    if problem.scaled:
-        scaled = scaled_equilibria(enumeration.objective, found)
-        text = dumps(scaled_document(scaled)) if as_json else scaled_enumeration_summary(scaled)
-        click.echo(text)
-    elif as_json:
-        click.echo(dumps(equilibria_document(enumeration)))
-    else:
-        click.echo(enumeration_summary(enumeration))
+    click.echo(dumps(listed.to_dict()) if as_json else str(listed))
+    return listing.code(enumeration.equilibria)
+
+
+class Listing(NamedTuple):
+    """What a list of equilibria ends in.
+
+    subject: of its certificate. certified: that certificate, checked. why_none: why there is none.
+    code: exit code.
+    """
+
+    subject: str
+    certified: Callable[[RegistrationProblem, Any], Certificate[Any] | None]
+    why_none: Callable[[Any], str]
+    code: Callable[[Any], int]
+
+
+def _code_of_lines(found: EquilibriumSet) -> int:
     if not found.complete:
         return NOT_CERTIFIED
     return DONE if found.classification.unique else NOT_UNIQUE
 
 
-def _spring_equilibria(
-    problem: RegistrationProblem,
-    method: str | None,
-    *,
-    out: Path | None,
-    poses: Path | None,
-    as_json: bool,
-) -> int:
-    """The same of general springs: 4 where the list is in doubt, or which of it is the best."""
-    enumeration = enumerated(problem, method)
-    if out is not None:
-        _write_list(problem, enumeration, out)
-    if poses is not None:
-        _write_poses(enumeration, poses)
-    if as_json:
-        click.echo(dumps(spring_equilibria_document(enumeration)))
-    else:
-        click.echo(spring_enumeration_summary(enumeration))
-    if enumeration.equilibria.all_optimal:
+def _code_of_springs(found: SpringEquilibria) -> int:
+    """4 where the list is in doubt, or which of it is the best."""
+    if found.all_optimal:
         return NOT_UNIQUE
-    return DONE if enumeration.equilibria.unique else NOT_CERTIFIED
+    return DONE if found.unique else NOT_CERTIFIED
 
 
-def _write_list(
-    problem: RegistrationProblem, enumeration: Enumeration[SpringEquilibria], out: Path
+def _why_no_list(found: SpringEquilibria) -> str:
+    if found.complete:
+        return "only a list of 40 critical lines, complex ones included, has a certificate"
+    return "the list is not proved complete"
+
+
+def _counted(problem: RegistrationProblem, _: Any) -> Certificate[Any] | None:
+    return certified_count(problem)
+
+
+def _why_no_count(_: EquilibriumSet) -> str:
+    return "there are infinitely many"
+
+
+LISTINGS = {
+    Structure.LINEAR: Listing("count", _counted, _why_no_count, _code_of_lines),
+    Structure.QUARTIC: Listing("list", certified_list, _why_no_list, _code_of_springs),
+}
+
+
+def _write_certificate(
+    problem: RegistrationProblem, enumeration: Enumeration[Any], out: Path
 ) -> None:
-    """A certificate that these are all, checked, or the reason for none."""
-    certificate, place = certified_list(problem, enumeration.objective), printable(out)
+    """A certificate of the list, checked, or the reason for none."""
+    listing, place = LISTINGS[enumeration.objective.structure], printable(out)
+    certificate = listing.certified(problem, enumeration.objective)
     if certificate is None:
-        why = "the list is not proved complete"
-        if enumeration.equilibria.complete:
-            why = "only a list of 40 critical lines, complex ones included, has a certificate"
+        why = listing.why_none(enumeration.equilibria)
         click.echo(f"note: {place} not written: {why}", err=True)
         return
     certificate.save(out)
-    _tell_certificate("list", place)
-
-
-def _tell_certificate(subject: str, place: str) -> None:
-    typed = shlex.quote(place)
-    click.echo(f"note: certificate of the {subject}: {place} (certreg verify {typed})", err=True)
+    typed = f"certreg verify {shlex.quote(place)}"
+    click.echo(f"note: certificate of the {listing.subject}: {place} ({typed})", err=True)
 
 
 def _write_poses(enumeration: Enumeration[Any], folder: Path) -> None:
@@ -163,17 +172,6 @@ def _write_poses(enumeration: Enumeration[Any], folder: Path) -> None:
 
 def _rows(matrix: list[list[float]]) -> bytes:
     return ("\n".join(" ".join(map(repr, row)) for row in matrix) + "\n").encode()
-
-
-def _write_count(problem: RegistrationProblem, out: Path) -> None:
-    """A certificate that there are at most four equilibria, checked, or the reason for none."""
-    certificate = certified_count(problem)
-    if certificate is None:
-        click.echo(f"note: {printable(out)} not written: there are infinitely many", err=True)
-        return
-    certificate.save(out)
-    place = printable(out)
-    _tell_certificate("count", place)
 
 
 @click.command(cls=WritingCommand, epilog=EXIT_CODES)
@@ -200,12 +198,14 @@ def simulate(
 ) -> int:
     """Release the damped body at rest and see where it ends. Exit code 0 converged, 4 not."""
     del pair
-    if step is not None and not 0.0 < step < float("inf"):
-        raise click.UsageError(f"--step is {step}: give a finite number above 0")
-    if out is not None and out.suffix.lower() != TRAJECTORY:
-        raise click.UsageError(
-            f"--out {printable(out)}: a trajectory is written as {TRAJECTORY}: end the name so"
-        )
+    refuse_if(
+        step is not None and not 0.0 < step < float("inf"),
+        f"--step is {step}: give a finite number above 0",
+    )
+    refuse_if(
+        out is not None and out.suffix.lower() != TRAJECTORY,
+        f"--out {printable(out)}: a trajectory is written as {TRAJECTORY}: end the name so",
+    )
     trajectory = run(problem, integrator, step=step)
     text = dumps(trajectory.to_dict()) if as_json else str(trajectory)
     if out is not None:

@@ -61,6 +61,12 @@ CLOUD = click.Path(dir_okay=False, path_type=Path)
 FOLDER = click.Path(file_okay=False, path_type=Path)
 
 
+def refuse_if(broken: object, words: str) -> None:
+    """Nothing, unless the options that were given do not go together."""
+    if broken:
+        raise click.UsageError(words)
+
+
 def certificate_argument(command: Callable[..., Any]) -> Callable[..., Any]:
     """CERTIFICATE: a file, or a folder that `certify --out` wrote."""
 
@@ -106,12 +112,14 @@ def pairing_options(command: Callable[..., Any]) -> Callable[..., Any]:
         ignore_weights: bool,
         **options: Any,
     ) -> Any:
-        if one_to_one and pairs is None:
-            raise click.UsageError(
-                "--one-to-one goes with --pairs: labels and rows are one to one anyway"
-            )
-        if pairs is not None and match == "common":
-            raise click.UsageError("--pairs and --match common exclude each other: give one")
+        refuse_if(
+            one_to_one and pairs is None,
+            "--one-to-one goes with --pairs: labels and rows are one to one anyway",
+        )
+        refuse_if(
+            pairs is not None and match == "common",
+            "--pairs and --match common exclude each other: give one",
+        )
         if pairs is None and match == "all" and not ignore_weights:
             return command(*args, pairing=None, **options)
         pairing = io_pairing.Pairing(
@@ -219,8 +227,10 @@ def fit_options(command: Callable[..., Any]) -> Callable[..., Any]:
     )
     @functools.wraps(command)
     def wrapped(*args: Any, require_fit: bool, max_rmse: float | None, **options: Any) -> Any:
-        if max_rmse is not None and not math.isfinite(max_rmse):
-            raise click.UsageError(f"--max-rmse is {max_rmse}: give a finite number, 0 or more")
+        refuse_if(
+            max_rmse is not None and not math.isfinite(max_rmse),
+            f"--max-rmse is {max_rmse}: give a finite number, 0 or more",
+        )
         demands = exit_codes.FitDemands(require_fit=require_fit, max_rmse=max_rmse)
         return command(*args, demands=demands, **options)
 
@@ -268,8 +278,7 @@ def cloud_options(command: Callable[..., Any]) -> Callable[..., Any]:
         model: dict[str, Any],
         **options: Any,
     ) -> Any:
-        if sigma is not None and weights is not None:
-            raise click.UsageError(SIGMA_OR_WEIGHTS)
+        refuse_if(sigma is not None and weights is not None, SIGMA_OR_WEIGHTS)
         loss = support.Loss.of(options.get("objective"), options.get("max_residual"))
         support.require_supported(support.Cell(springs=springs is not None, loss=loss, **model))
         stated, pair = io_problems.read_problem(

@@ -20,6 +20,7 @@ from certreg.cli.options import (
     cloud_options,
     fit_options,
     limit_options,
+    refuse_if,
 )
 from certreg.cli.writing import WritingCommand
 from certreg.cli.wrong_pairs import consensus_options
@@ -100,10 +101,10 @@ def certify(
     as_json: bool,
 ) -> int:
     """Register SOURCE to TARGET and certify the result."""
-    if no_relaxation and solver is not None:
-        raise click.UsageError(
-            "--solver goes with the relaxation, which --no-relaxation leaves out"
-        )
+    refuse_if(
+        no_relaxation and solver is not None,
+        "--solver goes with the relaxation, which --no-relaxation leaves out",
+    )
     about = {"certreg": __version__, **pair.about}
     asked: dict[str, Any] = {} if wrong is None else wrong.asked(pair)
     result: Any = certified(

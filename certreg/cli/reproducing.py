@@ -2,20 +2,16 @@
 
 from __future__ import annotations
 
-from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 
 from certreg._loading import require
 from certreg.campaign.runner import run
-from certreg.campaign.store import occupied
-from certreg.campaign.table import SUMMARY, require_parquet
-from certreg.campaign.workers import workers_at
-from certreg.cli.campaigns import resumable
+from certreg.campaign.table import SUMMARY
+from certreg.cli.campaigns import at_work
 from certreg.cli.options import FOLDER
-from certreg.cli.progress import Progress, Stages
+from certreg.cli.progress import Stages
 from certreg.paper.documents import texts
 from certreg.paper.equilibrium_maps import (
     SPRING_INSTANCES,
@@ -35,11 +31,6 @@ from certreg.paper.sweep_figures import sweep_drawings
 from certreg.paper.verdicts import reproduce as reproduced
 from certreg.registration.exit_codes import DONE, REFUSED
 from certreg.report.markup import printable
-
-if TYPE_CHECKING:
-    from collections.abc import Generator
-
-    from certreg.campaign.workers import Workers
 
 LARGEST_RUNS = 1000  # in one process, with figures: beyond, a campaign
 CAMPAIGN = "campaign"  # folder, within that of the reproduction
@@ -147,7 +138,10 @@ def reproduce(
 
 def _run_campaign(campaign: MonteCarlo, out: Path, scheduler: str | None, *, parquet: bool) -> None:
     """Run a campaign over random instances, begun or resumed in `out`; print what it found."""
-    with _at_work(campaign, out, scheduler, parquet=parquet) as (workers, progress):
+    with at_work(campaign, out, scheduler, parquet=parquet) as (
+        workers,
+        progress,
+    ):
         timings = run(campaign, out, workers, progress.observer())
         totals = write_instance_results(campaign, out, parquet=parquet)
     click.echo(
@@ -173,7 +167,10 @@ def _run_springs(
     campaign: SpringCampaign, out: Path, scheduler: str | None, *, parquet: bool
 ) -> tuple[SpringCounts, ...]:
     """Run the maps of general springs, begun or resumed in `out`; print what they found."""
-    with _at_work(campaign, out, scheduler, parquet=parquet) as (workers, progress):
+    with at_work(campaign, out, scheduler, parquet=parquet) as (
+        workers,
+        progress,
+    ):
         run(campaign, out, workers, progress.observer())
         counts = write_spring_results(campaign, out, parquet=parquet)
     listed = sum(len(each.listed) for each in counts)
@@ -185,20 +182,3 @@ def _run_springs(
     )
     click.echo(f"Table: {printable(out)}/{SUMMARY}")
     return counts
-
-
-@contextmanager
-def _at_work(
-    campaign: MonteCarlo | SpringCampaign, out: Path, scheduler: str | None, *, parquet: bool
-) -> Generator[tuple[Workers, Progress]]:
-    """The folder of a campaign, its workers, and a bar over its instances."""
-    if parquet:
-        require_parquet()
-    manifest = campaign.manifest()
-    with (
-        occupied(out, manifest),
-        workers_at(scheduler) as workers,
-        Progress(manifest.count) as progress,
-        resumable(out),
-    ):
-        yield workers, progress

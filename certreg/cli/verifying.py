@@ -10,7 +10,7 @@ from certreg.certificate.checking import verify as checked
 from certreg.certificate.checking import verify_lines, verify_with_coq
 from certreg.cli.certified_clouds import bound_clouds
 from certreg.cli.numbers import NUMBER
-from certreg.cli.options import CLOUD, certificate_argument
+from certreg.cli.options import CLOUD, certificate_argument, refuse_if
 from certreg.cli.writing import WritingCommand
 from certreg.registration.exit_codes import DONE, REFUSED
 
@@ -62,22 +62,21 @@ def verify(
     that is proved correct. Of a .jsonl file, with a certificate a line, the refused lines are told,
     and how many of them are verified.
     """
-    if out is not None and not coq:
-        raise click.UsageError("--out goes with --coq")
+    refuse_if(out is not None and not coq, "--out goes with --coq")
     limits: dict[str, Any] = {
         "max_angle": max_angle,
         "max_gap": max_gap,
         "max_undecided": max_undecided,
     }
-    if coq and any(limit is not None for limit in limits.values()):
-        raise click.UsageError(
-            "--max-angle, --max-gap, --max-undecided go without --coq: it decides on the claims"
-        )
+    refuse_if(
+        coq and any(limit is not None for limit in limits.values()),
+        "--max-angle, --max-gap, --max-undecided go without --coq: it decides on the claims",
+    )
     if certificate.suffix == ".jsonl":
-        if coq or clouds is not None:
-            raise click.UsageError(
-                "a file of many certificates goes without SOURCE TARGET and --coq"
-            )
+        refuse_if(
+            coq or clouds is not None,
+            "a file of many certificates goes without SOURCE TARGET and --coq",
+        )
         return verify_lines(certificate, **limits)
     if coq:
         verdict = verify_with_coq(certificate, clouds, out=out)

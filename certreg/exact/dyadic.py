@@ -51,9 +51,9 @@ class Dyadic:
         mantissa, exponent = pair
         return cls(mantissa=mantissa, exponent=exponent)
 
-    def scaled(self, exponent: int) -> Dyadic:
-        """This number times 2**exponent."""
-        return Dyadic(mantissa=self.mantissa, exponent=self.exponent + exponent)
+    def shifted(self, places: int) -> Dyadic:
+        """This number times 2**places."""
+        return Dyadic(mantissa=self.mantissa, exponent=self.exponent + places)
 
 
 def in_one_unit(*numbers: Dyadic) -> tuple[list[int], int]:

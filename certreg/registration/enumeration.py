@@ -24,10 +24,10 @@ from certreg.results import Brief
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-    from certreg.certificate import producing, producing_springs
+    from certreg.certificate import count, listing
     from certreg.certificate.count import CountBody
     from certreg.certificate.envelope import Certificate
-    from certreg.certificate.springs_list import SpringsListBody
+    from certreg.certificate.listing import SpringsListBody
     from certreg.equilibrium import paths
     from certreg.equilibrium.critical_set import CriticalSet
     from certreg.equilibrium.line_set import LineSet
@@ -46,8 +46,8 @@ else:
     spring_equilibria = late("certreg.registration.spring_equilibria")
     paths = late("certreg.equilibrium.paths")
     # which of them is made depends on the problem
-    producing = late("certreg.certificate.producing")
-    producing_springs = late("certreg.certificate.producing_springs")
+    count = late("certreg.certificate.count")
+    listing = late("certreg.certificate.listing")
 
 
 ALL = "all"  # methods
@@ -220,7 +220,7 @@ def certified_count(problem: RegistrationProblem) -> Certificate[CountBody] | No
     None means not proved, not disproved. Raises RefusedCertificateError where certreg contradicts
     itself.
     """
-    return _accepted(producing.count_certificate(problem), problem)
+    return _accepted(count.count_certificate(problem), problem)
 
 
 def certified_list(
@@ -231,7 +231,7 @@ def certified_list(
     Raises RefusedCertificateError where certreg contradicts itself.
     """
     lines = paths.critical_lines(objective.floating_quartic()[0])
-    return _accepted(producing_springs.springs_list_certificate(problem, objective, lines), problem)
+    return _accepted(listing.springs_list_certificate(problem, objective, lines), problem)
 
 
 def _accepted(made: Any, problem: RegistrationProblem) -> Any:

@@ -11,8 +11,7 @@ import numpy as np
 
 from certreg._loading import cached_property
 from certreg.certificate.bounds import pose_bounds, pose_energy
-from certreg.certificate.isotropic import SimilarityBody
-from certreg.certificate.producing import produce, produce_similarity
+from certreg.certificate.isotropic import SimilarityBody, produce
 from certreg.dynamics.integrators import DEFAULT_SETTINGS
 from certreg.dynamics.simulation import optimal_damping
 from certreg.equilibrium.spectral import by_eigenspaces
@@ -298,10 +297,7 @@ class SimilarityProver(LinearProver):
     ) -> Certificate[Any] | None:
         """Of the similarity."""
         problem, objective = proposal.problem, proposal.objective
-        scaling: Any = objective.scaling  # free
-        return produce_similarity(
-            problem, objective, scaling, robustness_angle=robustness_angle, about=about
-        )
+        return produce(problem, objective, robustness_angle=robustness_angle, about=about)
 
 
 RIGID = LinearProver()

@@ -8,8 +8,12 @@ from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
 from certreg._loading import cached_property, late
-from certreg.certificate.bounds import ExactPose, pose_energy, sin2_half_angle_between
-from certreg.certificate.spring_bounds import spring_pose_bounds
+from certreg.certificate.bounds import (
+    ExactPose,
+    sin2_half_angle_between,
+    spring_energy,
+    spring_pose_bounds,
+)
 from certreg.exact.dyadic import half_angle_bound
 from certreg.objective.neighbourhood import Neighbourhood
 from certreg.objective.springs import Springs
@@ -32,7 +36,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from certreg.certificate import producing_springs
+    from certreg.certificate import cones
     from certreg.certificate.bounds import ExactPose, PoseBounds
     from certreg.geometry.pose import Pose
     from certreg.problem.problem import RegistrationProblem
@@ -47,7 +51,7 @@ if TYPE_CHECKING:
 else:
     # what proposes and proves is loaded where it is called
     optimum = late("certreg.relaxation.optimum")
-    producing_springs = late("certreg.certificate.producing_springs")
+    cones = late("certreg.certificate.cones")
 
 
 NOT_LISTED = Absent(
@@ -126,7 +130,7 @@ class QuarticSolution(Solution):
 
     def worth(self, place: ExactPose, body: Any) -> PoseWorth:
         """What a pose costs, and what a body of a certificate of this problem proves of it."""
-        energy, stiffness = pose_energy(self.objective, place), self.sums.stiffness
+        energy, stiffness = spring_energy(self.objective, place), self.sums.stiffness
         measured = 0.0 < stiffness < math.inf
         return PoseWorth(
             energy=energy,
@@ -233,7 +237,7 @@ class QuarticProver(SquaresProver[QuarticProposal, QuarticSolution]):
     ) -> QuarticSolution:
         """By squares or cones."""
         objective, found = proposal.objective, proposal.found
-        certificate = producing_springs.springs_certificate(
+        certificate = cones.springs_certificate(
             problem,
             objective,
             found,

@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from certreg._loading import found_late
 from certreg.certificate.checking import check_own, require_accepted
-from certreg.certificate.isotropic import RotationState
-from certreg.certificate.producing import produce
+from certreg.certificate.isotropic import RotationState, produce
 from certreg.dynamics import simulation
 from certreg.dynamics.integrators import DEFAULT_SETTINGS
 from certreg.dynamics.simulation import optimal_damping

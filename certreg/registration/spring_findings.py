@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.certificate.bounds import ExactPose, sin2_half_angle_between
-from certreg.certificate.spring_bounds import spring_pose_bounds
+from certreg.certificate.bounds import ExactPose, sin2_half_angle_between, spring_pose_bounds
 from certreg.errors import UndecidedError
 from certreg.exact.dyadic import (
     half_angle_bound,

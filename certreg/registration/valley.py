@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from certreg._loading import cached_property
+from certreg.certificate.basin import SpringState, barrier_of, basin_of_springs
 from certreg.certificate.checking import check_own, require_accepted
-from certreg.certificate.producing_springs import springs_list_certificate
-from certreg.certificate.springs_basin import SpringState, barrier_of, basin_of_springs
+from certreg.certificate.listing import springs_list_certificate
 from certreg.dynamics.trajectory import Trajectory
 from certreg.equilibrium.equilibrium_set import unit_double
 from certreg.equilibrium.paths import critical_lines
@@ -28,7 +28,7 @@ from certreg.results import Ruling, Verdict
 
 if TYPE_CHECKING:
     from certreg.certificate.envelope import Certificate
-    from certreg.certificate.springs_list import SpringsListBody
+    from certreg.certificate.listing import SpringsListBody
     from certreg.dynamics.springs import SprungBody
     from certreg.native.layout import Records
     from certreg.objective.springs import Springs

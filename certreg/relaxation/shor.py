@@ -1,7 +1,7 @@
 """The semidefinite (Shor) relaxation of the rotation problem max tr(R^T C), solved in doubles.
 
 A relaxation proposes. Its value is right up to the solver's tolerance and on either side of the
-truth, so it bounds nothing; certificate/producing.py makes a proved bound of its multiplier.
+truth, so it bounds nothing; certificate/isotropic.py makes a proved bound of its multiplier.
 Source: [Briales2017]; tight for this problem, as the quaternion form is an eigenvalue problem.
 """
 

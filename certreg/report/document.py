@@ -30,7 +30,7 @@ from certreg.results import OUT_OF_RANGE, Absent
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from certreg.certificate.springs_sos import SpringsSosBody
+    from certreg.certificate.squares import SpringsSosBody
     from certreg.equilibrium.equilibrium_set import Component, EquilibriumSet
     from certreg.registration.breathing import ScaledEquilibria, SimulatedBreathing
     from certreg.registration.enumeration import Enumeration

@@ -19,7 +19,7 @@ from certreg.certificate.consensus import ConsensusBody, ConsensusSimilarityBody
 from certreg.certificate.count import CountBody
 from certreg.certificate.envelope import Certificate, body_of
 from certreg.certificate.isotropic import IsotropicBody, SimilarityBody
-from certreg.certificate.springs_list import SpringsListBody
+from certreg.certificate.listing import SpringsListBody
 from certreg.certificate.truncated import TruncatedRotationBody
 from certreg.errors import InvalidFileError, RefusedCertificateError
 from certreg.io.streams import reading

@@ -340,7 +340,7 @@ CLAIM = Claim(
     ),
     standard=(SPECTRAL,),
     runs=("certreg.verify.proves_basin",),
-    used_by=("certreg.certificate.producing.proves_basin",),
+    used_by=("certreg.certificate.isotropic.proves_basin",),
     coq=(
         "no_spurious_equilibrium_in_basin",
         "spin_energy_never_rises",

@@ -136,8 +136,8 @@ CLAIM = Claim(
     needs=("davenport", "quaternions", "optimality_certificate", "elimination"),
     runs=("certreg.verify.proves_level",),
     used_by=(
-        "certreg.certificate.producing.proves_multiplier",
-        "certreg.certificate.producing.multiplier_gap",
+        "certreg.certificate.isotropic.proves_multiplier",
+        "certreg.certificate.isotropic.multiplier_gap",
     ),
     coq=(
         "dual_gap",

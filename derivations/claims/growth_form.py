@@ -300,7 +300,7 @@ CLAIM = Claim(
     needs=("quaternions", "optimality_certificate"),
     runs=("certreg.verify.settled",),
     used_by=(
-        "certreg.certificate.producing_springs.springs_certificate",
+        "certreg.certificate.cones.springs_certificate",
         "certreg.certificate.cones.cones_body",
     ),
     standard=(

@@ -295,7 +295,7 @@ CLAIM = Claim(
         "certreg.verify.davenport",
     ),
     used_by=(
-        "certreg.certificate.producing.proves_optimality",
+        "certreg.certificate.isotropic.proves_optimality",
         "certreg.certificate.bounds.sin2_half_angle_between",
     ),
     coq=(

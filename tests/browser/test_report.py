@@ -16,7 +16,7 @@ from commands import checked
 from strategies import ZOO, random_rotation
 
 from browser.pages import PATIENCE
-from certreg.certificate import producing
+from certreg.certificate import envelope
 from certreg.problem.problem import RegistrationProblem
 from certreg.registration.certification import certify
 from certreg.registration.examples import STORIES, tell
@@ -791,7 +791,7 @@ def test_ten_thousand_points_fit_into_a_small_file_and_move(shown, written):
 def test_points_that_the_certificate_does_not_hold_are_shown_as_a_sample(
     shown, written, monkeypatch
 ):
-    monkeypatch.setattr(producing, "INLINE_POINTS", 100)
+    monkeypatch.setattr(envelope.CertificateBody, "INLINE", 100)
     monkeypatch.setattr(viewer, "SAMPLE", 50)
     registration = certify(problem_of(101), relaxation=False)
     report = shown(registration)

@@ -54,7 +54,7 @@ from certreg.campaign.store import (
 )
 from certreg.campaign.table import Column, write_table
 from certreg.campaign.workers import LocalWorkers, Task, TaskResult, workers_at
-from certreg.cli import reproducing
+from certreg.cli import campaigns, reproducing
 from certreg.cli.reproducing import LARGEST_RUNS
 from certreg.equilibrium.batch import solve_many
 from certreg.errors import (
@@ -653,7 +653,7 @@ def without_figures(monkeypatch) -> list[int | None]:
 @pytest.mark.slow
 def test_many_runs_of_reproduce_are_a_campaign_that_goes_on(tmp_path, monkeypatch):
     in_process = without_figures(monkeypatch)
-    monkeypatch.setattr(reproducing, "workers_at", lambda _: InProcess(2))
+    monkeypatch.setattr(campaigns, "workers_at", lambda _: InProcess(2))
     given = ("reproduce", "--runs", 1500, "--points", 5, "--noise", 0.1, "--seed", 4)
     run = run_command(*given, "--out", tmp_path)
     again = run_command(*given, "--out", tmp_path)
@@ -704,8 +704,8 @@ def test_the_rates_of_a_campaign_are_instances_over_seconds(tmp_path, monkeypatc
     watch = SimpleNamespace(made=1200, seconds=4.0, observer=lambda: None)
     none: dict[str, float] = dict.fromkeys(EXTREMES, 0.0)
     totals = Totals(count=1200, regular=1199, exceptions=1, largest=none, smallest=none)
-    monkeypatch.setattr(reproducing, "workers_at", lambda _: nullcontext(InProcess(2)))
-    monkeypatch.setattr(reproducing, "Progress", lambda _: nullcontext(watch))
+    monkeypatch.setattr(campaigns, "workers_at", lambda _: nullcontext(InProcess(2)))
+    monkeypatch.setattr(campaigns, "Progress", lambda *_, **__: nullcontext(watch))
     monkeypatch.setattr(reproducing, "run", lambda *_: {"solving": 3.0, "all": 5.0})
     monkeypatch.setattr(reproducing, "write_instance_results", lambda *_, **__: totals)
     reproducing._run_campaign(FEW, tmp_path, None, parquet=False)

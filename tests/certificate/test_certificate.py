@@ -16,7 +16,7 @@ from rotations import turned
 
 import certreg
 from certreg import RegistrationProblem
-from certreg.certificate import producing
+from certreg.certificate import envelope, isotropic
 from certreg.certificate.blockwise import check_in_blocks
 from certreg.certificate.bounds import (
     ExactPose,
@@ -26,7 +26,8 @@ from certreg.certificate.bounds import (
     sin2_half_angle_between,
 )
 from certreg.certificate.checking import CertificateVerdict, check_own
-from certreg.certificate.producing import count_certificate, produce, proves_optimality
+from certreg.certificate.count import count_certificate
+from certreg.certificate.isotropic import produce, proves_optimality
 from certreg.equilibrium.spectral import by_eigenspaces
 from certreg.errors import InvalidFileError, InvalidProblemError
 from certreg.exact.elimination import is_positive_definite
@@ -190,7 +191,7 @@ def test_leading_bits_tell_only_what_the_whole_matrix_is(along):
     1 is too little. The bits prove it from 5 on, which is more than four: up to there they are
     silent, and never tell what is false.
     """
-    signs, large, s = (1, -1, 1, -1), 2 ** (producing.LEADING_BITS - 1), 50
+    signs, large, s = (1, -1, 1, -1), 2 ** (isotropic.LEADING_BITS - 1), 50
     rows = [
         [
             ((large * (i // 2 == j // 2) + along * (i == j)) << s)
@@ -201,9 +202,9 @@ def test_leading_bits_tell_only_what_the_whole_matrix_is(along):
     ]
 
     assert is_positive_definite(rows) == (along > 1)
-    assert producing._bits_tell(rows, producing.LEADING_BITS) == (along > 4)
+    assert isotropic._bits_tell(rows, isotropic.LEADING_BITS) == (along > 4)
     least = [[4 * (i == j) for j in range(4)] for i in range(4)]
-    assert not producing._bits_tell(least, producing.LEADING_BITS)
+    assert not isotropic._bits_tell(least, isotropic.LEADING_BITS)
 
 
 @pytest.mark.parametrize("index", [1, 2, 3])
@@ -355,7 +356,7 @@ def test_a_certificate_of_another_problem_is_refused():
 
 
 def test_a_certificate_without_its_points_needs_them(monkeypatch):
-    monkeypatch.setattr(producing, "INLINE_POINTS", 5)
+    monkeypatch.setattr(envelope.CertificateBody, "INLINE", 5)
     problem = strategies.random_problem(np.random.default_rng(0))
     certificate = produce(problem, Isotropic(exact_moments(problem)))
     assert certificate is not None
@@ -498,12 +499,12 @@ def test_what_is_no_certificate_is_refused_in_one_line(tmp_path):
 def test_the_level_of_the_basin_is_what_the_claims_prove_above_all_other_eigenvalues(
     monkeypatch: pytest.MonkeyPatch, seed: int
 ):
-    """v + delta - mu, in units of tr(R^T C), as the docstring of `producing` has it."""
+    """v + delta - mu, in units of tr(R^T C), as the docstring of `isotropic` has it."""
     levels = list[Fraction]()
-    monkeypatch.setattr(producing, "proves_basin", lambda *given: bool(levels.append(given[2])))
+    monkeypatch.setattr(isotropic, "proves_basin", lambda *given: bool(levels.append(given[2])))
     problem = strategies.random_problem(np.random.default_rng(seed), n=8)
     objective = Isotropic(exact_moments(problem))
-    state = producing.RotationState(quaternion=(1, 0, 0, 0), angular_velocity=(0, 0, 0, 0))
+    state = isotropic.RotationState(quaternion=(1, 0, 0, 0), angular_velocity=(0, 0, 0, 0))
     body = checked(produce(problem, objective, state=state)).body
     (level,) = levels
 

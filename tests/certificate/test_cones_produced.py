@@ -16,11 +16,9 @@ from benchmarks.rates.cone_certificates import case, document_of
 from certreg import RegistrationProblem
 from certreg.certificate import cones as producer
 from certreg.certificate.checking import verify
-from certreg.certificate.cones import cones_body
+from certreg.certificate.cones import SpringsConesBody, cones_body, springs_certificate
 from certreg.certificate.envelope import Certificate
-from certreg.certificate.producing_springs import springs_certificate
-from certreg.certificate.springs_cones import SpringsConesBody
-from certreg.certificate.springs_sos import SpringsSosBody
+from certreg.certificate.squares import SpringsSosBody
 from certreg.objective.springs import Springs
 from certreg.relaxation.optimum import find_optimum
 

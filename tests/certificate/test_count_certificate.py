@@ -20,7 +20,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from certreg.certificate.checking import check_own
-from certreg.certificate.producing import count_certificate
+from certreg.certificate.count import count_certificate
 from certreg.geometry.so3 import rotation_matrix
 from certreg.registration.enumeration import certified_count
 

@@ -21,8 +21,7 @@ from certreg import RegistrationProblem
 from certreg.certificate import listing
 from certreg.certificate.checking import verify
 from certreg.certificate.envelope import Certificate
-from certreg.certificate.listing import list_body
-from certreg.certificate.producing_springs import springs_list_certificate
+from certreg.certificate.listing import list_body, springs_list_certificate
 from certreg.equilibrium.paths import critical_lines
 from certreg.errors import InvalidFileError
 from certreg.exact.dyadic import Dyadic, dyadic_above, dyadic_below

@@ -16,8 +16,8 @@ from strategies import ZOO, problems
 
 import certreg
 from certreg.certificate.checking import verify
+from certreg.certificate.isotropic import produce
 from certreg.certificate.many import _angles
-from certreg.certificate.producing import produce
 from certreg.errors import CertregError, InvalidFileError, InvalidProblemError
 from certreg.exact.dyadic import dyadic_above, half_angle_bound
 from certreg.geometry.so3 import rotation_matrix

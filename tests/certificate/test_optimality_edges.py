@@ -12,11 +12,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from certreg.certificate.isotropic import RotationState
-from certreg.certificate.producing import (
+from certreg.certificate.isotropic import (
     FIRST_STEP_BITS,
     MULTIPLIER_BITS,
     STEPS,
+    RotationState,
     _bits_tell,
     _radius,
     multiplier_gap,

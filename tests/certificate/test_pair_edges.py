@@ -22,11 +22,10 @@ from certreg.certificate.consensus import (
 )
 from certreg.certificate.consistency import ConsistentPairs, ExactRows, _at_most
 from certreg.certificate.joint_feasibility import is_refuted
-from certreg.certificate.listing import SECOND_BITS, _below
+from certreg.certificate.listing import SECOND_BITS, _below, quaternion_product
 from certreg.certificate.many import _angles
 from certreg.certificate.producing_consensus import ProvedConsensus, reach_of
 from certreg.certificate.proof_stages import Stager
-from certreg.certificate.springs_list import quaternion_product
 from certreg.certificate.vertex_elimination import GraphThinning, transversal
 from certreg.exact.dyadic import Dyadic, double_above, dyadic_above, dyadic_below, half_angle_bound
 from certreg.exact.elimination import rank

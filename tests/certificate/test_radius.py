@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from certreg.certificate.envelope import Certificate
-from certreg.certificate.producing import produce
+from certreg.certificate.isotropic import produce
 from certreg.objective.isotropic import Isotropic
 from certreg.problem.moments import exact_moments
 from certreg.problem.problem import RegistrationProblem

@@ -11,8 +11,8 @@ import pytest
 import spring_families as families
 from scipy.spatial.transform import Rotation
 
+from certreg.certificate.cones import springs_certificate
 from certreg.certificate.envelope import Certificate
-from certreg.certificate.producing_springs import springs_certificate
 from certreg.objective.springs import Springs
 from certreg.problem.problem import RegistrationProblem
 from certreg.relaxation.optimum import find_optimum

@@ -10,9 +10,16 @@ import numpy as np
 import pytest
 from spring_families import lidar, line, mixed, plane, statement
 
-from certreg.certificate.bounds import ExactPose, pose_bounds, sin2_half_angle_between
-from certreg.certificate.producing import produce
-from certreg.certificate.spring_bounds import FARTHEST, NO_SHIFT, SHIFT_IS_FREE, spring_pose_bounds
+from certreg.certificate.bounds import (
+    FARTHEST,
+    NO_SHIFT,
+    SHIFT_IS_FREE,
+    ExactPose,
+    pose_bounds,
+    sin2_half_angle_between,
+    spring_pose_bounds,
+)
+from certreg.certificate.isotropic import produce
 from certreg.exact.dyadic import Dyadic
 from certreg.geometry.so3 import quadratic_form, rotation_matrix, squared_norm
 from certreg.objective.isotropic import Isotropic

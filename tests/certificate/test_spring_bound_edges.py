@@ -11,11 +11,12 @@ from typing import Any
 
 import numpy as np
 
-from certreg.certificate.bounds import NO_ANGLE, ExactPose
-from certreg.certificate.spring_bounds import (
+from certreg.certificate.bounds import (
     CONSTANT,
     FAR,
-    NOT_CLAIMED,
+    NO_ANGLE,
+    NO_ANGLE_CLAIMED,
+    ExactPose,
     _differences,
     least_range,
     spring_pose_bounds,
@@ -155,4 +156,4 @@ def test_an_optimum_is_said_not_to_be_unique_where_the_certificate_says_so_alone
         bounds = spring_pose_bounds(objective, of, at_best(objective, q))
 
         assert bounds.angle_upper is None
-        assert bounds.stated("angle_upper") == (NO_ANGLE if unique is False else NOT_CLAIMED)
+        assert bounds.stated("angle_upper") == (NO_ANGLE if unique is False else NO_ANGLE_CLAIMED)

@@ -14,7 +14,7 @@ import pytest
 from exact_springs import choi_lam
 from springs_certified import certified
 
-from certreg.certificate import blockwise, checking, producing, producing_springs, spring_bounds
+from certreg.certificate import blockwise, bounds, checking, cones, isotropic
 from certreg.certificate.bounds import ExactPose, sin2_half_angle_between
 from certreg.certificate.envelope import Certificate
 from certreg.certificate.squares import sos_body
@@ -26,9 +26,9 @@ from certreg.relaxation.optimum import find_optimum
 
 checker: Any = import_module("certreg.verify")
 # Whose results may be None, and are not here.
-spring_pose_bounds: Any = spring_bounds.spring_pose_bounds
-springs_certificate: Any = producing_springs.springs_certificate
-produce: Any = producing.produce
+spring_pose_bounds: Any = bounds.spring_pose_bounds
+springs_certificate: Any = cones.springs_certificate
+produce: Any = isotropic.produce
 verify: Any = checking.verify
 SCHEMAS = Path(checker.__file__).parent / "report" / "schemas"
 CELLS = [

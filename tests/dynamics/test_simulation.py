@@ -15,8 +15,7 @@ from rotations import saddle_start
 from strategies import AXES, ZOO, random_problem, random_rotation
 
 from certreg.certificate.checking import check_own, verify
-from certreg.certificate.isotropic import RotationState
-from certreg.certificate.producing import produce, proves_basin
+from certreg.certificate.isotropic import RotationState, produce, proves_basin
 from certreg.dynamics import integrators
 from certreg.dynamics.body import SimulationStatus
 from certreg.dynamics.integrators import SimulationSettings

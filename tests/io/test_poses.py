@@ -14,7 +14,8 @@ from commands import checked
 from strategies import random_problem
 
 import certreg
-from certreg.certificate.producing import count_certificate, produce
+from certreg.certificate.count import count_certificate
+from certreg.certificate.isotropic import produce
 from certreg.errors import InvalidFileError
 from certreg.geometry.pose_matrix import ROTATION_TOLERANCE
 from certreg.io.poses import MAX_POSE_BYTES, parse_line, parse_pose

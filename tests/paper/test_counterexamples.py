@@ -9,7 +9,7 @@ from fractions import Fraction
 import pytest
 
 from certreg.certificate.checking import verify
-from certreg.certificate.producing import count_certificate
+from certreg.certificate.count import count_certificate
 from certreg.errors import InvalidProblemError
 from certreg.objective.classification import classify
 from certreg.paper import counterexamples as certifying

@@ -15,10 +15,10 @@ from hypothesis import strategies as st
 
 import certreg
 from certreg import RegistrationProblem
-from certreg.certificate import blockwise, checking, producing
+from certreg.certificate import blockwise, checking, envelope
 from certreg.certificate.blockwise import check_in_blocks, check_on_sums
+from certreg.certificate.count import count_certificate
 from certreg.certificate.envelope import PIECE, file_pieces
-from certreg.certificate.producing import count_certificate
 from certreg.errors import RefusedCertificateError
 from certreg.exact.dyadic import Dyadic
 from certreg.problem.exact_sums import SumMethod, fastest_method, second_method, sums_by
@@ -90,7 +90,7 @@ def test_a_certificate_of_other_points_or_of_too_strong_a_claim_is_refused(way):
     moved = problem.target.copy()
     moved[3, 1] = np.nextafter(moved[3, 1], 9.0)
     body = certificate.body
-    half = replace(body, claims=replace(body.claims, gap=body.claims.gap.scaled(-1)))
+    half = replace(body, claims=replace(body.claims, gap=body.claims.gap.shifted(-1)))
     low = replace(body, delta=Dyadic(mantissa=1, exponent=-4000))
     forged = {
         "other points": (certificate, RegistrationProblem(problem.source, moved)),
@@ -170,7 +170,7 @@ def test_a_file_that_is_changed_during_a_check_is_noticed(tmp_path, monkeypatch,
 
 def test_beyond_the_inline_limit_a_certificate_needs_its_points(monkeypatch, tmp_path):
     problem = random_problem(n=40)
-    monkeypatch.setattr(producing, "INLINE_POINTS", 39)
+    monkeypatch.setattr(envelope.CertificateBody, "INLINE", 39)
     monkeypatch.setattr(checking, "INLINE_MAX", 39)
     certificate = solve(problem).certificate
     assert certificate is not None

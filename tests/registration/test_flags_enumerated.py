@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from certreg.certificate import springs_basin
+from certreg.certificate import basin as basins
+from certreg.certificate.basin import Barrier, barrier_of, basin_of_springs
 from certreg.certificate.producing_consensus import UNDECIDED, ProvedConsensus
-from certreg.certificate.springs_basin import Barrier, barrier_of, basin_of_springs
 from certreg.equilibrium.breaking import Labels
 from certreg.equilibrium.equilibrium_set import WEAK_MARGIN, EquilibriumSet
 from certreg.equilibrium.line_set import Finiteness, LineSet
@@ -411,7 +411,7 @@ def test_the_barrier_is_between_what_is_claimed_and_the_second_with_the_width_of
 def test_a_basin_is_proved_below_the_barrier_and_refuted_from_its_top_on(
     monkeypatch, energy: Fraction, ruling: Ruling
 ):
-    monkeypatch.setattr(springs_basin, "state_energy", lambda *_: energy)
+    monkeypatch.setattr(basins, "state_energy", lambda *_: energy)
 
     def basin(lower: Any, upper: Any, *, free: Any = (), size: int = 2) -> Ruling:
         scatter = [[int(i == j < size) for j in range(3)] for i in range(3)]

@@ -16,7 +16,7 @@ from spring_families import plane, statement
 from springs_certified import moved_springs
 
 import certreg
-from certreg.certificate.springs_basin import Barrier, barrier_of, basin_of_springs, state_energy
+from certreg.certificate.basin import Barrier, barrier_of, basin_of_springs, state_energy
 from certreg.exact.dyadic import Dyadic
 from certreg.problem.problem import RegistrationProblem
 from certreg.registration.valley import SimulatedSprings

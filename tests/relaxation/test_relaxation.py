@@ -24,7 +24,7 @@ from syntax import nodes
 
 import certreg
 from certreg import RegistrationProblem
-from certreg.certificate.producing import (
+from certreg.certificate.isotropic import (
     FIRST_STEP_BITS,
     MULTIPLIER_BITS,
     STEP_GROWTH_BITS,

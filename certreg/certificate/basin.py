@@ -17,7 +17,7 @@ from certreg.geometry.so3 import quadratic_form, squared_norm
 from certreg.results import Brief, Ruling, Verdict
 
 if TYPE_CHECKING:
-    from certreg.certificate.springs_list import SpringsListBody
+    from certreg.certificate.listing import SpringsListBody
     from certreg.objective.springs import Springs
 
 THEOREM = (
