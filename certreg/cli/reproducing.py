@@ -16,7 +16,7 @@ from certreg.campaign.workers import workers_at
 from certreg.cli.campaigns import resumable
 from certreg.cli.options import FOLDER
 from certreg.cli.progress import Progress, Stages
-from certreg.paper.documents import texts
+from certreg.paper.documents import make_folder, texts, write_reproduction
 from certreg.paper.equilibrium_maps import (
     SPRING_INSTANCES,
     RunEnd,
@@ -29,7 +29,6 @@ from certreg.paper.figures import paper_drawings
 from certreg.paper.map_figures import spring_drawings
 from certreg.paper.monte_carlo import EXCEPTIONS, MonteCarlo, write_instance_results
 from certreg.paper.observations import Setup
-from certreg.paper.page import make_folder, write_reproduction
 from certreg.paper.parameter_sweeps import all_sweeps
 from certreg.paper.sweep_figures import sweep_drawings
 from certreg.paper.verdicts import reproduce as reproduced

@@ -22,7 +22,13 @@ from certreg.native.layout import plain
 from certreg.paper import derivation, dynamics_claims, equilibria, scheme, verdicts
 from certreg.paper.counterexamples import in_doubles
 from certreg.paper.derivation import proving
-from certreg.paper.documents import claim_text, closing_text, markdown, reproduction_document
+from certreg.paper.documents import (
+    claim_text,
+    closing_text,
+    html_page,
+    markdown,
+    reproduction_document,
+)
 from certreg.paper.evidence import listed, rough
 from certreg.paper.figures import (
     _boxes,
@@ -34,7 +40,6 @@ from certreg.paper.figures import (
     typical,
 )
 from certreg.paper.observations import Observations, Setup, observe
-from certreg.paper.page import html_page
 from certreg.paper.particles import Particles
 from certreg.paper.pictures import construction_drawing
 from certreg.paper.style import DPI, WIDTH, written
