@@ -26,11 +26,10 @@ from certreg.paper.equilibrium_maps import (
     write_spring_results,
 )
 from certreg.paper.figures import paper_drawings
-from certreg.paper.map_figures import spring_drawings
+from certreg.paper.map_figures import spring_drawings, sweep_drawings
 from certreg.paper.monte_carlo import EXCEPTIONS, MonteCarlo, write_instance_results
 from certreg.paper.observations import Setup
 from certreg.paper.parameter_sweeps import all_sweeps
-from certreg.paper.sweep_figures import sweep_drawings
 from certreg.paper.verdicts import reproduce as reproduced
 from certreg.registration.exit_codes import DONE, REFUSED
 from certreg.report.markup import printable

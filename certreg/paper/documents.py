@@ -15,13 +15,13 @@ from certreg import __version__
 from certreg.campaign.table import records_bytes
 from certreg.errors import InvalidFileError
 from certreg.io.atomic import remedy_of, write_atomically
+from certreg.paper.claims import NEAR
+from certreg.paper.derivation import plain
 from certreg.paper.equilibria import unstable_counts
 from certreg.paper.equilibrium_maps import SPRINGS_FILE, spring_rows
-from certreg.paper.evidence import NEAR
 from certreg.paper.parameter_sweeps import SWEEPS_FILE, sweep_rows
 from certreg.paper.scheme import STEP, STOP
 from certreg.paper.style import written
-from certreg.paper.terminal import plain
 from certreg.report.document import dumps
 from certreg.report.markup import rendered
 

@@ -21,6 +21,10 @@ if TYPE_CHECKING:
     from certreg.problem.problem import RegistrationProblem
 
 
+RAW_UNIT = 0  # the exponent of the unit of length: |s'| mixes lengths and angles, as in the paper
+SAME_SUM = 1e-12  # relative: of two ways to add 100 terms, a thousand times their rounding
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Particles:
     """A rigid body of particles on springs to a target whose centre is the origin.

@@ -5,48 +5,18 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from certreg.paper import derivation, dynamics_claims, equilibrium_claims
+from certreg.paper.claims import MEASURED
 from certreg.paper.counterexamples import CertifiedCloud, certified_clouds, in_doubles
-from certreg.paper.derivation import proving
+from certreg.paper.derivation import paper_claims, proving
 from certreg.paper.observations import observe
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Mapping
     from concurrent.futures import Future
 
-    from certreg.paper.evidence import Clouds, Evidence
+    from certreg.paper.claims import Evidence
     from certreg.paper.observations import Observations, Setup, StageProgress
     from certreg.results import Verdict
-
-MEASURED: dict[str, Callable[[Observations, Clouds], Evidence]] = {
-    "1": equilibrium_claims.objective,
-    "2": equilibrium_claims.equations,
-    "3": equilibrium_claims.energy_rate,
-    "4a": equilibrium_claims.unbounded,
-    "4b": dynamics_claims.converging,
-    "5": equilibrium_claims.balance,
-    "6a": equilibrium_claims.unique_optimum,
-    "6b": equilibrium_claims.optimum_at_rest,
-    "6c": equilibrium_claims.no_contradiction,
-    "7": equilibrium_claims.three_spurious,
-    "8a": equilibrium_claims.four_equilibria,
-    "8b": equilibrium_claims.half_turns,
-    "9a": equilibrium_claims.symmetric_clouds,
-    "9b": equilibrium_claims.polygons,
-    "9c": equilibrium_claims.infinite_without_symmetry,
-    "9d": dynamics_claims.out_of_the_plane,
-    "10": equilibrium_claims.spurious_unstable,
-    "11": equilibrium_claims.pattern,
-    "12": equilibrium_claims.six_zeros,
-    "13a": dynamics_claims.falling_energy,
-    "13b": dynamics_claims.rising_energy,
-    "14": equilibrium_claims.definite_inertia,
-    "15a": dynamics_claims.always_optimal,
-    "15b": dynamics_claims.any_damping,
-    "15c": dynamics_claims.stopping_rule,
-    "15d": dynamics_claims.likely_optimal,
-    "15e": equilibrium_claims.jacobian_informs,
-}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -89,7 +59,7 @@ def reproduce(setup: Setup, progress: StageProgress, *, proofs: bool = True) -> 
     of their own meanwhile. Raises InvalidProblemError and DegenerateProblemError for a setup whose
     instances cannot be made or simulated.
     """
-    rows = derivation.paper_claims()
+    rows = paper_claims()
     if not proofs:
         observed = observe(setup, progress)
         return Reproduction(

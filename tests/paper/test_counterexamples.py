@@ -14,8 +14,8 @@ from certreg.errors import InvalidProblemError
 from certreg.objective.classification import classify
 from certreg.paper import counterexamples as certifying
 from certreg.paper import derivation
+from certreg.paper.claims import Evidence
 from certreg.paper.counterexamples import certified_clouds, in_integers
-from certreg.paper.evidence import Evidence
 from certreg.paper.verdicts import ClaimVerdict
 from certreg.problem.moments import exact_moments
 

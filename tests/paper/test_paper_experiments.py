@@ -10,7 +10,6 @@ import pytest
 from strategies import random_problem, random_rotation
 
 from certreg.geometry.so3 import quaternion_from_matrix
-from certreg.paper.construction import LINKS, coil, projected, scene
 from certreg.paper.equilibria import (
     angle,
     arccos_angle,
@@ -21,16 +20,20 @@ from certreg.paper.equilibria import (
 )
 from certreg.paper.observations import compare
 from certreg.paper.particles import Particles, at_rest, hat, parts
-from certreg.paper.polygons import (
+from certreg.paper.scenes import (
+    LANDMARKS,
+    LINKS,
     SQUARE,
     TRIANGLE,
+    coil,
     exact_sums,
+    gallery,
+    projected,
+    scene,
     turn,
     turned_over,
 )
-from certreg.paper.poses import LANDMARKS, gallery
-from certreg.paper.scheme import STEP, descend
-from certreg.paper.simulations import simulation_run
+from certreg.paper.scheme import STEP, descend, simulation_run
 from certreg.problem.problem import RegistrationProblem
 
 each_polygon = pytest.mark.parametrize("polygon", [TRIANGLE, SQUARE], ids=lambda p: p.name)
