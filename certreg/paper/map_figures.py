@@ -56,7 +56,7 @@ def sweep_drawing(sweep: Sweep) -> Drawing:
         axes = figure.subplots(1, len(QUANTITIES), sharex=True)
         for k, (panel, quantity) in enumerate(zip(axes, QUANTITIES, strict=True)):
             _panel(panel, sweep, quantity)
-            panel.set_title(f"({'abc'[k]}) {TITLES[quantity.name]}")
+            panel.set_title(f"({'abc'[k]}) {quantity.title}")
         _ticks(axes[0], sweep)
         figure.supxlabel(family.label, fontsize=8.5)
         handles, labels = max(
@@ -72,13 +72,6 @@ def sweep_drawing(sweep: Sweep) -> Drawing:
         caption=f"{count} random instances at each value{fewer}: {WORDS[family.name](sweep)}",
         figure=figure,
     )
-
-
-TITLES = {
-    "steps": "Steps of\nexplicit Euler",
-    "escape_times": "Escape time from\nthe best saddle",
-    "margins": "Least gap of the\neigenvalues, relative",
-}
 
 
 def _panel(panel: Any, sweep: Sweep, quantity: Any) -> None:

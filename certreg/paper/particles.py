@@ -105,12 +105,6 @@ class Particles:
         c, R, _, _ = parts(state)
         return float(self.springs / 2.0 @ ((self.target - self.arms @ R.T - c) ** 2).sum(axis=1))
 
-    def kinetic(self, state: NDArray[np.float64]) -> float:
-        """V_k = sum m_i / 2 |v + R (omega x x_i)|^2."""
-        _, R, v, omega = parts(state)
-        moving = v + np.cross(omega, self.arms) @ R.T
-        return float(self.masses / 2.0 @ (moving**2).sum(axis=1))
-
     def energy(self, state: NDArray[np.float64]) -> float:
         """V = V_k + V_p, with the kinetic energy of a rotation: M |v|^2 / 2 + omega^T J omega / 2.
 

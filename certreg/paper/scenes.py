@@ -48,16 +48,13 @@ class Scene:
     """The body at the paper's start. Lengths in the unit of the clouds.
 
     source, target: (N, 3); links: pairs of points that the rigid body is drawn with.
-    centres: (2, 3), of the source and the target. force: (3,), on the body; torque: (3,), on it
-    about its centre, body frame.
+    centres: (2, 3), of the source and the target.
     """
 
     source: NDArray[np.float64]
     target: NDArray[np.float64]
     links: tuple[tuple[int, int], ...]
     centres: NDArray[np.float64]
-    force: NDArray[np.float64]
-    torque: NDArray[np.float64]
 
 
 def scene() -> Scene:
@@ -67,14 +64,11 @@ def scene() -> Scene:
     noise = NOISE * np.random.default_rng(0).standard_normal(house.shape)
     problem = RegistrationProblem(house @ R.T + SHIFT + noise, house)
     particles = Particles.of(problem)
-    start = particles.start
     return Scene(
         source=particles.source,
         target=particles.target,
         links=LINKS,
         centres=np.array([particles.centre, np.zeros(3)]),
-        force=particles.force(start),
-        torque=particles.torque(start),
     )
 
 
@@ -131,13 +125,12 @@ class Turn:
     """A polygon flipped and turned by every theta, springs of stiffness 2, circumradius 1.
 
     angles: (L,), radians. torques: (L, corners), of each spring about the centre. sides: (L, ...)
-    energies: (L,), V_p. unstable: (L,), eigenvalues with positive real part.
+    unstable: (L,), eigenvalues with positive real part.
     """
 
     polygon: Polygon
     angles: NDArray[np.float64]
     torques: NDArray[np.float64]
-    energies: NDArray[np.float64]
     unstable: NDArray[np.int64]
 
 
@@ -176,7 +169,6 @@ def turn(polygon: Polygon, damping: float, steps: int = 360) -> Turn:
     cloud = np.column_stack([corners, np.zeros(len(corners))])
     problem = RegistrationProblem(cloud, cloud, damping=damping)
     moving = rigid_body(exact_moments(problem), damping, length_exponent=RAW_UNIT)
-    particles = Particles.of(problem)
     angles = np.linspace(0.0, 2.0 * math.pi, steps + 1)
     states = [at_rest(turned_over(polygon, theta)) for theta in angles.tolist()]
     pulls = [
@@ -188,7 +180,6 @@ def turn(polygon: Polygon, damping: float, steps: int = 360) -> Turn:
         polygon=polygon,
         angles=angles,
         torques=2.0 * np.array(pulls),
-        energies=np.array([particles.potential(state) for state in states]),
         unstable=np.array([signs(values.astype(np.complex128)).right for values in jacobians]),
     )
 
@@ -215,15 +206,13 @@ class Posed:
     """The source at one equilibrium, both clouds with the target's centre as the origin.
 
     points: (N, 3), moved; index: how many independent turns lower the energy; rmse: in mm; angle:
-    degrees to the optimum; axis: (3,), unit, of the turn that leads there from the optimum, None at
-    the optimum.
+    degrees to the optimum.
     """
 
     points: NDArray[np.float64]
     index: int
     rmse: float
     angle: float
-    axis: NDArray[np.float64] | None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -238,8 +227,6 @@ def gallery() -> Gallery:
     """The packaged electrodes on two heads, at all of their equilibria."""
     problem = stated(HEAD)
     particles = Particles.of(problem)
-    components = equilibria(problem).components
-    best = components[0].rotation
     return Gallery(
         target=particles.target,
         poses=tuple(
@@ -248,15 +235,7 @@ def gallery() -> Gallery:
                 index=each.morse_index,
                 rmse=each.rmse or 0.0,
                 angle=float(np.degrees(each.angle_to_optimum)),
-                axis=_axis(each.rotation @ best.T) if each.morse_index else None,
             )
-            for each in components
+            for each in equilibria(problem).components
         ),
     )
-
-
-def _axis(half_turn: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The axis of a rotation by 180 degrees: R = 2 a a^T - I."""
-    outer = (half_turn + np.eye(3)) / 2.0
-    largest = int(np.argmax(outer.diagonal()))
-    return outer[largest] / np.sqrt(outer[largest, largest])
