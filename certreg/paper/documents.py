@@ -29,12 +29,11 @@ if TYPE_CHECKING:
     import os
     from collections.abc import Iterator, Sequence
 
-    from certreg.paper.counterexamples import CertifiedCloud
     from certreg.paper.equilibrium_maps import SpringCounts
     from certreg.paper.observations import Observations
     from certreg.paper.parameter_sweeps import Sweep
     from certreg.paper.style import Drawing
-    from certreg.paper.verdicts import ClaimVerdict, Reproduction
+    from certreg.paper.verdicts import CertifiedCloud, ClaimVerdict, Reproduction
 
 
 REPRODUCTION_SCHEMA = "certreg-reproduction/1"

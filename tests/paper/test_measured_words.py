@@ -14,11 +14,11 @@ from strategies import random_problem
 
 from certreg.paper import (
     claims,
-    counterexamples,
     monte_carlo,
     observations,
     pictures,
     scheme,
+    verdicts,
 )
 from certreg.paper.equilibria import equilibrium_run, signs
 from certreg.paper.figures import _first_rises, angle_errors, typical
@@ -234,7 +234,7 @@ def test_weights_of_a_counterexample_are_integers_in_their_own_unit():
         target=[[0.25, 0, 0], [0, 1, 0], [0, 0, 1]],
         weights=[1, 2, 3],
     )
-    made = counterexamples.in_integers(cloud)
+    made = verdicts.in_integers(cloud)
 
     assert made.weights.tolist() == [1.0, 2.0, 3.0]
     assert made.source[0, 0] == 2.0

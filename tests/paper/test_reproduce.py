@@ -21,7 +21,6 @@ from certreg.native.engine import current_engine
 from certreg.native.layout import plain
 from certreg.paper import claims, derivation, equilibria, scheme, verdicts
 from certreg.paper.claims import MEASURED, listed, rough
-from certreg.paper.counterexamples import in_doubles
 from certreg.paper.derivation import proving
 from certreg.paper.documents import (
     claim_text,
@@ -43,7 +42,7 @@ from certreg.paper.observations import Observations, Setup, observe
 from certreg.paper.particles import Particles
 from certreg.paper.pictures import construction_drawing
 from certreg.paper.style import DPI, WIDTH, written
-from certreg.paper.verdicts import reproduce
+from certreg.paper.verdicts import in_doubles, reproduce
 from certreg.problem.problem import RegistrationProblem
 from certreg.results import Ruling, Verdict
 
