@@ -16,8 +16,8 @@ from certreg.certificate.producing_consensus import UNDECIDED, ProvedConsensus
 from certreg.certificate.springs_basin import Barrier, barrier_of, basin_of_springs
 from certreg.equilibrium.breaking import Labels
 from certreg.equilibrium.equilibrium_set import WEAK_MARGIN, EquilibriumSet
+from certreg.equilibrium.line_batch import QuarticSolutions
 from certreg.equilibrium.line_set import Finiteness, LineSet
-from certreg.equilibrium.spring_batch import QuarticSolutions
 from certreg.objective.classification import Classification
 from certreg.registration import headlines
 from certreg.registration.breaking import BreakingEquilibria, BreakingEquilibrium, SimulatedBreaking
