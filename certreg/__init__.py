@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from certreg.dynamics.integrators import SimulationSettings as SimulationSettings
     from certreg.dynamics.trajectory import Trajectory as Trajectory
     from certreg.equilibrium.batch import solve_many as solve_many
-    from certreg.equilibrium.spring_batch import solve_many_springs as solve_many_springs
+    from certreg.equilibrium.line_batch import solve_many_springs as solve_many_springs
     from certreg.errors import CertregError as CertregError
     from certreg.geometry.pose import Pose as Pose
     from certreg.geometry.similarity import Similarity as Similarity
@@ -98,7 +98,7 @@ __getattr__ = lazy_face(
         "dynamics.integrators": ("SimulationSettings",),
         "dynamics.trajectory": ("Trajectory",),
         "equilibrium.batch": ("solve_many",),
-        "equilibrium.spring_batch": ("solve_many_springs",),
+        "equilibrium.line_batch": ("solve_many_springs",),
         "errors": ("CertregError",),
         "geometry.pose": ("Pose",),
         "geometry.similarity": ("Similarity",),

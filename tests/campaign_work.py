@@ -8,11 +8,11 @@ from concurrent.futures import BrokenExecutor, Executor, Future, ThreadPoolExecu
 from dataclasses import replace
 from multiprocessing.connection import Connection
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any
 
 from certreg.campaign.runner import Observer, run
 from certreg.campaign.store import Manifest, current_versions, occupied
-from certreg.campaign.workers import Task, TaskResult
+from certreg.campaign.workers import Task, TaskResult, Workers
 from certreg.paper.monte_carlo import MonteCarlo
 
 if TYPE_CHECKING:
@@ -28,11 +28,10 @@ class Cut(MonteCarlo):
         return replace(super().manifest(), shard_size=10)
 
 
-class InProcess:
+class InProcess(Workers):
     """Workers that are threads of this process: no start-up, same interface."""
 
     losses: tuple[type[BaseException], ...] = (BrokenExecutor,)
-    place: Path | None = None
 
     def __init__(self, count: int = 1) -> None:
         self.count, self.renewals = count, 0
@@ -42,9 +41,6 @@ class InProcess:
 
     def renew(self) -> None:
         self.renewals += 1
-
-    def __enter__(self) -> Self:
-        return self
 
     def __exit__(self, *_: object) -> None:
         self.executor.shutdown()

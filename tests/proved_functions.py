@@ -156,7 +156,7 @@ PROVED = (
     _of("equilibrium/line_boxes", "index_of", "equilibrium/test_line_edges"),
     _of("equilibrium/line_ranks", "at_most_forty", "equilibrium/test_line_edges"),
     _of(
-        "equilibrium/spring_homotopy",
+        "equilibrium/homotopy",
         "_least proved_lines",
         "equilibrium/test_line_edges equilibrium/test_spring_lists",
     ),
@@ -170,7 +170,7 @@ PROVED = (
     ),
     _of("equilibrium/line_set", "LineSet.separated finiteness_of", "equilibrium/test_spring_lists"),
     _of(
-        "equilibrium/spring_batch",
+        "equilibrium/line_batch",
         "QuarticSolutions.guarantee",
         "registration/test_flags_enumerated",
     ),

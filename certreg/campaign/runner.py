@@ -6,11 +6,12 @@ A bounded number of tasks is under way, and those of dead workers are repeated.
 from __future__ import annotations
 
 import time
+from abc import ABC, abstractmethod
 from collections import Counter, deque
 from concurrent.futures import FIRST_COMPLETED, Future, wait
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 from certreg.campaign.store import (
     CERTIFICATES,
@@ -45,33 +46,37 @@ TICK = 5.0  # seconds between two counts of the workers
 MISTAKEN = f"cannot unpack non-iterable {TaskResult.__name__} object"
 
 
-class Kind(Protocol):
-    """What a campaign computes."""
+class Kind(ABC):
+    """What a campaign computes.
 
-    @property
-    def suffix(self) -> str:
-        """How the names of its shards end."""
-        ...
+    Of a kind that is made of its manifest alone a shard says again whatever it said, and nothing
+    goes with it.
+    """
 
+    suffix: str  # how the names of its shards end
+
+    @abstractmethod
     def manifest(self) -> Manifest:
         """Everything that the results depend on."""
-        ...
 
+    @abstractmethod
     def tasks(self, done: Container[int]) -> Iterator[Task]:
         """The work on the shards that are not done, in their order."""
-        ...
 
     def files(self, content: bytes) -> Mapping[str, str]:
         """The SHA-256 of each file that goes with a shard, by name."""
-        ...
+        del content
+        return {}
 
     def final(self, content: bytes) -> bool:
         """Whether a shard need not be computed again, if its inputs are as they were."""
-        ...
+        del content
+        return True
 
     def changed(self, content: bytes) -> Iterable[str]:
         """The inputs of a shard that are not as they were, by name."""
-        ...
+        del content
+        return ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -16,11 +16,12 @@ import signal
 import tempfile
 import threading
 import time
+from abc import ABC, abstractmethod
 from concurrent.futures import BrokenExecutor, CancelledError, Executor, ProcessPoolExecutor
 from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 from certreg._loading import library
 from certreg.campaign.store import lockable, try_lock
@@ -39,7 +40,7 @@ RESULTS = "certreg-results-"  # how names of folders begin in which workers leav
 PATIENCE = 60.0  # seconds without any worker
 
 
-class Workers(Protocol):
+class Workers(ABC):
     """Some workers behind an executor.
 
     losses: what a future raises whose worker died; count: how many tasks are worked on at once, as
@@ -48,23 +49,26 @@ class Workers(Protocol):
     """
 
     executor: Executor
-    place: Path | None
+    place: Path | None = None
     losses: tuple[type[BaseException], ...]
     count: int
 
+    @abstractmethod
     def require_alive(self) -> None:
         """Count anew; raises CampaignError where no worker is left to wait for."""
-        ...
 
+    @abstractmethod
     def renew(self) -> None:
         """Replace what broke down; all tasks under way are lost."""
-        ...
 
-    def __enter__(self) -> Self: ...
+    def __enter__(self) -> Self:
+        return self
+
+    @abstractmethod
     def __exit__(self, *_: object) -> None: ...
 
 
-class LocalWorkers:
+class LocalWorkers(Workers):
     """Processes of this machine, as many as it lets us use processors."""
 
     losses: tuple[type[BaseException], ...] = (BrokenExecutor,)
@@ -78,7 +82,7 @@ class LocalWorkers:
         self._reader, self._lifeline = context.Pipe(duplex=False)
         sweep(Path(tempfile.gettempdir()), RESULTS, _is_abandoned)
         self._folder = tempfile.TemporaryDirectory(prefix=RESULTS)
-        self.place: Path | None = Path(self._folder.name)
+        self.place = Path(self._folder.name)
         self._held = lockable(self.place)
         with suppress(OSError):  # this disk has no locks
             try_lock(self._held)
@@ -102,20 +106,15 @@ class LocalWorkers:
         os.close(self._held)
         self._folder.cleanup()
 
-    def __enter__(self) -> Self:
-        return self
-
     def __exit__(self, *_: object) -> None:
         self._close()
 
 
-class ClusterWorkers:
+class ClusterWorkers(Workers):
     """The workers of a dask scheduler at an address, as `dask scheduler` prints it.
 
     Workers may come and go; dask itself repeats the tasks of those that die.
     """
-
-    place: Path | None = None
 
     def __init__(self, address: str) -> None:
         self._client = _connected(address, CONNECTING)
@@ -154,9 +153,6 @@ class ClusterWorkers:
     def renew(self) -> None:
         """The scheduler replaces workers itself, where it can: only see who is there."""
         self.require_alive()
-
-    def __enter__(self) -> Self:
-        return self
 
     def __exit__(self, *_: object) -> None:
         with suppress(OSError, TimeoutError):

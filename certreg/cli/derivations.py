@@ -8,8 +8,18 @@ import click
 
 from certreg._loading import require
 from certreg.cli.options import FOLDER, refuse_if
-from certreg.paper.derivation import all_hold, audit, chapters, outcomes, write_code, write_latex
-from certreg.paper.terminal import audit_lines, chapters_text, claim_line, closing_line
+from certreg.paper.derivation import (
+    all_hold,
+    audit,
+    audit_lines,
+    chapters,
+    chapters_text,
+    claim_line,
+    closing_line,
+    outcomes,
+    write_code,
+    write_latex,
+)
 from certreg.registration.exit_codes import DONE, REFUSED
 
 if TYPE_CHECKING:

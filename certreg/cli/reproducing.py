@@ -12,7 +12,7 @@ from certreg.campaign.table import SUMMARY
 from certreg.cli.campaigns import at_work
 from certreg.cli.options import FOLDER
 from certreg.cli.progress import Stages
-from certreg.paper.documents import texts
+from certreg.paper.documents import make_folder, texts, write_reproduction
 from certreg.paper.equilibrium_maps import (
     SPRING_INSTANCES,
     RunEnd,
@@ -22,12 +22,10 @@ from certreg.paper.equilibrium_maps import (
     write_spring_results,
 )
 from certreg.paper.figures import paper_drawings
-from certreg.paper.map_figures import spring_drawings
+from certreg.paper.map_figures import spring_drawings, sweep_drawings
 from certreg.paper.monte_carlo import EXCEPTIONS, MonteCarlo, write_instance_results
 from certreg.paper.observations import Setup
-from certreg.paper.page import make_folder, write_reproduction
 from certreg.paper.parameter_sweeps import all_sweeps
-from certreg.paper.sweep_figures import sweep_drawings
 from certreg.paper.verdicts import reproduce as reproduced
 from certreg.registration.exit_codes import DONE, REFUSED
 from certreg.report.markup import printable

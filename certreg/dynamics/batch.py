@@ -35,7 +35,7 @@ from certreg.dynamics.integrators import SimulationSettings, integrate, step_par
 from certreg.dynamics.springs import body_on_springs
 from certreg.dynamics.states import with_matrices
 from certreg.equilibrium.batch import clouds, stationary_poses
-from certreg.equilibrium.spring_batch import many_springs
+from certreg.equilibrium.line_batch import many_springs
 from certreg.errors import DegenerateProblemError
 from certreg.native.layout import BASIN, BODY, QUATERNION_STATE, symmetric
 from certreg.native.loops import Batch, Ending, Integrator

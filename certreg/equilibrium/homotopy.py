@@ -1,29 +1,25 @@
-"""All equilibria by continuation in floating point: four paths from a diagonal start system.
+"""All equilibria by continuation: the ends of four paths, or of 40, proved in boxes.
 
-The square form of the equilibrium quadratics, K q = l q and a . q = 1 (see `torques`), is
-tracked from D q = l q with a diagonal D, whose four solutions are the axes. Of four equations of
-degree one both in q and in l, and one of degree one in q, the bilinear Bezout number is four: four
-paths. D has its entries in the order of K's diagonal, which keeps the paths short. Each path has a
-chart a of its own, its axis mixed with complex random numbers, so that none of its points is at
-infinity, with probability one.
+With one weight per pair there are four paths (see `four_paths`): Krawczyk's test proves roots, with
+K exact and a chart near the quaternion itself, and four disjoint boxes with the count of at most
+four make the list complete.
 
-What comes out is a proposal: Krawczyk's test proves roots, with K exact and a near the quaternion
-itself, and four disjoint boxes with the count of at most four make the list complete.
+On general springs there are 40 (see `paths`). Each real end, and one of each pair of conjugates,
+gets a box that holds one critical line; with 40 lines apart and ranks that leave no room for a 41st
+the list is complete. Where ends meet, the list says how many could not be told apart.
 """
 
 from __future__ import annotations
 
-import enum
 import math
-from dataclasses import dataclass
-from itertools import pairwise
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from flint import acb_mat, arb_mat, ctx
 
 from certreg.equilibrium.counting import at_most_four
 from certreg.equilibrium.critical_set import Completeness, CriticalSet, spaces_as_components
+from certreg.equilibrium.four_paths import HomotopyStatus, continuation
 from certreg.equilibrium.krawczyk import (
     START_BITS,
     Balls,
@@ -33,10 +29,30 @@ from certreg.equilibrium.krawczyk import (
     proved_root,
     tightened,
 )
-from certreg.equilibrium.tracking import REGULAR, SINGULAR, TrackerSettings, statuses_of, track
+from certreg.equilibrium.line_boxes import (
+    BallQuartic,
+    BoxedLine,
+    all_different,
+    boxed,
+    critical_at,
+    index_of,
+)
+from certreg.equilibrium.line_set import (
+    BITS,
+    LINES,
+    Finiteness,
+    LineSet,
+    constant_set,
+    critical_of,
+    finiteness_of,
+    line_set,
+)
+from certreg.equilibrium.paths import REAL, critical_lines
+from certreg.equilibrium.tracking import REGULAR
 from certreg.errors import UndecidedError
 from certreg.exact.balls import exact_matrix, fixed_point, morse_bott_index, orthonormal
 from certreg.exact.spaces import Resolution, Space, resolved
+from certreg.objective.normalisation import levelled_exactly
 from certreg.results import Guarantee
 
 if TYPE_CHECKING:
@@ -44,83 +60,20 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from certreg.equilibrium.critical_set import Critical
+    from certreg.equilibrium.four_paths import Continuation
+    from certreg.equilibrium.paths import CriticalLines
     from certreg.equilibrium.tracking import (
         Complexes,
-        Indices,
-        PathStatus,
-        Reals,
-        TrackedPaths,
     )
     from certreg.objective.isotropic import Isotropic
+    from certreg.objective.springs import Springs
+
+    Numbers = NDArray[np.float64] | NDArray[np.complex128]
 
 HOMOTOPY = "homotopy"
-SEED = 20260  # any: with another the paths differ, and the ends do not
-ATTEMPTS = 4  # gammas; one is enough for 999 problems of 1000
-LEAST_TURN = 0.3  # radians, of gamma: away from 0, where real paths would meet
-MOST_TURN = 1.5  # and short of pi, where start and target would cancel out
-CHART_MIXING = 0.3  # of random numbers to the axis in a path's chart
-SAME_ROOT = 1e-3  # radians between quaternions: regular ends are right to 1e-5
-SAME_VALUE = 1e-9  # of the size of K: singular ends are right to the root of an ulp
 DOUBLE_BITS = 53  # fractional bits of a double near 1
 ENDS_BITS = 64  # of the ends in fixed point
-PATHS = 4
-AXES = np.arange(PATHS)
-SPREAD = np.array([3.0, 1.0, -1.0, -3.0]) / np.sqrt(20.0)  # D's entries, of norm 1 as K is made
-
-
-class HomotopyStatus(enum.Enum):
-    """What the ends of the four paths amount to; the value is the sentence for the user."""
-
-    FOUND = "All four paths ended at isolated roots, no two at the same."
-    CONTINUUM = (
-        "The solutions form a continuum, or come so near to it that double precision cannot tell: "
-        "the exact roads decide."
-    )
-    INCOMPLETE = "Some paths were lost or met, with every gamma that was tried: roots are missing."
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Continuation:
-    """The ends of the paths of many instances; each has four.
-
-    quaternions: (instances, 4, 4), real unit rows, sorted by descending value.
-    values: (instances, 4), critical values l in units of K's Frobenius norm.
-    codes, conditions: (instances, 4), of the paths, as in `TrackedPaths`.
-    patterns: for each instance how many ends share a value, largest value first; empty where
-        ends are missing.
-    outcomes: what each instance came to. attempts: (instances,), gammas that were used.
-    """
-
-    quaternions: Reals
-    values: Reals
-    codes: NDArray[np.int8]
-    conditions: Reals
-    patterns: tuple[tuple[int, ...], ...]
-    outcomes: tuple[HomotopyStatus, ...]
-    attempts: NDArray[np.int64]
-
-    def paths(self, instance: int) -> tuple[PathStatus, ...]:
-        """What became of each path of an instance."""
-        return statuses_of(self.codes[instance])
-
-
-class MultiplierForm:
-    """K q = l q and a . q = 1 in (q, l), for many paths at once."""
-
-    def __init__(self, matrices: Complexes | Reals, charts: Complexes) -> None:
-        """matrices: (paths, 4, 4). charts: (paths, 4), the a of each path."""
-        self._jacobian = np.zeros((len(matrices), 5, 5), dtype=np.complex128)
-        self._jacobian[:, :4, :4] = matrices
-        self._jacobian[:, 4, :4] = charts
-
-    def evaluate(self, which: Indices, x: Complexes) -> tuple[Complexes, Complexes]:
-        """Values (m, 5) and Jacobians (m, 5, 5)."""
-        jacobian, q = self._jacobian[which], x[:, :4]
-        jacobian[:, AXES, AXES] -= x[:, 4:]
-        values = (jacobian[:, :, :4] @ q[..., None])[..., 0]
-        values[:, 4] -= 1.0
-        jacobian[:, :4, 4] = -q
-        return values, jacobian
 
 
 class EigenBalls:
@@ -254,126 +207,136 @@ def _fixed(value: float) -> int:
     return round(math.ldexp(value, DOUBLE_BITS)) << (ENDS_BITS - DOUBLE_BITS)
 
 
-def continuation(davenports: Reals, *, tracker: TrackerSettings | None = None) -> Continuation:
-    """The ends of four paths for each of several symmetric matrices K (instances, 4, 4).
+SPARE_BITS = 8
+TIE_BITS = 1024  # to which two energies are told apart
+MOST_SINGULAR = 8  # each costs as much as ten that are regular
+SAME_END = 1e-2  # sine between ends that meet: of a line that is sixfold they are 2e-3 apart
+NEARLY_REAL = 1e-2  # of such an end, the sine of the angle to its conjugate
 
-    Where paths are lost or end at the same root, all four are tried again, with another gamma and
-    more care.
+
+def proved_list(objective: Springs, ends: CriticalLines | None = None) -> LineSet:
+    """The real ends of the 40 paths, proved where they are simple; what is not proved is said.
+
+    ends: where they are known already, of the same quartic but for rounding.
     """
-    tracker = tracker or TrackerSettings()
-    rng = np.random.default_rng(SEED)
-    sizes = np.linalg.norm(davenports, axis=(1, 2), keepdims=True)
-    scaled = davenports / np.where(sizes == 0.0, 1.0, sizes)
-    instances = len(scaled)
-    found = _followed(scaled, rng, tracker)
-    attempts = np.ones(instances, dtype=np.int64)
-    patterns = _patterns(found)
-    for attempt in range(2, ATTEMPTS + 1):
-        again = np.array([k for k, pattern in enumerate(patterns) if pattern is None], dtype=int)
-        if not len(again):
-            break
-        tracker = tracker.careful()
-        retried = _followed(scaled[again], rng, tracker)
-        for whole, part in zip(found.arrays, retried.arrays, strict=True):
-            whole[again] = part
-        attempts[again] = attempt
-        for k, pattern in zip(again.tolist(), _patterns(retried), strict=True):
-            patterns[k] = pattern
-    return Continuation(
-        quaternions=found.quaternions,
-        values=found.values,
-        codes=found.codes,
-        conditions=found.conditions,
-        patterns=tuple(pattern or () for pattern in patterns),
-        outcomes=tuple(map(_outcome, patterns)),
-        attempts=attempts,
+    finiteness = finiteness_of(objective)
+    if finiteness is Finiteness.CONSTANT:
+        return constant_set(HOMOTOPY, objective)
+    levelled = levelled_exactly(objective.quartic)
+    ends = ends or critical_lines(levelled.rest)
+    proved = proved_lines(BallQuartic(levelled), ends)
+    real = [line for line in proved if line.is_real]
+    parts, tied = proved_components(objective, real)
+    whole = len(real) + 2 * (len(proved) - len(real)) == LINES
+    rest = [] if whole else _unproved(ends.points, proved)
+    parts += [_unproved_component(objective, q) for q in rest]
+    why = f" {_rest_words(len(rest))}" if rest else ""
+    return line_set(
+        HOMOTOPY,
+        sorted(parts, key=lambda part: part.value) if rest else parts,
+        finiteness=finiteness,
+        pairs=len(proved) - len(real),
+        tied=tied,
+        why=why,
     )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class _Ends:
-    """The ends of four paths of some instances, by descending value."""
+def proved_lines(quartic: BallQuartic, ends: CriticalLines) -> list[BoxedLine]:
+    """Boxes with one line each, of real ends and of one of each pair of conjugates; all apart.
 
-    quaternions: Reals
-    values: Reals
-    codes: NDArray[np.int8]
-    coranks: NDArray[np.int8]
-    conditions: Reals
-
-    @property
-    def arrays(self) -> tuple[NDArray[Any], ...]:
-        return (self.quaternions, self.values, self.codes, self.coranks, self.conditions)
-
-
-def _followed(
-    scaled: Reals,
-    rng: np.random.Generator,
-    tracker: TrackerSettings,
-) -> _Ends:
-    """The paths of some instances, tracked with charts and a gamma drawn anew."""
-    instances = len(scaled)
-    noise = rng.normal(size=(2, PATHS, 4))
-    charts = np.eye(4) + CHART_MIXING * (noise[0] + 1j * noise[1])
-    gamma = np.exp(1j * rng.uniform(LEAST_TURN, MOST_TURN))
-    order = np.argsort(np.argsort(-np.diagonal(scaled, axis1=1, axis2=2), axis=1), axis=1)
-    entries = SPREAD[order]
-    diagonals = np.zeros((instances, 4, 4))
-    diagonals[:, AXES, AXES] = entries
-    roots = np.zeros((instances, PATHS, 5), dtype=np.complex128)
-    roots[:, AXES, AXES] = 1.0 / charts[AXES, AXES]
-    roots[:, :, 4] = entries
-    every = np.tile(charts, (instances, 1))
-    start = MultiplierForm(np.repeat(diagonals, PATHS, axis=0), every)
-    target = MultiplierForm(np.repeat(scaled, PATHS, axis=0), every)
-    return _by_value(track(start, target, roots.reshape(-1, 5), gamma, tracker))
-
-
-def _by_value(tracked: TrackedPaths) -> _Ends:
-    """The ends of four paths each, sorted by descending value; quaternions made real units."""
-    points = tracked.points.reshape(-1, PATHS, 5)
-    q, values = points[..., :4], points[..., 4].real
-    largest = np.take_along_axis(q, np.abs(q).argmax(axis=-1)[..., None], axis=-1)
-    real = (q / largest).real
-    real /= np.linalg.norm(real, axis=-1, keepdims=True)
-    order = np.argsort(-values, axis=1)
-    shape = order.shape
-    return _Ends(
-        quaternions=np.take_along_axis(real, order[..., None], axis=1),
-        values=np.take_along_axis(values, order, axis=1),
-        codes=np.take_along_axis(tracked.codes.reshape(shape), order, axis=1),
-        coranks=np.take_along_axis(tracked.coranks.reshape(shape), order, axis=1),
-        conditions=np.take_along_axis(tracked.conditions.reshape(shape), order, axis=1),
-    )
-
-
-def _patterns(ends: _Ends) -> list[tuple[int, ...] | None]:
-    """How many ends share a value, for each instance; None where ends are missing."""
-    cosines = np.abs(ends.quaternions @ ends.quaternions.transpose(0, 2, 1))
-    cosines[:, AXES, AXES] = 0.0
-    apart = (cosines < np.cos(SAME_ROOT)).all(axis=(1, 2))
-    regular = (ends.codes == REGULAR).all(axis=1)
-    usual: tuple[int, ...] = (1,) * PATHS
-    return [
-        usual if good else _shared(ends, k) for k, good in enumerate((regular & apart).tolist())
-    ]
-
-
-def _shared(ends: _Ends, k: int) -> tuple[int, ...] | None:
-    """The pattern of one instance with singular ends, if they are what a continuum makes.
-
-    m ends at one value belong to a space of m dimensions; the Jacobian there has corank m - 1.
+    Ends that are singular as far as doubles tell are tried where they are few: of a multiple line
+    none can be proved. What is not proved to be another line than those before it is left out.
     """
-    if not np.isin(ends.codes[k], (REGULAR, SINGULAR)).all():
-        return None
-    values, coranks, singular = ends.values[k], ends.coranks[k], ends.codes[k] == SINGULAR
-    starts = [0, *(1 + np.flatnonzero(-np.diff(values) > SAME_VALUE)).tolist(), PATHS]
-    groups = [range(a, b) for a, b in pairwise(starts)]
-    good = all(coranks[i] == len(group) - 1 for group in groups for i in group)
-    good = good and bool(((coranks > 0) == singular).all()) and len(groups) < PATHS
-    return tuple(len(group) for group in groups) if good else None
+    found: list[BoxedLine] = []
+    singular = ends.codes != REGULAR
+    few = np.count_nonzero(singular) <= MOST_SINGULAR
+    for q in _halved(ends.points if few else ends.points[~singular]):
+        line = None
+        if np.linalg.norm(q.imag) < REAL:
+            line = boxed(quartic, q.real.tolist(), real=True)
+        found_line = line or boxed(quartic, q.tolist(), real=False)
+        if found_line is not None:
+            found.append(found_line)
+    if all_different(found):
+        return found
+    kept: list[BoxedLine] = []
+    for one in found:
+        if all(all_different([one, other]) for other in kept):
+            kept.append(one)
+    return kept
 
 
-def _outcome(pattern: tuple[int, ...] | None) -> HomotopyStatus:
-    if pattern is None:
-        return HomotopyStatus.INCOMPLETE
-    return HomotopyStatus.FOUND if len(pattern) == PATHS else HomotopyStatus.CONTINUUM
+def proved_components(objective: Springs, real: Sequence[BoxedLine]) -> tuple[list[Critical], int]:
+    """Proved equilibria by ascending energy, and how many of the first may be the best."""
+    lines = [line.within(BITS + SPARE_BITS) for line in real]
+    with ctx.workprec(2 * BITS):
+        lines.sort(key=lambda line: line.system.quartic.level(line.quaternion).mid())
+    best = _least(lines)
+    order = [*best, *(place for place in range(len(lines)) if place not in best)]
+    with ctx.workprec(2 * BITS):
+        parts = [critical_at(objective, lines[k].quaternion, index_of(lines[k])) for k in order]
+    return parts, len(best)
+
+
+def _least(lines: Sequence[BoxedLine]) -> list[int]:
+    """Which lines may have the least energy, told apart with up to `TIE_BITS`."""
+    bits, several = BITS, list[tuple[int, BoxedLine]](enumerate(lines))
+    while len(several) > 1 and bits <= TIE_BITS:
+        several = [(place, line.within(bits)) for place, line in several]
+        with ctx.workprec(2 * bits):
+            levels = [line.system.quartic.level(line.quaternion) for _, line in several]
+        least = min(levels, key=lambda level: level.mid())
+        several = [
+            one for one, level in zip(several, levels, strict=True) if not bool(level > least)
+        ]
+        bits *= 2
+    return [place for place, _ in several]
+
+
+def _halved(points: Complexes) -> Complexes:
+    """The ends without those whose conjugate comes before them."""
+    other = np.linalg.norm(points.imag, axis=1) >= REAL
+    met = np.triu(_sines(points.conj(), points) < REAL, k=1)  # [j, k]: k is the conjugate of j
+    return points[~(other & (met & other[:, np.newaxis]).any(axis=0))]
+
+
+def _sines(p: Numbers, q: Numbers) -> NDArray[np.float64]:
+    """(j, k): of the angles between lines, each given by a unit."""
+    along = p.conj() @ q.T
+    return np.linalg.norm(q[np.newaxis] - along[..., np.newaxis] * p[:, np.newaxis], axis=2)
+
+
+def _unproved_component(objective: Springs, q: Complexes) -> Critical:
+    entries = (q.real / np.linalg.norm(q.real)).tolist()
+    vector = [int(entry * (1 << 60)) << (BITS - 60) for entry in entries]
+    return critical_of(objective, vector, None, Guarantee.NUMERICAL)
+
+
+def _unproved(points: Complexes, proved: Sequence[BoxedLine]) -> list[Complexes]:
+    """Of ends without a box those that are nearly real, one of each place where some met."""
+    rest = points[np.linalg.norm(points.imag, axis=1) <= NEARLY_REAL]
+    if proved:
+        known = np.array([_middle(line) for line in proved])
+        near = np.minimum(_sines(known, rest), _sines(known.conj(), rest)).min(axis=0)
+        rest = rest[near >= REAL]
+    kept: list[Complexes] = []
+    for q in rest:
+        if not kept or _sines(np.array(kept), q[np.newaxis]).min() > SAME_END:
+            kept.append(q)
+    return kept
+
+
+def _middle(line: BoxedLine) -> Complexes:
+    """The middle of a box, a unit."""
+    parts = [[float(c.real.mid()), float(c.imag.mid())] for c in line.quaternion]
+    q = np.array(parts).view(np.complex128)[:, 0]
+    q /= np.linalg.norm(q)
+    return q
+
+
+def _rest_words(places: int) -> str:
+    where = "one rotation" if places == 1 else f"{places} rotations"
+    return (
+        f"Paths ended near {where} without a proof, listed as not separated: each may be no "
+        "equilibrium, one, or several."
+    )

@@ -23,14 +23,18 @@ from certreg.equilibrium.krawczyk import (
     proved_root,
     tightened,
 )
-from certreg.exact.balls import negative_eigenvalues
+from certreg.equilibrium.line_set import BITS, critical_of
+from certreg.exact.balls import fixed_point, negative_eigenvalues, orthonormal
 from certreg.geometry.so3 import body_frame, squared_norm
 from certreg.objective.quartics import MONOMIALS, PAIR_PLACE, PAIRS
+from certreg.results import Guarantee
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from certreg.equilibrium.critical_set import Critical
     from certreg.objective.normalisation import LevelledExactly
+    from certreg.objective.springs import Springs
 
 GUARD_BITS = 16  # of a coefficient, beyond those of the arithmetic
 PAIR_BITS = 64  # where to begin with a line that is not real: its box only has to be apart
@@ -192,6 +196,15 @@ def index_of(line: BoxedLine) -> int | None:
             return index
         line, bits = line.within(bits), 2 * bits
     return None
+
+
+def critical_at(
+    objective: Springs, q: tuple[arb, ...], index: int | None, bits: int = BITS
+) -> Critical:
+    """The component of a proved line, told to so many bits, at the working precision."""
+    (unit,) = orthonormal([q], 1)
+    vector = [fixed_point(entry, bits) for entry in unit]
+    return critical_of(objective, vector, index, Guarantee.ENCLOSED)
 
 
 def _as_box(q: tuple[Any, ...]) -> RootBox:

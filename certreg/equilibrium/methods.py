@@ -112,11 +112,11 @@ FINDERS: Mapping[Structure, Mapping[str, Finder]] = {  # the first is the usual 
     Structure.QUARTIC: _by_name(
         Finder(
             verb=Verb.HOMOTOPY,
-            found=found_late("certreg.equilibrium.spring_homotopy", "by_forty_paths"),
+            found=found_late("certreg.equilibrium.homotopy", "proved_list"),
         ),
         Finder(
             verb=Verb.GROEBNER,
-            found=found_late("certreg.equilibrium.spring_groebner", "by_quotient_ring"),
+            found=found_late("certreg.equilibrium.quotient_ring", "by_quotient_ring"),
         ),
     ),
 }

@@ -24,11 +24,9 @@ from certreg.equilibrium.tracking import (
     LOST,
     REGULAR,
     Arrivals,
-    PathStatus,
     TrackedPaths,
     TrackerSettings,
     polished,
-    statuses_of,
     track,
 )
 from certreg.native.paths import REACHED, PathEnds, PathRules, many_quartic_paths, quartic_paths
@@ -93,11 +91,6 @@ class CriticalLines(Brief):
     quaternions: Reals
     outcome: PathsOutcome
     attempts: int
-
-    @property
-    def statuses(self) -> tuple[PathStatus, ...]:
-        """What became of each path."""
-        return statuses_of(self.codes)
 
     @property
     def real_ends(self) -> NDArray[np.bool_]:

@@ -102,11 +102,6 @@ class TrackedPaths:
     coranks: NDArray[np.int8]
     rounds: NDArray[np.int64]
 
-    @property
-    def statuses(self) -> tuple[PathStatus, ...]:
-        """What became of each path."""
-        return statuses_of(self.codes)
-
 
 def statuses_of(codes: NDArray[np.int8]) -> tuple[PathStatus, ...]:
     """The statuses that stored codes (paths,) stand for."""

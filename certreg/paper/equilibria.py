@@ -19,8 +19,7 @@ from certreg.equilibrium.equilibrium_set import rotation_double, unit_double
 from certreg.equilibrium.methods import FINDERS
 from certreg.geometry.so3 import rotation_matrix
 from certreg.objective.isotropic import Isotropic
-from certreg.paper.particles import Particles, at_rest
-from certreg.paper.scheme import RAW_UNIT
+from certreg.paper.particles import RAW_UNIT, Particles, at_rest
 from certreg.problem.moments import exact_moments
 from certreg.registration.closed_form import horn
 

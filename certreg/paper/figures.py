@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
     from certreg.paper.equilibria import EquilibriumRun
     from certreg.paper.observations import Observations
-    from certreg.paper.simulations import SimulationRun
+    from certreg.paper.scheme import SimulationRun
 
 SHOWN = 200  # runs in a figure: more would only be darker
 EXACT = 3e-17  # degrees: where an error of exactly zero is drawn

@@ -12,14 +12,14 @@ import io
 import json
 import math
 import time
-from abc import ABC, abstractmethod
+from abc import abstractmethod
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from certreg import __version__
-from certreg.campaign.runner import contents
+from certreg.campaign.runner import Kind, contents
 from certreg.campaign.store import CERTIFICATES, Manifest, current_versions
 from certreg.campaign.table import Block, Column, csv_bytes, write_table
 from certreg.campaign.workers import Task, TaskResult
@@ -71,17 +71,13 @@ EXTREMES = ("margin", "rotation_error_rad", "translation_error", "half_turn_erro
 EXCEPTION_COLUMNS = ("instance", "pattern", "unstable", "certificate")
 
 
-class RandomCampaign(ABC):
+class RandomCampaign(Kind):
     """A campaign over random instances, which are made of its manifest alone.
 
-    So whatever a shard says, it would say again. Shards are archives of arrays.
+    Shards are archives of arrays.
     """
 
     suffix = ".npz"
-
-    @abstractmethod
-    def manifest(self) -> Manifest:
-        """All of it. Raises InvalidProblemError where it is no campaign."""
 
     @property
     @abstractmethod
@@ -95,21 +91,6 @@ class RandomCampaign(ABC):
             if shard not in done:
                 arguments = {"manifest": manifest, "shard": shard}
                 yield Task(shard=shard, function=self.work, arguments=arguments)
-
-    def files(self, content: bytes) -> dict[str, str]:
-        """The certificates of a shard; none where nothing is proved."""
-        del content
-        return {}
-
-    def final(self, content: bytes) -> bool:
-        """Always."""
-        del content
-        return True
-
-    def changed(self, content: bytes) -> tuple[str, ...]:
-        """Nothing."""
-        del content
-        return ()
 
     def _least(self, words: str, **least: int) -> None:
         """Raises InvalidProblemError where one of the numbers is below its least."""

@@ -9,13 +9,20 @@ import numpy as np
 
 from certreg.dynamics.rigid import rigid_body
 from certreg.geometry.so3 import rotation_matrix
-from certreg.paper.construction import Scene, scene
 from certreg.paper.equilibria import EquilibriumRun, equilibrium_run
-from certreg.paper.particles import Particles, parts
-from certreg.paper.polygons import SQUARE, TRIANGLE, Turn, exact_sums, turn
-from certreg.paper.poses import Gallery, gallery
-from certreg.paper.scheme import RAW_UNIT
-from certreg.paper.simulations import SimulationRun, simulation_run
+from certreg.paper.particles import RAW_UNIT, Particles, parts
+from certreg.paper.scenes import (
+    SQUARE,
+    TRIANGLE,
+    Gallery,
+    Scene,
+    Turn,
+    exact_sums,
+    gallery,
+    scene,
+    turn,
+)
+from certreg.paper.scheme import SimulationRun, simulation_run
 from certreg.problem.moments import exact_moments
 from certreg.problem.problem import RegistrationProblem
 from certreg.problem.random_instances import (

@@ -75,30 +75,17 @@ class Measurements:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Quantity:
-    """What a sweep shows of every instance: fields of `Measurements`; which instance is worst."""
+    """What a sweep shows of every instance: a field of `Measurements`; which instance is worst."""
 
     name: str
-    label: str
-    predicted: str
+    title: str
     worst: Callable[[NDArray[np.float64]], Any]
 
 
 QUANTITIES = (
-    Quantity(
-        name="steps", label="steps of explicit Euler", predicted="predicted_steps", worst=np.max
-    ),
-    Quantity(
-        name="escape_times",
-        label="escape time from the best saddle",
-        predicted="predicted_escape_times",
-        worst=np.max,
-    ),
-    Quantity(
-        name="margins",
-        label="margin of the eigenvalues",
-        predicted="predicted_margins",
-        worst=np.min,
-    ),
+    Quantity(name="steps", title="Steps of\nexplicit Euler", worst=np.max),
+    Quantity(name="escape_times", title="Escape time from\nthe best saddle", worst=np.max),
+    Quantity(name="margins", title="Least gap of the\neigenvalues, relative", worst=np.min),
 )
 
 
@@ -120,13 +107,14 @@ class Sweep:
 
     def curves(self, quantity: Quantity) -> Curves:
         """A quantity along the family."""
-        values = [getattr(each, quantity.name) for each in self.measurements]
+        values, predicted = (
+            [getattr(each, name) for each in self.measurements]
+            for name in (quantity.name, f"predicted_{quantity.name}")
+        )
         return Curves(
             median=np.array([np.median(v) for v in values]),
             worst=np.array([quantity.worst(v) for v in values]),
-            predicted=np.array(
-                [np.median(getattr(each, quantity.predicted)) for each in self.measurements]
-            ),
+            predicted=np.array([np.median(v) for v in predicted]),
         )
 
 

@@ -21,6 +21,10 @@ if TYPE_CHECKING:
     from certreg.problem.problem import RegistrationProblem
 
 
+RAW_UNIT = 0  # the exponent of the unit of length: |s'| mixes lengths and angles, as in the paper
+SAME_SUM = 1e-12  # relative: of two ways to add 100 terms, a thousand times their rounding
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Particles:
     """A rigid body of particles on springs to a target whose centre is the origin.
@@ -100,12 +104,6 @@ class Particles:
         """V_p = sum k_i / 2 |y_i - R x_i - c|^2."""
         c, R, _, _ = parts(state)
         return float(self.springs / 2.0 @ ((self.target - self.arms @ R.T - c) ** 2).sum(axis=1))
-
-    def kinetic(self, state: NDArray[np.float64]) -> float:
-        """V_k = sum m_i / 2 |v + R (omega x x_i)|^2."""
-        _, R, v, omega = parts(state)
-        moving = v + np.cross(omega, self.arms) @ R.T
-        return float(self.masses / 2.0 @ (moving**2).sum(axis=1))
 
     def energy(self, state: NDArray[np.float64]) -> float:
         """V = V_k + V_p, with the kinetic energy of a rotation: M |v|^2 / 2 + omega^T J omega / 2.

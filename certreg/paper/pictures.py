@@ -10,9 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.paper.construction import coil, projected
-from certreg.paper.polygons import flipped, torques
-from certreg.paper.poses import LANDMARKS
+from certreg.paper.scenes import LANDMARKS, coil, flipped, projected, torques
 from certreg.paper.style import (
     BLACK,
     BLUE,
@@ -31,7 +29,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.paper.observations import Observations
-    from certreg.paper.polygons import Polygon, Turn
+    from certreg.paper.scenes import Polygon, Turn
 
 SHOWN_ANGLE = math.radians(40.0)  # of the polygons that are drawn
 LINES = ("-", "--", "-.", ":")

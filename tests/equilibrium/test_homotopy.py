@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 import strategies
 
-from certreg.equilibrium import homotopy
-from certreg.equilibrium.homotopy import HomotopyStatus, continuation
+from certreg.equilibrium import four_paths
+from certreg.equilibrium.four_paths import HomotopyStatus, continuation
 from certreg.equilibrium.tracking import LOST, REGULAR, SINGULAR, TrackerSettings
 from certreg.geometry.so3 import davenport_matrix
 from certreg.problem.moments import exact_moments
@@ -41,7 +41,7 @@ def test_lost_paths_are_tried_again_with_another_gamma(monkeypatch):
     K = davenports(1000)
     hasty = TrackerSettings(max_rounds=12)
     again = continuation(K, tracker=hasty)
-    monkeypatch.setattr(homotopy, "ATTEMPTS", 1)
+    monkeypatch.setattr(four_paths, "ATTEMPTS", 1)
     once = continuation(K, tracker=hasty)
 
     missing = [outcome is HomotopyStatus.INCOMPLETE for outcome in once.outcomes]
@@ -53,7 +53,7 @@ def test_lost_paths_are_tried_again_with_another_gamma(monkeypatch):
 @pytest.mark.slow
 def test_what_is_tried_again_is_told_of_its_last_attempt_and_the_others_of_their_first(monkeypatch):
     """Two of five lose their paths: one at the first attempt, one at two."""
-    K, followed, calls = davenports(5), homotopy._followed, list[int]()
+    K, followed, calls = davenports(5), four_paths._followed, list[int]()
     usual = continuation(K)
 
     def losing(scaled, *arguments):
@@ -63,7 +63,7 @@ def test_what_is_tried_again_is_told_of_its_last_attempt_and_the_others_of_their
         ends.codes[lost, 2], ends.conditions[lost, 2] = LOST, np.inf
         return ends
 
-    monkeypatch.setattr(homotopy, "_followed", losing)
+    monkeypatch.setattr(four_paths, "_followed", losing)
     found = continuation(K)
 
     assert calls == [5, 2, 1]
@@ -89,7 +89,7 @@ def test_what_is_tried_again_is_told_of_its_last_attempt_and_the_others_of_their
 )
 def test_as_many_ends_share_a_value_as_its_space_has_dimensions(values, coranks, pattern):
     """m ends belong to a space of m dimensions, whose Jacobian has the corank m - 1."""
-    ends = homotopy._Ends(
+    ends = four_paths.FourEnds(
         quaternions=np.eye(4)[None],
         values=np.array([values]),
         codes=np.array([[SINGULAR if corank else REGULAR for corank in coranks]], dtype=np.int8),
@@ -97,13 +97,13 @@ def test_as_many_ends_share_a_value_as_its_space_has_dimensions(values, coranks,
         conditions=np.ones((1, 4)),
     )
 
-    assert homotopy._shared(ends, 0) == pattern
+    assert four_paths._shared(ends, 0) == pattern
 
 
 def test_the_same_seed_gives_the_same_paths_and_another_the_same_roots(monkeypatch):
     K = davenports(5)
     one, same = continuation(K), continuation(K)
-    monkeypatch.setattr(homotopy, "SEED", homotopy.SEED + 1)
+    monkeypatch.setattr(four_paths, "SEED", four_paths.SEED + 1)
     other = continuation(K)
 
     assert np.array_equal(one.quaternions, same.quaternions)
@@ -156,8 +156,8 @@ def test_shorter_steps_after_a_failure_find_what_the_same_steps_do_not():
 
 
 def test_two_paths_that_end_at_the_same_root_are_not_called_complete(monkeypatch):
-    monkeypatch.setattr(homotopy, "SAME_ROOT", 1.6)  # 92 degrees: every pair counts as one
-    monkeypatch.setattr(homotopy, "ATTEMPTS", 2)
+    monkeypatch.setattr(four_paths, "SAME_ROOT", 1.6)  # 92 degrees: every pair counts as one
+    monkeypatch.setattr(four_paths, "ATTEMPTS", 2)
     ends = continuation(davenports(1))
 
     assert ends.outcomes == (HomotopyStatus.INCOMPLETE,)

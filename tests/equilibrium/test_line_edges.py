@@ -18,7 +18,7 @@ from certreg.equilibrium.line_ranks import DOUBTFUL_PLANES, PLANES, PRIMES, at_m
 from certreg.equilibrium.paths import REAL
 from certreg.equilibrium.tracking import REGULAR, SINGULAR
 
-HOMOTOPY = import_module("certreg.equilibrium.spring_homotopy")
+HOMOTOPY = import_module("certreg.equilibrium.homotopy")
 RANKS = import_module("certreg.equilibrium.line_ranks")
 
 

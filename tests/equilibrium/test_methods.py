@@ -14,8 +14,9 @@ import certreg as package
 from certreg.equilibrium import methods
 from certreg.equilibrium.critical_set import Completeness
 from certreg.equilibrium.equilibrium_set import unit_double
+from certreg.equilibrium.four_paths import HomotopyStatus, continuation
 from certreg.equilibrium.groebner import eliminate, fibres
-from certreg.equilibrium.homotopy import EigenBalls, HomotopyStatus, continuation
+from certreg.equilibrium.homotopy import EigenBalls
 from certreg.equilibrium.krawczyk import are_distinct, proved_root
 from certreg.equilibrium.methods import FINDERS, compare, search
 from certreg.errors import ContradictionError, InvalidProblemError, UndecidedError
@@ -39,8 +40,7 @@ def met(K):
     """What it is when all paths were lost and lie at one point."""
     ends = continuation(K)
     same = np.repeat(ends.quaternions[:, :1], 4, axis=1)
-    outcomes = (HomotopyStatus.INCOMPLETE,) * len(K)
-    return dataclasses.replace(ends, quaternions=same, outcomes=outcomes)
+    return dataclasses.replace(ends, quaternions=same, patterns=((),) * len(K))
 
 
 def critical_sets(problem):

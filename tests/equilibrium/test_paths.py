@@ -11,7 +11,7 @@ import pytest
 from certreg.equilibrium import paths
 from certreg.equilibrium.paths import LINES, PathsOutcome, critical_lines
 from certreg.equilibrium.quartics import FloatingQuartic, descended
-from certreg.equilibrium.tracking import LOST, REGULAR, PathStatus, TrackerSettings
+from certreg.equilibrium.tracking import LOST, REGULAR, TrackerSettings
 from certreg.objective.normalisation import levelled, levelled_exactly, norm_fourth
 from certreg.objective.quartics import MONOMIALS, gradient, hessian, value
 
@@ -88,7 +88,7 @@ def test_a_continuum_is_told():
 def test_a_constant_has_no_lines_to_track():
     found = critical_lines(0.1 * norm_fourth())
 
-    assert (found.outcome, len(found.points), found.statuses) == (PathsOutcome.CONSTANT, 0, ())
+    assert (found.outcome, len(found.points), len(found.codes)) == (PathsOutcome.CONSTANT, 0, 0)
 
 
 @pytest.mark.slow
@@ -131,7 +131,7 @@ def test_where_paths_are_lost_all_are_tried_again_and_it_is_said_if_that_does_no
 
     assert found.outcome is PathsOutcome.INCOMPLETE
     assert found.attempts <= paths.ATTEMPTS
-    assert PathStatus.LOST in found.statuses
+    assert LOST in found.codes
 
 
 def test_one_attempt_more_is_enough_where_the_first_lost_a_path(monkeypatch):

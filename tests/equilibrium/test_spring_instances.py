@@ -165,7 +165,7 @@ def test_an_energy_that_is_constant_has_no_rows():
 
 
 def test_the_numbers_do_not_depend_on_threads_or_portions(monkeypatch):
-    batch = import_module("certreg.equilibrium.spring_batch")
+    batch = import_module("certreg.equilibrium.line_batch")
     source, target, springs = arrays(instances(CELLS[2]))
     monkeypatch.setattr(batch, "PORTION", 1)
     calls = list[tuple[int, int]]()

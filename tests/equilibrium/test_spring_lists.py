@@ -20,6 +20,7 @@ from benchmarks.rates import spring_lists
 from certreg import RegistrationProblem
 from certreg.equilibrium.critical_set import Completeness, Critical
 from certreg.equilibrium.equilibrium_set import unit_double
+from certreg.equilibrium.homotopy import proved_list
 from certreg.equilibrium.line_boxes import BallQuartic, all_different, boxed, index_of
 from certreg.equilibrium.line_ranks import (
     PRIMES,
@@ -31,7 +32,6 @@ from certreg.equilibrium.line_ranks import (
 from certreg.equilibrium.line_set import Finiteness, line_set
 from certreg.equilibrium.methods import compare, search
 from certreg.equilibrium.paths import critical_lines
-from certreg.equilibrium.spring_homotopy import by_forty_paths
 from certreg.errors import ContradictionError
 from certreg.objective.isotropic import Isotropic
 from certreg.objective.normalisation import levelled_exactly, norm_fourth
@@ -41,7 +41,7 @@ from certreg.problem.moments import exact_moments
 from certreg.results import Guarantee
 
 CLOUDS = (degenerate_springs.POINTS, np.asarray(degenerate_springs.isotropic().target))
-HOMOTOPY = import_module("certreg.equilibrium.spring_homotopy")
+HOMOTOPY = import_module("certreg.equilibrium.homotopy")
 RANKS = import_module("certreg.equilibrium.line_ranks")
 
 
@@ -381,7 +381,7 @@ def twins_of_springs(off: float) -> Springs:
 @pytest.mark.parametrize("exponent", [20, 100, 400])
 def test_the_first_of_a_list_is_the_best_however_little_the_next_costs_more(exponent: int):
     """The sign of the number says which of two rotations, half a turn apart, is the better one."""
-    one, other = (by_forty_paths(twins_of_springs(sign * 2.0**-exponent)) for sign in (1, -1))
+    one, other = (proved_list(twins_of_springs(sign * 2.0**-exponent)) for sign in (1, -1))
     first, second = (unit_double(part.quaternion) for part in one.components[:2])
 
     assert (one.tied, other.tied) == (1, 1)
@@ -391,7 +391,7 @@ def test_the_first_of_a_list_is_the_best_however_little_the_next_costs_more(expo
 
 @pytest.mark.slow
 def test_two_of_one_energy_tie():
-    assert by_forty_paths(twins_of_springs(0.0)).tied == 2
+    assert proved_list(twins_of_springs(0.0)).tied == 2
 
 
 def test_a_rank_over_the_rationals_is_not_that_of_one_prime():

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from certreg.paper.terminal import closing_line
+from certreg.paper.derivation import closing_line
 from certreg.results import Ruling, Verdict
 
 

@@ -7,16 +7,15 @@ from dataclasses import replace
 from fractions import Fraction
 
 import pytest
+from certreg.paper.claims import Evidence
 
 from certreg.certificate.checking import verify
 from certreg.certificate.count import count_certificate
 from certreg.errors import InvalidProblemError
 from certreg.objective.classification import classify
-from certreg.paper import counterexamples as certifying
 from certreg.paper import derivation
-from certreg.paper.counterexamples import certified_clouds, in_integers
-from certreg.paper.evidence import Evidence
-from certreg.paper.verdicts import ClaimVerdict
+from certreg.paper import verdicts as certifying
+from certreg.paper.verdicts import ClaimVerdict, certified_clouds, in_integers
 from certreg.problem.moments import exact_moments
 
 ROWS = {row.number: row for row in derivation.paper_claims()}

@@ -13,19 +13,18 @@ import pytest
 from strategies import random_problem
 
 from certreg.paper import (
-    counterexamples,
-    dynamics_claims,
-    equilibrium_claims,
+    claims,
     monte_carlo,
     observations,
     pictures,
-    simulations,
+    scheme,
+    verdicts,
 )
 from certreg.paper.equilibria import equilibrium_run, signs
 from certreg.paper.figures import _first_rises, angle_errors, typical
 from certreg.paper.monte_carlo import MonteCarlo, pieces, solved
 from certreg.paper.observations import Setup
-from certreg.paper.polygons import SQUARE, TRIANGLE, flipped
+from certreg.paper.scenes import SQUARE, TRIANGLE, flipped
 from certreg.paper.scheme import descend
 from certreg.problem.problem import RegistrationProblem
 
@@ -50,12 +49,12 @@ def problem() -> RegistrationProblem:
 def test_a_later_rise_is_none_of_the_first_step():
     falling = of(first_rise=-2e-6, predicted_rise=-2e-6, rises=3)
     rising = of(first_rise=4e-6, predicted_rise=4e-6, rises=7)
-    found = dynamics_claims.rising_energy(observed(simulations=[rising, falling]), CLOUD)
+    found = claims.rising_energy(observed(simulations=[rising, falling]), CLOUD)
 
     assert "in the first step of 1 of 2 runs, by -2 to 4 millionths" in found.words
     assert "in 3 to 7 steps of each run" in found.words
     assert not found.agrees
-    assert dynamics_claims.rising_energy(observed(simulations=[rising] * 2), CLOUD).agrees
+    assert claims.rising_energy(observed(simulations=[rising] * 2), CLOUD).agrees
 
 
 @pytest.mark.parametrize(
@@ -63,15 +62,15 @@ def test_a_later_rise_is_none_of_the_first_step():
 )
 def test_explicit_euler_is_stable_for_the_centre_between_two_dampings(damping: float, small):
     """h = 0.01 is below mu / 2, and h mu below 2."""
-    assert dynamics_claims._small_step(of(setup=Setup(damping=damping))) == small
+    assert claims._small_step(of(setup=Setup(damping=damping))) == small
 
 
 @pytest.mark.parametrize(("end", "agrees"), [(1.5, True), (4.5, False)])
 def test_the_square_out_of_the_plane_is_told_from_its_start_to_its_end(monkeypatch, end, agrees):
     run = of(rotation=None, potential=np.array([4.25, end]), steps=31, stopped=True)
-    monkeypatch.setattr(dynamics_claims, "descend", lambda *_: run)
-    monkeypatch.setattr(dynamics_claims, "_off", lambda *_: 179.6)
-    found = dynamics_claims.out_of_the_plane(observed(), CLOUD)
+    monkeypatch.setattr(claims, "descend", lambda *_: run)
+    monkeypatch.setattr(claims, "_off", lambda *_: 179.6)
+    found = claims.out_of_the_plane(observed(), CLOUD)
 
     assert "after 31 steps, 180° from the optimum" in found.words
     assert found.words.endswith(f"V from 4.2500 to {end:.4f}")
@@ -85,11 +84,11 @@ def test_the_energy_must_rise_at_the_shear_where_a_fall_is_claimed(
     monkeypatch, rises, claimed, agrees
 ):
     body = of(energy_rate=lambda _: rises, dissipation=lambda _: claimed)
-    monkeypatch.setattr(equilibrium_claims.Particles, "of", lambda _: body)
+    monkeypatch.setattr(claims.Particles, "of", lambda _: body)
     seen = observed()
     seen.comparisons = [of(dissipation=1e-15), of(dissipation=1e-14)]
 
-    assert equilibrium_claims.energy_rate(seen, CLOUD).agrees == agrees
+    assert claims.energy_rate(seen, CLOUD).agrees == agrees
 
 
 def test_the_worst_state_is_what_a_comparison_tells():
@@ -132,15 +131,15 @@ def test_a_simulation_out_of_steps_did_not_diverge_and_one_beyond_the_doubles_di
 
 
 def test_rises_are_counted_of_each_energy_and_rest_is_told_by_the_rates(monkeypatch):
-    real = simulations.simulate
+    real = scheme.simulate
 
     def faster(*arguments: Any) -> Any:
         found = replace(real(*arguments))
         vars(found)["speed"] = 1.1e-4
         return found
 
-    monkeypatch.setattr(simulations, "simulate", faster)
-    run = simulations.simulation_run(problem(), np.eye(3))
+    monkeypatch.setattr(scheme, "simulate", faster)
+    run = scheme.simulation_run(problem(), np.eye(3))
     energy, potential = run.descent.energy, run.descent.potential
     least = 1e-12 * energy[0]
 
@@ -235,7 +234,7 @@ def test_weights_of_a_counterexample_are_integers_in_their_own_unit():
         target=[[0.25, 0, 0], [0, 1, 0], [0, 0, 1]],
         weights=[1, 2, 3],
     )
-    made = counterexamples.in_integers(cloud)
+    made = verdicts.in_integers(cloud)
 
     assert made.weights.tolist() == [1.0, 2.0, 3.0]
     assert made.source[0, 0] == 2.0

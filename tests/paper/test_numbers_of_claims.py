@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from certreg.paper import derivation, documents, monte_carlo
-from certreg.paper.counterexamples import in_doubles
-from certreg.paper.verdicts import MEASURED
+from certreg.paper.claims import MEASURED
+from certreg.paper.verdicts import in_doubles
 
 if TYPE_CHECKING:
     from pathlib import Path

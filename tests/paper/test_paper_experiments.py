@@ -10,7 +10,6 @@ import pytest
 from strategies import random_problem, random_rotation
 
 from certreg.geometry.so3 import quaternion_from_matrix
-from certreg.paper.construction import LINKS, coil, projected, scene
 from certreg.paper.equilibria import (
     angle,
     arccos_angle,
@@ -21,16 +20,20 @@ from certreg.paper.equilibria import (
 )
 from certreg.paper.observations import compare
 from certreg.paper.particles import Particles, at_rest, hat, parts
-from certreg.paper.polygons import (
+from certreg.paper.scenes import (
+    LANDMARKS,
+    LINKS,
     SQUARE,
     TRIANGLE,
+    coil,
     exact_sums,
+    gallery,
+    projected,
+    scene,
     turn,
     turned_over,
 )
-from certreg.paper.poses import LANDMARKS, gallery
-from certreg.paper.scheme import STEP, descend
-from certreg.paper.simulations import simulation_run
+from certreg.paper.scheme import STEP, descend, simulation_run
 from certreg.problem.problem import RegistrationProblem
 
 each_polygon = pytest.mark.parametrize("polygon", [TRIANGLE, SQUARE], ids=lambda p: p.name)
@@ -74,7 +77,6 @@ def test_the_two_forms_of_the_kinetic_energy_agree_on_rotations():
 
     whole = particles.mass * v @ v / 2 + omega @ particles.inertia @ omega / 2
 
-    assert particles.kinetic(state) == pytest.approx(whole, rel=1e-13)
     assert particles.energy(state) == pytest.approx(particles.potential(state) + whole, rel=1e-13)
 
 
@@ -241,10 +243,9 @@ def test_the_drawn_torques_are_those_of_the_springs_in_space(polygon):
     cloud = np.column_stack([corners, np.zeros(len(corners))])
 
     np.testing.assert_allclose(np.linalg.norm(corners, axis=1), 1.0, rtol=1e-15)
-    for theta, torques, energy in zip(found.angles, found.torques, found.energies, strict=True):
+    for theta, torques in zip(found.angles, found.torques, strict=True):
         moved = cloud @ turned_over(polygon, theta).T
         np.testing.assert_allclose(torques, np.cross(moved, 2 * (cloud - moved))[:, 2], atol=1e-14)
-        assert energy == pytest.approx(((cloud - moved) ** 2).sum(), rel=1e-14)
     assert np.abs(found.torques).max() > 1.9
     assert set(found.unstable) == {1}
 
@@ -262,15 +263,11 @@ def test_turning_over_is_a_rotation_by_half_a_turn(polygon):
 
 def test_the_construction_shows_the_papers_start():
     shown = scene()
-    stretched = shown.target - shown.source
 
     assert len(shown.source) == len(shown.target) == 10
     assert {i for link in LINKS for i in link} == set(range(10))
     np.testing.assert_allclose(shown.centres[1], shown.target.mean(axis=0), atol=1e-15)
     np.testing.assert_allclose(shown.centres[0], shown.source.mean(axis=0), atol=1e-15)
-    np.testing.assert_allclose(shown.force, 2 * stretched.sum(axis=0), rtol=1e-12)
-    arms = shown.source - shown.centres[0]
-    np.testing.assert_allclose(shown.torque, 2 * np.cross(arms, stretched).sum(axis=0), rtol=1e-9)
 
 
 def test_the_body_of_the_construction_is_the_scene_moved_but_for_noise():
@@ -306,16 +303,13 @@ def test_the_gallery_has_the_four_equilibria_of_the_head():
     best, *others = shown.poses
 
     assert [pose.index for pose in shown.poses] == [0, 1, 2, 3]
-    assert best.axis is None
     for pose in shown.poses:
         rmse = math.sqrt(((pose.points - shown.target) ** 2).sum(axis=1).mean())
         assert pose.rmse == pytest.approx(rmse, rel=1e-9)
     for pose in others:
         assert pose.angle == pytest.approx(180.0, abs=1e-9)
-        axis = pose.axis
-        assert axis is not None
-        half_turn = 2 * np.outer(axis, axis) - np.eye(3)
-        np.testing.assert_allclose(best.points @ half_turn, pose.points, atol=1e-9)
+        middles = best.points + pose.points  # of a half turn, all on its axis
+        assert np.linalg.matrix_rank(middles, tol=1e-8) == 1
 
 
 def test_the_landmarks_are_nose_and_ears():

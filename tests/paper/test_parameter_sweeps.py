@@ -20,6 +20,7 @@ from certreg.dynamics.integrators import SimulationSettings
 from certreg.equilibrium.batch import solve_many
 from certreg.native.loops import Integrator
 from certreg.paper import parameter_sweeps as sweeping
+from certreg.paper.map_figures import WORDS, sweep_drawings
 from certreg.paper.parameter_families import CUBE, FAMILIES, Family, limit_margin, margin
 from certreg.paper.parameter_sweeps import (
     QUANTITIES,
@@ -30,7 +31,6 @@ from certreg.paper.parameter_sweeps import (
     measurements,
     sweep_rows,
 )
-from certreg.paper.sweep_figures import WORDS, sweep_drawings
 from certreg.problem.motion import DEFAULT_DAMPING
 from certreg.problem.random_instances import gaussian_instances
 

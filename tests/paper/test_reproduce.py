@@ -19,11 +19,16 @@ from matplotlib.figure import Figure
 from certreg.cli.progress import Stages
 from certreg.native.engine import current_engine
 from certreg.native.layout import plain
-from certreg.paper import derivation, dynamics_claims, equilibria, scheme, verdicts
-from certreg.paper.counterexamples import in_doubles
+from certreg.paper import claims, derivation, equilibria, scheme, verdicts
+from certreg.paper.claims import MEASURED, listed, rough
 from certreg.paper.derivation import proving
-from certreg.paper.documents import claim_text, closing_text, markdown, reproduction_document
-from certreg.paper.evidence import listed, rough
+from certreg.paper.documents import (
+    claim_text,
+    closing_text,
+    html_page,
+    markdown,
+    reproduction_document,
+)
 from certreg.paper.figures import (
     _boxes,
     _caption,
@@ -34,11 +39,10 @@ from certreg.paper.figures import (
     typical,
 )
 from certreg.paper.observations import Observations, Setup, observe
-from certreg.paper.page import html_page
 from certreg.paper.particles import Particles
 from certreg.paper.pictures import construction_drawing
 from certreg.paper.style import DPI, WIDTH, written
-from certreg.paper.verdicts import MEASURED, reproduce
+from certreg.paper.verdicts import in_doubles, reproduce
 from certreg.problem.problem import RegistrationProblem
 from certreg.results import Ruling, Verdict
 
@@ -648,7 +652,7 @@ def test_the_command_confirms_every_finding_and_writes_everything(
 @pytest.mark.slow
 def test_a_finding_that_is_not_confirmed_is_exit_code_1(tmp_path: Path, monkeypatch, drawn):
     monkeypatch.setattr("certreg.cli.reproducing.paper_drawings", lambda seen: drawn[:0])
-    monkeypatch.setattr(dynamics_claims, "SPIRAL_RATIO", 1.0)
+    monkeypatch.setattr(claims, "SPIRAL_RATIO", 1.0)
 
     run = certreg("reproduce", "--runs", "1", "--no-proofs", "--out", tmp_path)
 

@@ -10,14 +10,14 @@ from typing import Any
 
 import numpy as np
 import pytest
+from certreg.certificate.basin import Barrier, barrier_of, basin_of_springs
+from certreg.equilibrium.line_batch import QuarticSolutions
 
 from certreg.certificate import basin as basins
-from certreg.certificate.basin import Barrier, barrier_of, basin_of_springs
 from certreg.certificate.producing_consensus import UNDECIDED, ProvedConsensus
 from certreg.equilibrium.breaking import Labels
 from certreg.equilibrium.equilibrium_set import WEAK_MARGIN, EquilibriumSet
 from certreg.equilibrium.line_set import Finiteness, LineSet
-from certreg.equilibrium.spring_batch import QuarticSolutions
 from certreg.objective.classification import Classification
 from certreg.registration import headlines
 from certreg.registration.breaking import BreakingEquilibria, BreakingEquilibrium, SimulatedBreaking

@@ -27,7 +27,7 @@ import numpy as np
 from flint import acb_mat, arb, arb_mat, ctx, nmod_mat
 
 from certreg.equilibrium.groebner import GROEBNER
-from certreg.equilibrium.line_boxes import BallQuartic
+from certreg.equilibrium.line_boxes import BallQuartic, critical_at
 from certreg.equilibrium.line_ranks import (
     LineCount,
     at_most_forty,
@@ -42,19 +42,16 @@ from certreg.equilibrium.line_set import (
     Finiteness,
     LineSet,
     constant_set,
-    critical_of,
     finiteness_of,
     line_set,
 )
 from certreg.errors import UndecidedError
-from certreg.exact.balls import fixed_point, negative_eigenvalues, orthonormal, radius_bits
+from certreg.exact.balls import negative_eigenvalues, radius_bits
 from certreg.objective.normalisation import levelled_exactly
-from certreg.results import Guarantee
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from certreg.equilibrium.critical_set import Critical
     from certreg.objective.normalisation import LevelledExactly
     from certreg.objective.springs import Springs
 
@@ -225,7 +222,13 @@ def _listed(objective: Springs, levelled: LevelledExactly, lines: list[tuple[arb
     """The list of proved lines, by ascending energy."""
     quartic = BallQuartic(levelled)
     with ctx.workprec(MOST_BITS):
-        parts = [(_critical(objective, quartic, q), quartic.level(q)) for q in lines]
+        parts = [
+            (
+                critical_at(objective, q, negative_eigenvalues(quartic.curvature(q)), BITS),
+                quartic.level(q),
+            )
+            for q in lines
+        ]
     least = min((level for _, level in parts), key=lambda level: level.mid())
     parts.sort(key=lambda part: (bool(part[1] > least), part[0].value))
     return line_set(
@@ -236,13 +239,6 @@ def _listed(objective: Springs, levelled: LevelledExactly, lines: list[tuple[arb
         tied=sum(not bool(level > least) for _, level in parts),
         bits=BITS,
     )
-
-
-def _critical(objective: Springs, quartic: BallQuartic, q: tuple[arb, ...]) -> Critical:
-    (unit,) = orthonormal([q], 1)
-    vector = [fixed_point(entry, BITS) for entry in unit]
-    index = negative_eigenvalues(quartic.curvature(q))
-    return critical_of(objective, vector, index, Guarantee.ENCLOSED)
 
 
 def _are_told(lines: Sequence[tuple[arb, ...]]) -> bool:

@@ -17,9 +17,9 @@ import numpy as np
 
 from certreg.equilibrium.batch import clouds, require_finite
 from certreg.equilibrium.equilibrium_set import unit_double
+from certreg.equilibrium.homotopy import proved_list
 from certreg.equilibrium.paths import CriticalLines, PathsOutcome, many_critical_lines
 from certreg.equilibrium.quartics import LEAST_CURVATURE, StackedQuartics
-from certreg.equilibrium.spring_homotopy import proved_list
 from certreg.exact.dyadic import nearest_double
 from certreg.geometry.so3 import rotation_matrix
 from certreg.objective.normalisation import levelled

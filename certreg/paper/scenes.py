@@ -1,8 +1,9 @@
-"""The paper's symmetric clouds: triangle and square that balance flipped, at every angle.
+"""Clouds that are drawn: the paper's construction, its symmetric clouds, poses of a real cloud.
 
-The target is a regular polygon, and the source the same polygon turned by theta and flipped over.
-Each spring turns the source one way or the other; the turns cancel whatever theta is. Exactly:
-with cos and sin as quadratic forms in two numbers, all sums are polynomials, and zero.
+Triangle and square balance flipped, at every angle: the target is a regular polygon, and the source
+the same polygon turned by theta and flipped over. Each spring turns the source one way or the
+other; the turns cancel whatever theta is. Exactly: with cos and sin as quadratic forms in two
+numbers, all sums are polynomials, and zero.
 """
 
 from __future__ import annotations
@@ -15,14 +16,78 @@ import numpy as np
 
 from certreg._loading import library
 from certreg.dynamics.rigid import rigid_body
+from certreg.geometry.so3 import rotation_matrix
 from certreg.paper.equilibria import signs
-from certreg.paper.particles import Particles, at_rest
-from certreg.paper.scheme import RAW_UNIT
+from certreg.paper.particles import RAW_UNIT, Particles, at_rest
 from certreg.problem.moments import exact_moments
 from certreg.problem.problem import RegistrationProblem
+from certreg.registration.enumeration import equilibria
+from certreg.registration.examples import STORIES, stated
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
+
+
+HOUSE = (
+    *((-1.0, -0.7, 0.0), (1.0, -0.7, 0.0), (1.0, 0.7, 0.0), (-1.0, 0.7, 0.0)),
+    *((-1.0, -0.7, 1.0), (1.0, -0.7, 1.0), (1.0, 0.7, 1.0), (-1.0, 0.7, 1.0)),
+    *((-1.0, 0.0, 1.7), (1.0, 0.0, 1.7)),
+)
+LINKS = (
+    *((0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4)),
+    *((0, 4), (1, 5), (2, 6), (3, 7), (4, 8), (7, 8), (5, 9), (6, 9), (8, 9)),
+)
+TURN = (math.cos(0.4), math.sin(0.4) * 0.36, math.sin(0.4) * 0.48, math.sin(0.4) * 0.8)
+SHIFT = (2.9, -0.9, 0.5)
+NOISE = 0.08  # large enough to be seen
+COILS, ZIGZAG = 16, 0.05  # of a drawn spring: turns, and half its width in the unit of length
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Scene:
+    """The body at the paper's start. Lengths in the unit of the clouds.
+
+    source, target: (N, 3); links: pairs of points that the rigid body is drawn with.
+    centres: (2, 3), of the source and the target.
+    """
+
+    source: NDArray[np.float64]
+    target: NDArray[np.float64]
+    links: tuple[tuple[int, int], ...]
+    centres: NDArray[np.float64]
+
+
+def scene() -> Scene:
+    """A house whose source is turned, moved and disturbed: the same picture every time."""
+    house = np.array(HOUSE)
+    R = np.array(rotation_matrix(TURN))
+    noise = NOISE * np.random.default_rng(0).standard_normal(house.shape)
+    problem = RegistrationProblem(house @ R.T + SHIFT + noise, house)
+    particles = Particles.of(problem)
+    return Scene(
+        source=particles.source,
+        target=particles.target,
+        links=LINKS,
+        centres=np.array([particles.centre, np.zeros(3)]),
+    )
+
+
+def projected(points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Points (N, 3) as seen from the front right and above, without perspective, (N, 2)."""
+    across, up = math.radians(-28.0), math.radians(20.0)
+    x = math.cos(across) * points[:, 0] + math.sin(across) * points[:, 1]
+    away = -math.sin(across) * points[:, 0] + math.cos(across) * points[:, 1]
+    return np.column_stack([x, math.cos(up) * points[:, 2] + math.sin(up) * away])
+
+
+def coil(start: NDArray[np.float64], end: NDArray[np.float64]) -> NDArray[np.float64]:
+    """A spring from one point of the plane to another as a zigzag line, (k, 2)."""
+    along = end - start
+    across = np.array([-along[1], along[0]]) / (np.linalg.norm(along) or 1.0)
+    places = np.concatenate([[0.0], np.linspace(0.15, 0.85, 2 * COILS + 1), [1.0]])
+    sides = np.concatenate([[0.0, 0.0], np.resize([1.0, -1.0], 2 * COILS - 1), [0.0, 0.0]])
+    return start + np.outer(places, along) + ZIGZAG * np.outer(sides, across)
+
 
 Plane = tuple[Any, Any]  # a point of the plane, or a row of a 2x2 matrix; any ring
 
@@ -60,13 +125,12 @@ class Turn:
     """A polygon flipped and turned by every theta, springs of stiffness 2, circumradius 1.
 
     angles: (L,), radians. torques: (L, corners), of each spring about the centre. sides: (L, ...)
-    energies: (L,), V_p. unstable: (L,), eigenvalues with positive real part.
+    unstable: (L,), eigenvalues with positive real part.
     """
 
     polygon: Polygon
     angles: NDArray[np.float64]
     torques: NDArray[np.float64]
-    energies: NDArray[np.float64]
     unstable: NDArray[np.int64]
 
 
@@ -105,7 +169,6 @@ def turn(polygon: Polygon, damping: float, steps: int = 360) -> Turn:
     cloud = np.column_stack([corners, np.zeros(len(corners))])
     problem = RegistrationProblem(cloud, cloud, damping=damping)
     moving = rigid_body(exact_moments(problem), damping, length_exponent=RAW_UNIT)
-    particles = Particles.of(problem)
     angles = np.linspace(0.0, 2.0 * math.pi, steps + 1)
     states = [at_rest(turned_over(polygon, theta)) for theta in angles.tolist()]
     pulls = [
@@ -117,7 +180,6 @@ def turn(polygon: Polygon, damping: float, steps: int = 360) -> Turn:
         polygon=polygon,
         angles=angles,
         torques=2.0 * np.array(pulls),
-        energies=np.array([particles.potential(state) for state in states]),
         unstable=np.array([signs(values.astype(np.complex128)).right for values in jacobians]),
     )
 
@@ -132,4 +194,48 @@ def turned_over(polygon: Polygon, theta: float) -> NDArray[np.float64]:
             [sin * a + cos * c, sin * b + cos * d, 0.0],
             [0.0, 0.0, -1.0],
         ]
+    )
+
+
+HEAD = STORIES[1]
+LANDMARKS = {"nose": 2, "left ear": 0, "right ear": 1}  # rows Nz, LPA, RPA of both files
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Posed:
+    """The source at one equilibrium, both clouds with the target's centre as the origin.
+
+    points: (N, 3), moved; index: how many independent turns lower the energy; rmse: in mm; angle:
+    degrees to the optimum.
+    """
+
+    points: NDArray[np.float64]
+    index: int
+    rmse: float
+    angle: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Gallery:
+    """The target, (N, 3) in mm about its centre, and the source at each equilibrium."""
+
+    target: NDArray[np.float64]
+    poses: tuple[Posed, ...]
+
+
+def gallery() -> Gallery:
+    """The packaged electrodes on two heads, at all of their equilibria."""
+    problem = stated(HEAD)
+    particles = Particles.of(problem)
+    return Gallery(
+        target=particles.target,
+        poses=tuple(
+            Posed(
+                points=particles.arms @ each.rotation.T,
+                index=each.morse_index,
+                rmse=each.rmse or 0.0,
+                angle=float(np.degrees(each.angle_to_optimum)),
+            )
+            for each in equilibria(problem).components
+        ),
     )
