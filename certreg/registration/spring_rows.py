@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.problem.arrays import row_blocks
+from certreg.problem.arrays import lengths, row_blocks
 from certreg.registration.covariance import Residual
 from certreg.results import Brief
 
@@ -134,14 +134,14 @@ class ResidualSums(Brief):
     @classmethod
     def of(cls, problem: RegistrationProblem, pose: Pose, count: int) -> ResidualSums:
         """Of the pose of a problem; count: of the worst rows."""
-        total = squares = 0.0
+        total = norm = 0.0
         counted, worst = 0, list[Residual]()
         sample: list[NDArray[np.float64]] = []
         step = -(-problem.n // SAMPLED)
         for rows, at in blocks_at(problem, pose):
             told = np.isfinite(at.along)
             total += float(at.stiffness.sum())
-            squares += float(at.stiffness @ at.stiffness)
+            norm = math.hypot(norm, *lengths(at.stiffness[np.newaxis]))
             counted += int(np.count_nonzero(at.stiffness))
             order = np.argsort(-np.where(told, at.along, -1.0), kind="stable")[:count]
             worst += [
@@ -154,7 +154,7 @@ class ResidualSums(Brief):
         seen = np.concatenate(sample)
         return cls(
             stiffness=total,
-            effective_rows=total * (total / squares) if squares else 0.0,
+            effective_rows=(total / norm) ** 2 if norm else 0.0,
             rows=counted,
             worst=tuple(worst),
             median=float(np.median(seen)) if len(seen) else 0.0,

@@ -148,6 +148,17 @@ def test_residuals_of_planes_and_lines_are_the_distances_to_them():
         assert found.rmse == pytest.approx(np.sqrt(np.mean(found.residuals**2)))
 
 
+@pytest.mark.parametrize("size", [1e-100, 1e100])
+def test_normals_of_any_length_leave_the_noise_that_the_residuals_tell(size: float):
+    given = plane(np.random.default_rng(7), 20, 0.05)
+    clouds, normals = (given.source, given.target), given.springs["normals"]
+    one, other = (certify(*clouds, normals=times * normals) for times in (1.0, size))
+
+    assert one.covariance is not None
+    assert other.covariance is not None
+    assert other.covariance.rotation_sigma == pytest.approx(one.covariance.rotation_sigma)
+
+
 def test_more_noise_than_was_given_is_warned_of_and_less_is_not():
     assert registered("plane", sigma=0.05).fit.warnings == ()
     warned = registered("plane", sigma=0.001)
