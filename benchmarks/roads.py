@@ -27,10 +27,10 @@ from certreg.exact.balls import exact_matrix
 from certreg.geometry.so3 import davenport_matrix
 from certreg.io.problems import read_problem
 from certreg.objective.classification import pattern_of
-from certreg.objective.polynomials import multiplier_system
 from certreg.problem.moments import exact_moments
 from tests.oracles.exports import as_msolve, as_phcpack, as_singular, value_unit
 from tests.oracles.groebner_basis import rotation_ideal
+from tests.oracles.polynomials import multiplier_system
 from tests.oracles.systems import quaternion_system
 
 if TYPE_CHECKING:
