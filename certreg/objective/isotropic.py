@@ -29,18 +29,18 @@ from certreg.geometry.so3 import (
 from certreg.native.eigenbasis import FIXED_BITS, fixed_eigenbasis
 from certreg.objective.classification import classify, with_pattern
 from certreg.objective.form import Form, Reduced, bordered
+from certreg.objective.objective import Objective
 from certreg.objective.scaling import Scaling
 from certreg.objective.structure import Structure
 from certreg.problem.exact_sums import UPPER
 from certreg.problem.moments import exact_moments, trace
-from certreg.results import Brief
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from certreg.exact.spaces import IntegerQuaternion
     from certreg.geometry.constraints import SquareMatrix
-    from certreg.geometry.so3 import Matrix4, T, Vector3, Vector4
+    from certreg.geometry.so3 import Matrix4, Vector3
     from certreg.objective.classification import Classification, Pattern
     from certreg.problem.moments import ExactMoments
     from certreg.problem.problem import RegistrationProblem
@@ -50,7 +50,7 @@ KEPT = 16  # alignments that are asked for again
 
 
 @dataclass(frozen=True)
-class Isotropic(Brief):
+class Isotropic(Objective):
     """The objective of the exact moments of a problem; see `Objective`.
 
     Davenport's matrix, its classification and its eigenspaces are made once, when first asked for.
@@ -169,11 +169,6 @@ class Isotropic(Brief):
         return power_of_two(self.moments.weight_exponent + 2 * self._least) / self.moments.mass
 
     @property
-    def free_translations(self) -> tuple[Vector3[Fraction], ...]:
-        """None: every spring resists every shift."""
-        return ()
-
-    @property
     def _least(self) -> int:
         return min(self.moments.source_exponent, self.moments.target_exponent)
 
@@ -189,48 +184,11 @@ class Isotropic(Brief):
         """One unit of `moments.cross` is 2^places of `unit`."""
         return self.moments.source_exponent + self.moments.target_exponent - 2 * self._least
 
-    @cached_property
-    def _matrix(self) -> list[list[int]]:
-        """K in units of `unit`."""
-        return [[entry << self._places for entry in row] for row in self.davenport]
-
     def form(self) -> SquareMatrix[int]:
         """Q with V(R) = unit * r^T Q r, r = (1, vec R): nothing but a border."""
         cross = [[-entry << self._places for entry in row] for row in self.moments.cross]
         border: tuple[Any, ...] = homogeneous(cross, unit=self._spread)
         return (border, *((entry, *[0] * (len(border) - 1)) for entry in border[1:]))
-
-    def value(self, q: Sequence[T]) -> T:
-        """F(q) = |q|^2 (s |q|^2 - 2 q^T K q), s the spread."""
-        norm: Any = squared_norm(q)
-        matrix: Any = self._matrix
-        return norm * (self._spread * norm - 2 * quadratic_form(matrix, q))
-
-    def gradient(self, q: Sequence[T]) -> Vector4[T]:
-        """4 (s |q|^2 - q^T K q) q - 4 |q|^2 K q."""
-        norm, image, common = self._parts(q)
-        a, b, c, d = (4 * (common * e - norm * i) for e, i in zip(q, image, strict=True))
-        return (a, b, c, d)
-
-    def hessian(self, q: Sequence[T]) -> Matrix4[T]:
-        """4 (s |q|^2 - q^T K q) I - 4 |q|^2 K + 8 (s q q^T - q (K q)^T - (K q) q^T)."""
-        norm, image, common = self._parts(q)
-        entries: Any = tuple(
-            tuple(
-                4 * (common * int(i == j) - norm * entry)
-                + 8 * (self._spread * q[i] * q[j] - q[i] * image[j] - image[i] * q[j])
-                for j, entry in enumerate(row)
-            )
-            for i, row in enumerate(self._matrix)
-        )
-        return entries
-
-    def _parts(self, q: Sequence[T]) -> tuple[Any, list[Any], Any]:
-        """|q|^2, K q and s |q|^2 - q^T K q."""
-        matrix: Any = self._matrix
-        norm: Any = squared_norm(q)
-        image = [dot(row, q) for row in matrix]
-        return norm, image, self._spread * norm - dot(image, q)
 
     def best_translation(self, q: Sequence[int]) -> Vector3[Fraction]:
         """The translation mean(y) - R(q) mean(x): the minimiser at fixed rotation."""

@@ -21,6 +21,7 @@ from certreg.geometry.constraints import homogeneous
 from certreg.geometry.so3 import dot, quadratic_form, rotation_matrix, squared_norm
 from certreg.objective import quartics
 from certreg.objective.form import FULL, Form, Reduced, bordered
+from certreg.objective.objective import Objective
 from certreg.objective.structure import Structure
 from certreg.problem.exact_sums import UPPER
 from certreg.problem.stiffness import spring_moments
@@ -32,7 +33,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.geometry.constraints import SquareMatrix
-    from certreg.geometry.so3 import Matrix4, T, Vector3, Vector4
+    from certreg.geometry.so3 import Vector3
     from certreg.problem.motion import Motion
     from certreg.problem.problem import RegistrationProblem
     from certreg.problem.stiffness import SpringMoments
@@ -53,7 +54,7 @@ class MassMoments(Brief):
 
 
 @dataclass(frozen=True)
-class Springs(Brief):
+class Springs(Objective):
     """The objective of the exact moments of springs that are matrices; see `Objective`.
 
     motion: without a translation the moments are those about the origin. For searches in doubles
@@ -100,26 +101,9 @@ class Springs(Brief):
 
     # --- the objective
 
-    @cached_property
-    def quartic(self) -> tuple[int, ...]:
-        """The 35 coefficients of F, in the order of `quartics.MONOMIALS`."""
-        return quartics.quartic_of_form(self.form())
-
     def form(self) -> SquareMatrix[int]:
         """Q, 10x10, with V(R) = unit * r^T Q r for r = (1, vec R), R by columns."""
         return self.reduced.rows
-
-    def value(self, q: Sequence[T]) -> T:
-        """F(q)."""
-        return quartics.value(self.quartic, q)
-
-    def gradient(self, q: Sequence[T]) -> Vector4[T]:
-        """The four first derivatives of F."""
-        return quartics.gradient(self.quartic, q)
-
-    def hessian(self, q: Sequence[T]) -> Matrix4[T]:
-        """The second derivatives of F."""
-        return quartics.hessian(self.quartic, q)
 
     def energy(self, q: Sequence[int]) -> Fraction:
         """V at R(q): the least sum of (y - R x - t)^T W (y - R x - t) over t."""

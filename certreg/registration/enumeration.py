@@ -10,8 +10,8 @@ from certreg.certificate.checking import check_own, require_accepted
 from certreg.equilibrium.equilibrium_set import EquilibriumSet
 from certreg.equilibrium.methods import FINDERS, compare, search
 from certreg.errors import UndecidedError
+from certreg.objective.by_structure import objective_of
 from certreg.objective.isotropic import Isotropic
-from certreg.objective.objective import objective_of
 from certreg.objective.structure import Structure
 from certreg.registration.ambiguity import equilibria_at
 from certreg.registration.covariance import pose_covariance
