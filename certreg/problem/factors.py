@@ -11,6 +11,7 @@ Rank is visible in L: a plane is one column, a line two, and what is left is exa
 from __future__ import annotations
 
 from dataclasses import dataclass
+from fractions import Fraction
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -129,6 +130,23 @@ def weigh(
     if weights is not None:
         factors = factors * np.sqrt(weights)[:, np.newaxis]
     return factors + 0.0
+
+
+def ranks_of(factors: NDArray[np.float64]) -> NDArray[np.int64]:
+    """(k,): the exact rank of every L.
+
+    Where l11 is not zero, the first column is independent of the others, which have the rank of
+    [[l22, 0], [l32, l33]]. Else L has the rank of its other rows (l21, l22, 0), (l31, l32, l33).
+    """
+    l11, l21, l22, l31, l32, l33 = (column != 0.0 for column in factors.T)
+    rest = (l22 | l32 | l33).astype(np.int64) + (l22 & l33)
+    upper, lower = l21 | l22, l31 | l32 | l33
+    other = (upper | lower).astype(np.int64) + (upper & l33)
+    for row in np.flatnonzero(~l11 & upper & lower & ~l33):
+        _, a, b, c, d, _ = map(Fraction, factors[row].tolist())
+        other[row] += a * d != b * c
+    other[l11] = 1 + rest[l11]
+    return other
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -21,7 +21,7 @@ from certreg.problem.exact_sums import UPPER
 from certreg.problem.floating_sums import total
 from certreg.problem.moments import LARGEST_LEVER, LEAST_SUM, MOST_SUM, PASSES, near_mean
 from certreg.problem.stiffness import COORDINATES
-from certreg.problem.terms import Pairs
+from certreg.problem.terms import Pairs, SprungPairs
 from certreg.results import Brief
 
 if TYPE_CHECKING:
@@ -146,7 +146,7 @@ def _over(block: Pairs, origin: NDArray[np.float64], exponents: tuple[int, int])
         np.ldexp(0.5 * side - 0.5 * part, 1 - length)
         for side, part in ((block.source, origin[:3]), (block.target, origin[3:]))
     )
-    return Pairs(source=source, target=target, springs=np.ldexp(block.springs, -factor))
+    return SprungPairs(source=source, target=target, springs=np.ldexp(block.springs, -factor))
 
 
 def summed_in_numpy(block: Pairs, origin: NDArray[np.float64]) -> NDArray[np.float64]:

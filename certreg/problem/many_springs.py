@@ -167,7 +167,7 @@ def stated_many(
         stated = stated_springs(rows, (None, None), times * n, **scaled)
     except InvalidProblemError as error:
         raise _of_instance(error, n, times) from error
-    factors = stated.factors.reshape(times, n, 6)
+    factors = stated.springs.reshape(times, n, 6)
     empty = ~factors.any(axis=(1, 2))
     if empty.any():
         k = int(np.argmax(empty))

@@ -16,9 +16,9 @@ from certreg.problem.factors import (
     information_factors,
     line_factors,
     plane_factors,
+    ranks_of,
     weigh,
 )
-from certreg.problem.springs import ranks_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable
