@@ -219,7 +219,7 @@ def _of_matrices(
         require(name, rows, found.ranks == 3, RANK_BELOW_3, start)
     words = f"{name}: {{count}} are singular to rounding, {{first}}: read as of a lower rank"
     odd.add(words, start, here & found.singular)
-    return found.factors
+    return found.lower
 
 
 def _part(values: Rows | None, part: slice) -> Rows | None:

@@ -15,13 +15,14 @@ import certreg
 from certreg.equilibrium.equilibrium_set import unit_double
 from certreg.equilibrium.paths import critical_lines
 from certreg.errors import InvalidProblemError
+from certreg.problem.factors import lower_triangles
 from certreg.problem.problem import RegistrationProblem
 from certreg.registration.assessment import assess
 from certreg.registration.certification import certify
 from certreg.registration.curvature import slope_and_curvature
 from certreg.registration.exit_codes import code_of_registration
 from certreg.registration.simulation import optimally_damped
-from certreg.registration.spring_rows import SpringAxes, lower_triangles
+from certreg.registration.spring_rows import SpringAxes
 from certreg.relaxation.refining import refined
 from certreg.results import PoseVerdict
 
