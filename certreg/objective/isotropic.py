@@ -12,10 +12,10 @@ from dataclasses import dataclass
 from fractions import Fraction
 from itertools import product
 from operator import mul
-from typing import TYPE_CHECKING, Any, ClassVar, Literal
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from certreg._loading import cached_property
-from certreg.exact.dyadic import power_of_two, quotient_or_zero
+from certreg.exact.dyadic import power_of_two
 from certreg.exact.eigenbasis import integer_eigenbasis
 from certreg.exact.spaces import Resolution, Space, resolved
 from certreg.geometry.constraints import homogeneous
@@ -23,7 +23,6 @@ from certreg.geometry.so3 import (
     davenport_matrix,
     dot,
     quadratic_form,
-    rotation_matrix,
     squared_norm,
 )
 from certreg.native.eigenbasis import FIXED_BITS, fixed_eigenbasis
@@ -40,7 +39,7 @@ if TYPE_CHECKING:
 
     from certreg.exact.spaces import IntegerQuaternion
     from certreg.geometry.constraints import SquareMatrix
-    from certreg.geometry.so3 import Matrix4, Vector3
+    from certreg.geometry.so3 import Matrix4
     from certreg.objective.classification import Classification, Pattern
     from certreg.problem.moments import ExactMoments
     from certreg.problem.problem import RegistrationProblem
@@ -190,36 +189,9 @@ class Isotropic(Objective):
         border: tuple[Any, ...] = homogeneous(cross, unit=self._spread)
         return (border, *((entry, *[0] * (len(border) - 1)) for entry in border[1:]))
 
-    def best_translation(self, q: Sequence[int]) -> Vector3[Fraction]:
-        """The translation mean(y) - R(q) mean(x): the minimiser at fixed rotation."""
-        (x, y, z), up, over = self._best_translation(q, self.best_scale(q))
-        return (Fraction(x * up, over), Fraction(y * up, over), Fraction(z * up, over))
-
     def best_scale(self, q: Sequence[int]) -> Fraction:
         """The scale that is best at fixed rotation; 1 where it is not free."""
         return Fraction(1) if self.scaling is None else self.scaling.best(self.alignment(q))
-
-    def rounded_translation(
-        self, q: Sequence[int], scale: Fraction | Literal[1] = 1
-    ) -> list[float]:
-        """The same at a scale, each entry rounded once, and infinite beyond the doubles."""
-        entries, up, over = self._best_translation(q, scale)
-        return [quotient_or_zero(entry * up, over) for entry in entries]
-
-    def _best_translation(
-        self, q: Sequence[int], scale: Fraction | Literal[1]
-    ) -> tuple[list[int], int, int]:
-        """The same as integers; what one of them is worth is the quotient of the last two."""
-        moments, norm = self.moments, squared_norm(q)
-        stretch, over = scale.numerator, scale.denominator
-        rotated = [dot(row, moments.source_sum) for row in rotation_matrix(q)]
-        a, b = moments.source_exponent, moments.target_exponent
-        common = min(a, b)
-        entries = [
-            (end * norm * over << (b - common)) - (moved * stretch << (a - common))
-            for end, moved in zip(moments.target_sum, rotated, strict=True)
-        ]
-        return entries, 1 << max(common, 0), moments.mass * norm * over << max(-common, 0)
 
     # --- energies of single poses, exactly
 
@@ -265,22 +237,6 @@ class Isotropic(Objective):
     def squares(self, energy: Fraction, scale: Fraction) -> Fraction:
         """The sum w |y - s R x - t|^2 of a pose of that energy: the symmetric one is over s."""
         return energy * scale if self.scaling is not None and self.scaling.symmetric else energy
-
-    def translation_energy(
-        self,
-        q: Sequence[int],
-        translation: Sequence[Fraction],
-        scale: Fraction | Literal[1] = 1,
-    ) -> Fraction:
-        """M |t - best t|^2, at a scale: what a translation adds to sum w |y - s R x - t|^2."""
-        best, up, down = self._best_translation(q, scale)
-        over = math.lcm(down, *[entry.denominator for entry in translation])
-        worth, weight = up * (over // down), self.moments.total_weight
-        offset = [
-            entry.numerator * (over // entry.denominator) - own * worth
-            for entry, own in zip(translation, best, strict=True)
-        ]
-        return Fraction(squared_norm(offset) * weight.numerator, over**2 * weight.denominator)
 
     def squared_residual(self, q: Sequence[int]) -> Fraction:
         """|K q - v q|^2 / |q|^2, v = q^T K q / |q|^2, in units of tr(R^T C) squared."""

@@ -12,18 +12,22 @@ by ten form stays, and the eigenvectors go. Each is a class of its own, made fro
 from __future__ import annotations
 
 from abc import abstractmethod
-from typing import TYPE_CHECKING, ClassVar
+from fractions import Fraction
+from typing import TYPE_CHECKING, ClassVar, Literal
 
 from certreg._loading import cached_property
+from certreg.exact.dyadic import nearest_or_zero
+from certreg.geometry.constraints import homogeneous
+from certreg.geometry.so3 import rotation_matrix, squared_norm
 from certreg.objective import quartics
 from certreg.results import Brief
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
-    from fractions import Fraction
 
     from certreg.geometry.constraints import SquareMatrix
-    from certreg.geometry.so3 import Matrix4, T, Vector4
+    from certreg.geometry.so3 import Matrix4, T, Vector3, Vector4
+    from certreg.objective.form import Reduced
     from certreg.objective.structure import Structure
 
 
@@ -36,6 +40,11 @@ class Objective(Brief):
     """
 
     structure: ClassVar[Structure]
+
+    @property
+    @abstractmethod
+    def reduced(self) -> Reduced:
+        """The energy at any scale with the best translation."""
 
     @property
     @abstractmethod
@@ -62,3 +71,37 @@ class Objective(Brief):
     def hessian(self, q: Sequence[T]) -> Matrix4[T]:
         """The second derivatives of F."""
         return quartics.hessian(self.quartic, q)
+
+    def best_scale(self, q: Sequence[int]) -> Fraction:
+        """The scale that is best at fixed rotation; 1 where it is not free."""
+        del q
+        return Fraction(1)
+
+    def best_translation(
+        self, q: Sequence[int], scale: Fraction | Literal[1] | None = None
+    ) -> Vector3[Fraction]:
+        """The translation of least energy at the rotation R(q) and a scale, exactly.
+
+        scale: None for the best one. One of them where some shift costs nothing.
+        """
+        stretch = self.best_scale(q) if scale is None else scale
+        return self.reduced.best_translation(*_placed(q, stretch))
+
+    def rounded_translation(
+        self, q: Sequence[int], scale: Fraction | Literal[1] = 1
+    ) -> list[float]:
+        """The same, each entry rounded once, and infinite beyond the doubles."""
+        return [nearest_or_zero(entry) for entry in self.best_translation(q, scale)]
+
+    def translation_energy(
+        self, q: Sequence[int], translation: Sequence[Fraction], scale: Fraction | Literal[1] = 1
+    ) -> Fraction:
+        """What a translation adds to the energy at a scale: d^T S d, d from the best one."""
+        return self.reduced.translation_energy(translation, *_placed(q, scale))
+
+
+def _placed(q: Sequence[int], scale: Fraction | Literal[1]) -> tuple[tuple[int, ...], int]:
+    """(1, vec s R(q)) in integers, and what they are over."""
+    stretch, over = scale.numerator, squared_norm(q) * scale.denominator
+    _, *columns = homogeneous(rotation_matrix(q))
+    return (over, *[stretch * entry for entry in columns]), over
