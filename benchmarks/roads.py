@@ -17,10 +17,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
+from certreg.equilibrium.four_paths import HomotopyStatus, continuation
+from tests.oracles.polynomials import multiplier_system
 
 from benchmarks.measuring import Figure, Quantity, fastest
 from certreg.equilibrium.counting import at_most_four
-from certreg.equilibrium.four_paths import HomotopyStatus, continuation
 from certreg.equilibrium.groebner import eliminate, fibres
 from certreg.equilibrium.homotopy import EigenBalls
 from certreg.equilibrium.krawczyk import proved_root
@@ -28,7 +29,6 @@ from certreg.exact.balls import exact_matrix
 from certreg.geometry.so3 import davenport_matrix
 from certreg.io.problems import read_problem
 from certreg.objective.classification import pattern_of
-from certreg.objective.polynomials import multiplier_system
 from certreg.problem.moments import exact_moments
 from tests.oracles.exports import as_msolve, as_phcpack, as_singular, value_unit
 from tests.oracles.groebner_basis import rotation_ideal
@@ -38,6 +38,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
     from certreg.geometry.so3 import Matrix3
+
 
 CLASSIFICATION, CHART, SINGLE, BATCHED, ROOT = 50e-6, 1e-3, 3e-3, 0.5e-3, 0.1e-3  # seconds
 SLOWER = 100.0  # SymPy's R-form than the chart: at least

@@ -477,9 +477,9 @@ MUTANTS = (
     ),
     Mutant(
         "best translation",
-        "certreg/objective/isotropic.py",
-        "(end * norm * over << (b - common)) - (moved",
-        "(end * norm * over << (b - common)) + (moved",
+        FORM,
+        "[up * dot(row, r) for row",
+        "[-up * dot(row, r) for row",
         ("translation_gap", "maximum_likelihood"),
     ),
     Mutant(
@@ -582,16 +582,16 @@ MUTANTS = (
     ),
     Mutant(
         "cost of a shift from another place",
-        SPRINGS,
-        "quadratic_form(self.joint_form.stiffness, offset) * weight",
-        "quadratic_form(self.joint_form.stiffness, translation) * weight",
+        FORM,
+        "- own * (whole // under)",
+        "+ own * (whole // under)",
         ("spring_translation",),
     ),
     Mutant(
         "best shift over another norm",
         FORM,
-        "/ (self.determinant * over)",
-        "/ self.determinant",
+        "down * self.determinant * over",
+        "down * self.determinant",
         ("spring_translation",),
     ),
     Mutant(

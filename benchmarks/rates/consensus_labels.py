@@ -11,6 +11,7 @@ are of the processor, medians of milliseconds.
 from __future__ import annotations
 
 import json
+import math
 import os
 import subprocess
 import sys
@@ -19,17 +20,21 @@ from dataclasses import asdict, dataclass
 from importlib import import_module
 from pathlib import Path
 from statistics import median
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from certreg.certificate.producing_consensus import ConsensusProver
+from certreg.errors import InvalidProblemError
+from certreg.geometry.so3 import rotation_matrix
 from certreg.problem.bounds import bounded
 from certreg.problem.problem import RegistrationProblem
-from certreg.problem.random_instances import OutlierInstance, outlier_instance
 from certreg.registration.consensus import PROVER, proved_consensus
 from certreg.registration.pipeline import Asked, Work
 from certreg.relaxation.truncated_squares import graduated_nonconvexity
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
 
 checker = import_module("certreg.verify")
 ROOT = Path(__file__).resolve().parents[2]
@@ -39,6 +44,60 @@ SIGMA, BETA = 0.01, 5.54  # of the noise; of the bound, in sigmas
 CHECKED = 5  # problems of a cell whose certificates are checked: seconds each of 1,000 pairs
 MOST_BYTES = 100_000
 SMALL = 100  # pairs: proving takes no longer than GNC alone, checking a tenth of a second
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class OutlierInstance:
+    """Pairs of which some are wrong, with the motion of the others: y = R x + t + noise.
+
+    source, target: (N, 3), row i to row i. wrong: (N,), which pairs. rotation: (3, 3), target from
+    source; translation: (3,).
+    """
+
+    source: NDArray[np.float64]
+    target: NDArray[np.float64]
+    wrong: NDArray[np.bool_]
+    rotation: NDArray[np.float64]
+    translation: NDArray[np.float64]
+
+
+def outlier_instance(
+    rng: np.random.Generator, *, points: int, outliers: int, sigma: float = SIGMA
+) -> OutlierInstance:
+    """Points of the unit cube, moved at random with noise; of so many pairs the target is wrong.
+
+    x uniform in [0, 1]^3, R uniform on SO(3), t uniform in [-1, 1]^3, y = R x + t + e with
+    e ~ N(0, sigma^2 I), not cut at any bound. Wrong targets are uniform in the ball about the mean
+    of the right ones whose radius is half the diagonal of the cube. Rows are in random order.
+
+    Raises InvalidProblemError where no pair is right, or sigma is negative or not finite.
+
+    >>> made = outlier_instance(np.random.default_rng(0), points=50, outliers=40)
+    >>> int(made.wrong.sum())
+    40
+    """
+    if not 0 <= outliers < points or not 0.0 <= sigma < math.inf:
+        message = (
+            f"{outliers} of {points} pairs are wrong, with sigma {sigma!r}: give at least one that "
+            "is right, and a finite standard deviation >= 0"
+        )
+        wrong = ("outliers", outliers) if not 0 <= outliers < points else ("sigma", sigma)
+        raise InvalidProblemError(message, array=wrong[0], value=wrong[1])
+    source = rng.random((points, 3))
+    q = rng.standard_normal(4)
+    rotation = np.array(rotation_matrix((q / math.sqrt((q * q).sum())).tolist()))
+    translation = rng.uniform(-1.0, 1.0, 3)
+    target = sigma * rng.standard_normal((points, 3)) + translation
+    for column in range(3):
+        target += source[:, column, np.newaxis] * rotation[:, column]
+    wrong = rng.permutation(points) < outliers
+    directions = rng.standard_normal((outliers, 3))
+    lengths = np.sqrt((directions * directions).sum(axis=1))
+    radii = math.sqrt(3.0) / 2.0 * np.cbrt(rng.random(outliers))
+    target[wrong] = target[~wrong].mean(axis=0) + directions * (radii / lengths)[:, np.newaxis]
+    return OutlierInstance(
+        source=source, target=target, wrong=wrong, rotation=rotation, translation=translation
+    )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -30,7 +30,7 @@ from certreg.registration.consensus import proved_consensus
 from certreg.relaxation.truncated_squares import graduated_nonconvexity
 
 if TYPE_CHECKING:
-    from certreg.problem.random_instances import OutlierInstance
+    from benchmarks.rates.consensus_labels import OutlierInstance
 
 Array = NDArray[np.float64]
 Answer = tuple[Array, Array, bool]  # rotation, translation, whether it says that it is right

@@ -5,8 +5,8 @@ world frame 2 vee(C R^T - R C^T): six equations that are linear in R. With R = R
 degree two in the quaternion q, they are six quadratic forms in q; nothing else is assumed here,
 above all not that their solutions are eigenvectors. One is led there: the six forms are, up to sign
 and sums of two, the 2x2 minors of the 4x2 matrix [q, K q] with Davenport's K(C), so they vanish iff
-K q is a multiple of q, which gives the square system of `multiplier_system` for methods
-that need as many equations as unknowns.
+K q is a multiple of q, which gives a square system for methods that need as many equations as
+unknowns.
 
 All coefficients are integers: C may be given up to a positive factor. Source: [Yang2020], torque.
 """

@@ -60,26 +60,13 @@ def definite_inverse(matrix: Sequence[Sequence[int]]) -> tuple[int, list[list[in
 
 
 def rank(matrix: Sequence[Sequence[int]]) -> int:
-    """The rank of an integer matrix, by the same elimination with row and column pivoting.
+    """The rank of an integer matrix.
 
     >>> rank([[1, 2], [2, 4]]), rank([[0, 0], [0, 0]])
     (1, 0)
     """
-    rows = [list(row) for row in matrix]
-    found = 0
-    while rows and rows[0]:
-        column = next((j for j in range(len(rows[0])) if any(row[j] for row in rows)), None)
-        if column is None:
-            break
-        pivot_row = next(row for row in rows if row[column])
-        rows.remove(pivot_row)
-        pivot = pivot_row[column]
-        rows = [
-            [row[j] * pivot - row[column] * pivot_row[j] for j in range(len(row)) if j != column]
-            for row in rows
-        ]
-        found += 1
-    return found
+    columns = len(matrix[0]) if matrix else 0
+    return columns - len(nullspace(matrix, columns))
 
 
 def nullspace(matrix: Sequence[Sequence[int]], columns: int) -> tuple[tuple[int, ...], ...]:

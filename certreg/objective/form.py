@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import chain, combinations, combinations_with_replacement, product
-from math import gcd
+from math import gcd, lcm
 from typing import TYPE_CHECKING
 
 from certreg._loading import cached_property
@@ -156,9 +156,26 @@ class Reduced(Brief):
 
     def best_translation(self, r: Sequence[int], over: int) -> Vector3[Fraction]:
         """The translation of least energy at r / over; 0 in the rows that are no pivots."""
-        unit = power_of_two(self.length_exponent) / (self.determinant * over)
-        x, y, z = (dot(row, r) * unit for row in self.response)
-        return (x, y, z)
+        (x, y, z), below = self._best(r, over)
+        return (Fraction(x, below), Fraction(y, below), Fraction(z, below))
+
+    def _best(self, r: Sequence[int], over: int) -> tuple[list[int], int]:
+        """The same in integers, and what they are over."""
+        up, down = power_of_two(self.length_exponent).as_integer_ratio()
+        return [up * dot(row, r) for row in self.response], down * self.determinant * over
+
+    def translation_energy(
+        self, translation: Sequence[Fraction], r: Sequence[int], over: int
+    ) -> Fraction:
+        """What a translation adds to the least energy at r / over: d^T S d, d from the best one."""
+        best, under = self._best(r, over)
+        whole = lcm(under, *[entry.denominator for entry in translation])
+        off = [
+            entry.numerator * (whole // entry.denominator) - own * (whole // under)
+            for entry, own in zip(translation, best, strict=True)
+        ]
+        above, below = self.stiffness_unit.as_integer_ratio()
+        return Fraction(quadratic_form(self.stiffness, off) * above, whole**2 * below)
 
 
 def _in_units(rows: SquareMatrix[int], places: Sequence[int]) -> SquareMatrix[int]:

@@ -12,10 +12,10 @@ from dataclasses import dataclass
 from fractions import Fraction
 from itertools import product
 from operator import mul
-from typing import TYPE_CHECKING, Any, ClassVar, Literal
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from certreg._loading import cached_property
-from certreg.exact.dyadic import power_of_two, quotient_or_zero
+from certreg.exact.dyadic import power_of_two
 from certreg.exact.eigenbasis import integer_eigenbasis
 from certreg.exact.spaces import Resolution, Space, resolved
 from certreg.geometry.constraints import homogeneous
@@ -23,24 +23,23 @@ from certreg.geometry.so3 import (
     davenport_matrix,
     dot,
     quadratic_form,
-    rotation_matrix,
     squared_norm,
 )
 from certreg.native.eigenbasis import FIXED_BITS, fixed_eigenbasis
 from certreg.objective.classification import classify, with_pattern
 from certreg.objective.form import Form, Reduced, bordered
+from certreg.objective.objective import Objective
 from certreg.objective.scaling import Scaling
 from certreg.objective.structure import Structure
 from certreg.problem.exact_sums import UPPER
 from certreg.problem.moments import exact_moments, trace
-from certreg.results import Brief
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from certreg.exact.spaces import IntegerQuaternion
     from certreg.geometry.constraints import SquareMatrix
-    from certreg.geometry.so3 import Matrix4, T, Vector3, Vector4
+    from certreg.geometry.so3 import Matrix4
     from certreg.objective.classification import Classification, Pattern
     from certreg.problem.moments import ExactMoments
     from certreg.problem.problem import RegistrationProblem
@@ -50,7 +49,7 @@ KEPT = 16  # alignments that are asked for again
 
 
 @dataclass(frozen=True)
-class Isotropic(Brief):
+class Isotropic(Objective):
     """The objective of the exact moments of a problem; see `Objective`.
 
     Davenport's matrix, its classification and its eigenspaces are made once, when first asked for.
@@ -169,11 +168,6 @@ class Isotropic(Brief):
         return power_of_two(self.moments.weight_exponent + 2 * self._least) / self.moments.mass
 
     @property
-    def free_translations(self) -> tuple[Vector3[Fraction], ...]:
-        """None: every spring resists every shift."""
-        return ()
-
-    @property
     def _least(self) -> int:
         return min(self.moments.source_exponent, self.moments.target_exponent)
 
@@ -189,79 +183,15 @@ class Isotropic(Brief):
         """One unit of `moments.cross` is 2^places of `unit`."""
         return self.moments.source_exponent + self.moments.target_exponent - 2 * self._least
 
-    @cached_property
-    def _matrix(self) -> list[list[int]]:
-        """K in units of `unit`."""
-        return [[entry << self._places for entry in row] for row in self.davenport]
-
     def form(self) -> SquareMatrix[int]:
         """Q with V(R) = unit * r^T Q r, r = (1, vec R): nothing but a border."""
         cross = [[-entry << self._places for entry in row] for row in self.moments.cross]
         border: tuple[Any, ...] = homogeneous(cross, unit=self._spread)
         return (border, *((entry, *[0] * (len(border) - 1)) for entry in border[1:]))
 
-    def value(self, q: Sequence[T]) -> T:
-        """F(q) = |q|^2 (s |q|^2 - 2 q^T K q), s the spread."""
-        norm: Any = squared_norm(q)
-        matrix: Any = self._matrix
-        return norm * (self._spread * norm - 2 * quadratic_form(matrix, q))
-
-    def gradient(self, q: Sequence[T]) -> Vector4[T]:
-        """4 (s |q|^2 - q^T K q) q - 4 |q|^2 K q."""
-        norm, image, common = self._parts(q)
-        a, b, c, d = (4 * (common * e - norm * i) for e, i in zip(q, image, strict=True))
-        return (a, b, c, d)
-
-    def hessian(self, q: Sequence[T]) -> Matrix4[T]:
-        """4 (s |q|^2 - q^T K q) I - 4 |q|^2 K + 8 (s q q^T - q (K q)^T - (K q) q^T)."""
-        norm, image, common = self._parts(q)
-        entries: Any = tuple(
-            tuple(
-                4 * (common * int(i == j) - norm * entry)
-                + 8 * (self._spread * q[i] * q[j] - q[i] * image[j] - image[i] * q[j])
-                for j, entry in enumerate(row)
-            )
-            for i, row in enumerate(self._matrix)
-        )
-        return entries
-
-    def _parts(self, q: Sequence[T]) -> tuple[Any, list[Any], Any]:
-        """|q|^2, K q and s |q|^2 - q^T K q."""
-        matrix: Any = self._matrix
-        norm: Any = squared_norm(q)
-        image = [dot(row, q) for row in matrix]
-        return norm, image, self._spread * norm - dot(image, q)
-
-    def best_translation(self, q: Sequence[int]) -> Vector3[Fraction]:
-        """The translation mean(y) - R(q) mean(x): the minimiser at fixed rotation."""
-        (x, y, z), up, over = self._best_translation(q, self.best_scale(q))
-        return (Fraction(x * up, over), Fraction(y * up, over), Fraction(z * up, over))
-
     def best_scale(self, q: Sequence[int]) -> Fraction:
         """The scale that is best at fixed rotation; 1 where it is not free."""
         return Fraction(1) if self.scaling is None else self.scaling.best(self.alignment(q))
-
-    def rounded_translation(
-        self, q: Sequence[int], scale: Fraction | Literal[1] = 1
-    ) -> list[float]:
-        """The same at a scale, each entry rounded once, and infinite beyond the doubles."""
-        entries, up, over = self._best_translation(q, scale)
-        return [quotient_or_zero(entry * up, over) for entry in entries]
-
-    def _best_translation(
-        self, q: Sequence[int], scale: Fraction | Literal[1]
-    ) -> tuple[list[int], int, int]:
-        """The same as integers; what one of them is worth is the quotient of the last two."""
-        moments, norm = self.moments, squared_norm(q)
-        stretch, over = scale.numerator, scale.denominator
-        rotated = [dot(row, moments.source_sum) for row in rotation_matrix(q)]
-        a, b = moments.source_exponent, moments.target_exponent
-        common = min(a, b)
-        entries = [
-            (end * norm * over << (b - common)) - (moved * stretch << (a - common))
-            for end, moved in zip(moments.target_sum, rotated, strict=True)
-        ]
-        return entries, 1 << max(common, 0), moments.mass * norm * over << max(-common, 0)
 
     # --- energies of single poses, exactly
 
@@ -307,22 +237,6 @@ class Isotropic(Brief):
     def squares(self, energy: Fraction, scale: Fraction) -> Fraction:
         """The sum w |y - s R x - t|^2 of a pose of that energy: the symmetric one is over s."""
         return energy * scale if self.scaling is not None and self.scaling.symmetric else energy
-
-    def translation_energy(
-        self,
-        q: Sequence[int],
-        translation: Sequence[Fraction],
-        scale: Fraction | Literal[1] = 1,
-    ) -> Fraction:
-        """M |t - best t|^2, at a scale: what a translation adds to sum w |y - s R x - t|^2."""
-        best, up, down = self._best_translation(q, scale)
-        over = math.lcm(down, *[entry.denominator for entry in translation])
-        worth, weight = up * (over // down), self.moments.total_weight
-        offset = [
-            entry.numerator * (over // entry.denominator) - own * worth
-            for entry, own in zip(translation, best, strict=True)
-        ]
-        return Fraction(squared_norm(offset) * weight.numerator, over**2 * weight.denominator)
 
     def squared_residual(self, q: Sequence[int]) -> Fraction:
         """|K q - v q|^2 / |q|^2, v = q^T K q / |q|^2, in units of tr(R^T C) squared."""

@@ -1,37 +1,37 @@
-"""What everything below the moments may know of them: an objective, a function of the rotation.
+"""What is left of an energy with the best translation: an objective, a function of the rotation.
 
 The energy of the springs is a `Form`: quadratic in the translation, so that the best translation
 can be had exactly. What is left is quadratic in the nine entries of R, so a quartic in the
 quaternion, of a fixed size whatever the number of points is.
 
 `Isotropic` is the case of one weight per correspondence, where the quartic is |q|^2 times a
-quadratic form and equilibria are eigenvectors. Spring matrices per correspondence keep the ten
-by ten form of this protocol and lose the eigenvectors; further labels of wrong pairs change the
-sums alone; a free scale adds an unknown beside the translation. Each is another class here, made
-from its own moments, and a body of certificates; trackers, proofs of roots and the relaxation ask
-for no more than this protocol.
+quadratic form and equilibria are eigenvectors. `Springs` have a matrix per correspondence: the ten
+by ten form stays, and the eigenvectors go. Each is a class of its own, made from its own moments.
 """
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, ClassVar, Protocol
+from abc import abstractmethod
+from fractions import Fraction
+from typing import TYPE_CHECKING, ClassVar, Literal
 
-from certreg._loading import found_late
-from certreg.objective.structure import Structure
+from certreg._loading import cached_property
+from certreg.exact.dyadic import nearest_or_zero
+from certreg.geometry.constraints import homogeneous
+from certreg.geometry.so3 import rotation_matrix, squared_norm
+from certreg.objective import quartics
+from certreg.results import Brief
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
-    from fractions import Fraction
+    from collections.abc import Sequence
 
     from certreg.geometry.constraints import SquareMatrix
     from certreg.geometry.so3 import Matrix4, T, Vector3, Vector4
-    from certreg.objective.form import Form, Reduced
-    from certreg.objective.isotropic import Isotropic
-    from certreg.objective.springs import Springs
-    from certreg.problem.problem import RegistrationProblem
+    from certreg.objective.form import Reduced
+    from certreg.objective.structure import Structure
 
 
-class Objective(Protocol):
+class Objective(Brief):
     """The energy V after the best translation, as a function of the rotation: integers times unit.
 
     With F(q) = `value(q)`, homogeneous of degree four, V(R(q)) = unit * F(q) / |q|^4. Value,
@@ -42,61 +42,66 @@ class Objective(Protocol):
     structure: ClassVar[Structure]
 
     @property
-    def joint_form(self) -> Form:
-        """The energy before a translation is chosen, of every motion alike."""
-        ...
-
-    @property
+    @abstractmethod
     def reduced(self) -> Reduced:
-        """The same with the best translation, of every motion alike."""
-        ...
+        """The energy at any scale with the best translation."""
 
     @property
+    @abstractmethod
     def unit(self) -> Fraction:
         """What 1 is worth, in units of the energy."""
-        ...
 
-    @property
-    def free_translations(self) -> tuple[Vector3[Fraction], ...]:
-        """Directions, linearly independent, in which a shift costs nothing at any rotation."""
-        ...
-
+    @abstractmethod
     def form(self) -> SquareMatrix[int]:
-        """Q, 10x10, with V(R) = unit * r^T Q r for r = (1, vec R), R by columns.
+        """Q, 10x10, with V(R) = unit * r^T Q r for r = (1, vec R), R by columns."""
 
-        What the relaxation, and a certificate that knows nothing of eigenvectors, reads.
-        """
-        ...
+    @cached_property
+    def quartic(self) -> tuple[int, ...]:
+        """The 35 coefficients of F, in the order of `quartics.MONOMIALS`."""
+        return quartics.quartic_of_form(self.form())
 
     def value(self, q: Sequence[T]) -> T:
         """F(q)."""
-        ...
+        return quartics.value(self.quartic, q)
 
     def gradient(self, q: Sequence[T]) -> Vector4[T]:
         """The four first derivatives of F."""
-        ...
+        return quartics.gradient(self.quartic, q)
 
     def hessian(self, q: Sequence[T]) -> Matrix4[T]:
         """The second derivatives of F."""
-        ...
+        return quartics.hessian(self.quartic, q)
 
-    def best_translation(self, q: Sequence[int]) -> Vector3[Fraction]:
-        """The translation of least energy at the rotation R(q), exactly.
+    def best_scale(self, q: Sequence[int]) -> Fraction:
+        """The scale that is best at fixed rotation; 1 where it is not free."""
+        del q
+        return Fraction(1)
 
-        One of them where `free_translations` are left.
+    def best_translation(
+        self, q: Sequence[int], scale: Fraction | Literal[1] | None = None
+    ) -> Vector3[Fraction]:
+        """The translation of least energy at the rotation R(q) and a scale, exactly.
+
+        scale: None for the best one. One of them where some shift costs nothing.
         """
-        ...
+        stretch = self.best_scale(q) if scale is None else scale
+        return self.reduced.best_translation(*_placed(q, stretch))
+
+    def rounded_translation(
+        self, q: Sequence[int], scale: Fraction | Literal[1] = 1
+    ) -> list[float]:
+        """The same, each entry rounded once, and infinite beyond the doubles."""
+        return [nearest_or_zero(entry) for entry in self.best_translation(q, scale)]
+
+    def translation_energy(
+        self, q: Sequence[int], translation: Sequence[Fraction], scale: Fraction | Literal[1] = 1
+    ) -> Fraction:
+        """What a translation adds to the energy at a scale: d^T S d, d from the best one."""
+        return self.reduced.translation_energy(translation, *_placed(q, scale))
 
 
-OBJECTIVES: Mapping[Structure, Callable[[], type[Isotropic | Springs]]] = {
-    Structure.LINEAR: found_late("certreg.objective.isotropic", "Isotropic"),
-    Structure.QUARTIC: found_late("certreg.objective.springs", "Springs"),
-}
-
-
-def objective_of(problem: RegistrationProblem) -> Isotropic | Springs:
-    """The energy of a problem as a function of the rotation, by its structure.
-
-    Raises DegenerateProblemError where its scale is free, and the points tell none.
-    """
-    return OBJECTIVES[Structure.of(problem.cell)]().of(problem)
+def _placed(q: Sequence[int], scale: Fraction | Literal[1]) -> tuple[tuple[int, ...], int]:
+    """(1, vec s R(q)) in integers, and what they are over."""
+    stretch, over = scale.numerator, squared_norm(q) * scale.denominator
+    _, *columns = homogeneous(rotation_matrix(q))
+    return (over, *[stretch * entry for entry in columns]), over

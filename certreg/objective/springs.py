@@ -6,7 +6,6 @@ in r = (1, vec R).
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import product
@@ -15,12 +14,12 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal
 import numpy as np
 
 from certreg._loading import cached_property
-from certreg.exact.dyadic import nearest_double, power_of_two, rational_root_above
+from certreg.exact.dyadic import power_of_two, rational_root_above
 from certreg.exact.elimination import nullspace
-from certreg.geometry.constraints import homogeneous
-from certreg.geometry.so3 import dot, quadratic_form, rotation_matrix, squared_norm
+from certreg.geometry.so3 import dot, rotation_matrix, squared_norm
 from certreg.objective import quartics
 from certreg.objective.form import FULL, Form, Reduced, bordered
+from certreg.objective.objective import Objective
 from certreg.objective.structure import Structure
 from certreg.problem.exact_sums import UPPER
 from certreg.problem.stiffness import spring_moments
@@ -32,7 +31,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.geometry.constraints import SquareMatrix
-    from certreg.geometry.so3 import Matrix4, T, Vector3, Vector4
+    from certreg.geometry.so3 import Vector3
     from certreg.problem.motion import Motion
     from certreg.problem.problem import RegistrationProblem
     from certreg.problem.stiffness import SpringMoments
@@ -53,7 +52,7 @@ class MassMoments(Brief):
 
 
 @dataclass(frozen=True)
-class Springs(Brief):
+class Springs(Objective):
     """The objective of the exact moments of springs that are matrices; see `Objective`.
 
     motion: without a translation the moments are those about the origin. For searches in doubles
@@ -100,39 +99,24 @@ class Springs(Brief):
 
     # --- the objective
 
-    @cached_property
-    def quartic(self) -> tuple[int, ...]:
-        """The 35 coefficients of F, in the order of `quartics.MONOMIALS`."""
-        return quartics.quartic_of_form(self.form())
-
     def form(self) -> SquareMatrix[int]:
         """Q, 10x10, with V(R) = unit * r^T Q r for r = (1, vec R), R by columns."""
         return self.reduced.rows
-
-    def value(self, q: Sequence[T]) -> T:
-        """F(q)."""
-        return quartics.value(self.quartic, q)
-
-    def gradient(self, q: Sequence[T]) -> Vector4[T]:
-        """The four first derivatives of F."""
-        return quartics.gradient(self.quartic, q)
-
-    def hessian(self, q: Sequence[T]) -> Matrix4[T]:
-        """The second derivatives of F."""
-        return quartics.hessian(self.quartic, q)
 
     def energy(self, q: Sequence[int]) -> Fraction:
         """V at R(q): the least sum of (y - R x - t)^T W (y - R x - t) over t."""
         unit, norm = self.unit, squared_norm(q)
         return Fraction(self.value(q) * unit.numerator, norm**2 * unit.denominator)
 
-    def best_translation(self, q: Sequence[int]) -> Vector3[Fraction]:
+    def best_translation(
+        self, q: Sequence[int], scale: Fraction | Literal[1] | None = None
+    ) -> Vector3[Fraction]:
         """The translation of least energy at the rotation R(q), exactly.
 
         Where `free_translations` are left, the one that does not move the source's centre of mass
         along them, the mass of a point being the trace of its W.
         """
-        best, free = self._solved(q), self.free_translations
+        best, free = super().best_translation(q, scale), self.free_translations
         if not free:
             return best
         centre, norm = self.centre, squared_norm(q)
@@ -143,25 +127,6 @@ class Springs(Brief):
         along = _projected(free, moved)
         x, y, z = (t - a for t, a in zip(best, along, strict=True))
         return (x, y, z)
-
-    def _solved(self, q: Sequence[int]) -> Vector3[Fraction]:
-        """The best translation that is zero in the rows that are no pivots."""
-        norm = squared_norm(q)
-        r = homogeneous(rotation_matrix(q), unit=norm)
-        return self.reduced.best_translation(r, norm)
-
-    def best_scale(self, q: Sequence[int]) -> Fraction:
-        """1, as no scale is free."""
-        del q
-        return Fraction(1)
-
-    def rounded_translation(
-        self, q: Sequence[int], scale: Fraction | Literal[1] = 1
-    ) -> list[float]:
-        """The best translation, each entry rounded once; infinite where no double holds it."""
-        del scale
-        rounded = (nearest_double(entry) for entry in self.best_translation(q))
-        return [math.inf if entry is None else entry for entry in rounded]
 
     def image_slopes(self, point: Sequence[Fraction]) -> tuple[tuple[Fraction, ...], ...]:
         """M, 3x9, with R point + (best translation at R) = M vec R + const, R by columns.
@@ -216,13 +181,6 @@ class Springs(Brief):
             for j in range(3)
         )
         return (x, y, z)
-
-    def translation_energy(self, q: Sequence[int], translation: Sequence[Fraction]) -> Fraction:
-        """What a translation adds to the energy at R(q): d^T S d, d from the best one."""
-        best = self._solved(q)
-        offset = [entry - own for entry, own in zip(translation, best, strict=True)]
-        weight = power_of_two(self.moments.weight_exponent)
-        return quadratic_form(self.joint_form.stiffness, offset) * weight
 
     # --- what is known of it exactly
 

@@ -11,6 +11,7 @@ Rank is visible in L: a plane is one column, a line two, and what is left is exa
 from __future__ import annotations
 
 from dataclasses import dataclass
+from fractions import Fraction
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -31,11 +32,11 @@ SMALLEST_ENTRY = 2.0**-400
 class FactoredMatrices(Brief):
     """Factors of symmetric matrices, and of which rows there are none.
 
-    factors: (k, 6). ranks: (k,), as the pivots have them. indefinite: (k,), where a pivot is below
+    lower: (k, 6), L. ranks: (k,), as the pivots have them. indefinite: (k,), where a pivot is below
     zero by more than rounding. singular: (k,), where a pivot that is not 0 was read as 0.
     """
 
-    factors: NDArray[np.float64]
+    lower: NDArray[np.float64]
     ranks: NDArray[np.int64]
     indefinite: NDArray[np.bool_]
     singular: NDArray[np.bool_]
@@ -84,7 +85,7 @@ def information_factors(matrices: NDArray[np.float64]) -> FactoredMatrices:
         if len(rows):
             factors[rows] = made(matrices[rows], pivots.of(rows))
     return FactoredMatrices(
-        factors=factors,
+        lower=factors,
         ranks=pivots.ranks,
         indefinite=pivots.indefinite,
         singular=pivots.singular & ~pivots.indefinite,
@@ -113,8 +114,18 @@ def covariance_factors(matrices: NDArray[np.float64]) -> FactoredMatrices:
     l32 = -((u23 * l22) / u33)
     factors[rows] = np.stack([l11, l21, l22, l31, l32, l33], axis=1)
     return FactoredMatrices(
-        factors=factors, ranks=pivots.ranks, indefinite=pivots.indefinite, singular=pivots.singular
+        lower=factors, ranks=pivots.ranks, indefinite=pivots.indefinite, singular=pivots.singular
     )
+
+
+def symmetric_matrices(six: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(k, 3, 3) of xx, xy, xz, yy, yz, zz."""
+    return six[:, [0, 1, 2, 1, 3, 4, 2, 4, 5]].reshape(-1, 3, 3)
+
+
+def lower_triangles(factors: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(k, 3, 3): L, of its six entries by rows."""
+    return np.tril(symmetric_matrices(factors[:, [0, 1, 3, 2, 4, 5]]))
 
 
 def weigh(
@@ -129,6 +140,23 @@ def weigh(
     if weights is not None:
         factors = factors * np.sqrt(weights)[:, np.newaxis]
     return factors + 0.0
+
+
+def ranks_of(factors: NDArray[np.float64]) -> NDArray[np.int64]:
+    """(k,): the exact rank of every L.
+
+    Where l11 is not zero, the first column is independent of the others, which have the rank of
+    [[l22, 0], [l32, l33]]. Else L has the rank of its other rows (l21, l22, 0), (l31, l32, l33).
+    """
+    l11, l21, l22, l31, l32, l33 = (column != 0.0 for column in factors.T)
+    rest = (l22 | l32 | l33).astype(np.int64) + (l22 & l33)
+    upper, lower = l21 | l22, l31 | l32 | l33
+    other = (upper | lower).astype(np.int64) + (upper & l33)
+    for row in np.flatnonzero(~l11 & upper & lower & ~l33):
+        _, a, b, c, d, _ = map(Fraction, factors[row].tolist())
+        other[row] += a * d != b * c
+    other[l11] = 1 + rest[l11]
+    return other
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -156,7 +184,7 @@ class _Pivots(Brief):
 
 
 def _eliminated(matrices: NDArray[np.float64]) -> _Pivots:
-    full, least = _square(matrices), RELATIVE_ZERO * np.abs(matrices).max(axis=1)
+    full, least = symmetric_matrices(matrices), RELATIVE_ZERO * np.abs(matrices).max(axis=1)
     every = np.arange(len(full))
     diagonal = matrices[:, [0, 3, 5]]
     first = np.asarray(np.argmax(diagonal, axis=1), dtype=np.int64)
@@ -193,11 +221,6 @@ _OTHERS = np.array([[1, 2], [0, 2], [0, 1]])
 _ORDERS = np.array([[[0, 1, 2], [0, 2, 1]], [[1, 0, 2], [1, 2, 0]], [[2, 0, 1], [2, 1, 0]]])
 
 
-def _square(matrices: NDArray[np.float64]) -> NDArray[np.float64]:
-    """(k, 3, 3) of xx, xy, xz, yy, yz, zz."""
-    return matrices[:, [0, 1, 2, 1, 3, 4, 2, 4, 5]].reshape(-1, 3, 3)
-
-
 def _cholesky(matrices: NDArray[np.float64], _: _Pivots) -> NDArray[np.float64]:
     xx, xy, xz, yy, yz, zz = matrices.T
     l11 = np.sqrt(xx)
@@ -215,7 +238,7 @@ def _one_column(matrices: NDArray[np.float64], pivots: _Pivots) -> NDArray[np.fl
 
 def _first_column(matrices: NDArray[np.float64], pivots: _Pivots) -> NDArray[np.float64]:
     every, first = np.arange(len(matrices)), pivots.order[:, 0]
-    column = _square(matrices)[every, first]
+    column = symmetric_matrices(matrices)[every, first]
     return column / np.sqrt(column[every, first])[:, np.newaxis]
 
 

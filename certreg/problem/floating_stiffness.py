@@ -18,10 +18,11 @@ from certreg._loading import cached_property
 from certreg.native.library import library_if_any
 from certreg.problem.arrays import row_blocks
 from certreg.problem.exact_sums import UPPER
+from certreg.problem.factors import lower_triangles
 from certreg.problem.floating_sums import total
 from certreg.problem.moments import LARGEST_LEVER, LEAST_SUM, MOST_SUM, PASSES, near_mean
 from certreg.problem.stiffness import COORDINATES
-from certreg.problem.terms import Pairs
+from certreg.problem.terms import Pairs, SprungPairs
 from certreg.results import Brief
 
 if TYPE_CHECKING:
@@ -146,15 +147,14 @@ def _over(block: Pairs, origin: NDArray[np.float64], exponents: tuple[int, int])
         np.ldexp(0.5 * side - 0.5 * part, 1 - length)
         for side, part in ((block.source, origin[:3]), (block.target, origin[3:]))
     )
-    return Pairs(source=source, target=target, springs=np.ldexp(block.springs, -factor))
+    return SprungPairs(source=source, target=target, springs=np.ldexp(block.springs, -factor))
 
 
 def summed_in_numpy(block: Pairs, origin: NDArray[np.float64]) -> NDArray[np.float64]:
     """(73,): the sums, where nothing is compiled."""
     with np.errstate(over="ignore", invalid="ignore", under="ignore"):
         x, y = block.source - origin[:3], block.target - origin[3:]
-        L = np.zeros((len(x), 3, 3))
-        L[:, (0, 1, 1, 2, 2, 2), (0, 0, 1, 0, 1, 2)] = block.springs
+        L = lower_triangles(block.springs)
         W = L @ L.transpose(0, 2, 1)
         six = W.reshape(-1, 9)[:, (0, 1, 2, 4, 5, 8)]
         squares = np.stack([x[:, j] * x[:, k] for j, k in UPPER], axis=1)

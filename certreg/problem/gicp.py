@@ -11,7 +11,7 @@ import numpy as np
 from certreg.errors import InvalidProblemError
 from certreg.geometry.given import given_pose
 from certreg.geometry.pose_matrix import why_no_rotation
-from certreg.problem.factors import covariance_factors
+from certreg.problem.factors import covariance_factors, lower_triangles, symmetric_matrices
 from certreg.problem.spring_rows import SIX_OF_NINE, checked_rows, held_rows, require
 from certreg.results import Brief
 
@@ -103,8 +103,7 @@ def gicp_information(cov_source: Any, cov_target: Any, rotation: Any) -> FrozenI
     even = (sums + sums.transpose(0, 2, 1)) / 2.0
     found = covariance_factors(even.reshape(-1, 9)[:, SIX_OF_NINE])
     require("cov_source", sums, (found.ranks == 3) & ~found.indefinite, FLAT)
-    lower = np.zeros((len(sums), 3, 3))
-    lower[:, [0, 1, 1, 2, 2, 2], [0, 0, 1, 0, 1, 2]] = found.factors
+    lower = lower_triangles(found.lower)
     return FrozenInformation(matrices=lower @ lower.transpose(0, 2, 1), rotation=turn.rotation)
 
 
@@ -112,4 +111,4 @@ def _square(given: Any, name: str) -> NDArray[np.float64]:
     """(n, 3, 3) covariances. Raises InvalidProblemError with the row."""
     array = held_rows(given, "covariances")
     rows = checked_rows(array, "covariances", len(array), several=False, called=name)
-    return rows[:, [0, 1, 2, 1, 3, 4, 2, 4, 5]].reshape(-1, 3, 3)
+    return symmetric_matrices(rows)

@@ -40,14 +40,14 @@ SUMS = 73
 class ManySprings(Brief):
     """`count` problems of N pairs each; an array of length one is shared by all of them.
 
-    sources, targets: (count or 1, N, 3); factors: (count or 1, N, 6), contiguous doubles. notes:
+    sources, targets: (count or 1, N, 3); springs: (count or 1, N, 6), contiguous doubles. notes:
     what the user should know; row k of problem p counts as p N + k there.
     """
 
     count: int
     sources: NDArray[np.float64]
     targets: NDArray[np.float64]
-    factors: NDArray[np.float64]
+    springs: NDArray[np.float64]
     notes: tuple[str, ...]
 
     @property
@@ -55,22 +55,25 @@ class ManySprings(Brief):
         """N."""
         return self.sources.shape[1]
 
+    @property
+    def arrays(self) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+        """Sources, targets, springs."""
+        return self.sources, self.targets, self.springs
+
     def part(self, chosen: slice) -> ManySprings:
         """Some of the problems."""
-        arrays = (self.sources, self.targets, self.factors)
-        sources, targets, factors = (a if len(a) == 1 else a[chosen] for a in arrays)
+        sources, targets, springs = (a if len(a) == 1 else a[chosen] for a in self.arrays)
         return ManySprings(
             count=len(range(*chosen.indices(self.count))),
             sources=sources,
             targets=targets,
-            factors=factors,
+            springs=springs,
             notes=self.notes,
         )
 
     def problem(self, k: int) -> RegistrationProblem:
         """One of them by itself."""
-        arrays = (self.sources, self.targets, self.factors)
-        source, target, factors = (a[0 if len(a) == 1 else k] for a in arrays)
+        source, target, factors = (a[0 if len(a) == 1 else k] for a in self.arrays)
         return RegistrationProblem(source, target, factors=factors)
 
 
@@ -134,40 +137,37 @@ def stated_many(
     Raises InvalidProblemError, which names the row and the instance.
     """
     n = sources.shape[1]
-    kinds = {name: _numbers(rows, name) for name, rows in given.rows.items()}
-    if not kinds:
+    if not given.rows:
         raise InvalidProblemError(
             "no springs were given: give normals, directions, covariances, information or factors "
             "(for one weight per pair: solve_many)",
             array="normals",
         )
-    several = {name: _has_problems(rows, name, n) for name, rows in kinds.items()}
+    kinds = {name: _of_each(rows, name, n) for name, rows in given.rows.items()}
     extra = {"sigma": sigma, "weights": weights}
-    numbers = {k: _numbers(a, k).astype(float) for k, a in extra.items() if a is not None}
-    own = [rows for name, rows in kinds.items() if several[name]]
-    own += [array for array in numbers.values() if array.ndim == 2]
-    leading = {len(array) for array in own}
-    total = max(count, *leading) if leading else count
-    for name, size in _sizes(kinds, several, numbers, (sources, targets)):
-        if size not in {1, total}:
+    numbers = {name: _scales(a, name, n) for name, a in extra.items() if a is not None}
+    springs = {**kinds, **numbers}
+    total = max(count, *map(len, springs.values()))
+    for name, array in {**springs, "sources": sources, "targets": targets}.items():
+        if len(array) not in {1, total}:
             raise InvalidProblemError(
-                f"{name} are of {size} instances, other arrays of {total}",
+                f"{name} are of {len(array)} instances, other arrays of {total}",
                 array=name,
-                value=size,
+                value=len(array),
                 limit=total,
             )
-    times = total if leading - {1} else 1
-    rows = GivenSprings(**{k: _rows(a, times, n, own=several[k]) for k, a in kinds.items()})
-    scaled = {name: _scales(array, name, times, n) for name, array in numbers.items()}
-    if len(scaled) == 2:
+    if len(numbers) == 2:
         raise InvalidProblemError(
             "both sigma and weights were given: give one (weights = 1/sigma^2)", array="weights"
         )
+    times = max(map(len, springs.values()))
+    rows = GivenSprings(**{name: _flat(array, times) for name, array in kinds.items()})
+    scaled = {name: _flat(array, times) for name, array in numbers.items()}
     try:
         stated = stated_springs(rows, (None, None), times * n, **scaled)
     except InvalidProblemError as error:
         raise _of_instance(error, n, times) from error
-    factors = stated.factors.reshape(times, n, 6)
+    factors = stated.springs.reshape(times, n, 6)
     empty = ~factors.any(axis=(1, 2))
     if empty.any():
         k = int(np.argmax(empty))
@@ -178,7 +178,7 @@ def stated_many(
             value=0.0,
         )
     return ManySprings(
-        count=total, sources=sources, targets=targets, factors=factors, notes=stated.notes
+        count=total, sources=sources, targets=targets, springs=factors, notes=stated.notes
     )
 
 
@@ -207,7 +207,7 @@ def many_spring_moments(given: ManySprings) -> ManySpringMoments:
 
 def _compiled(given: ManySprings, origins: Array, library: Library) -> Array:
     found = np.empty((given.count, SUMS, 2))
-    arrays = [np.ascontiguousarray(a) for a in (given.sources, given.targets, given.factors)]
+    arrays = [np.ascontiguousarray(a) for a in given.arrays]
     strides = np.array([0 if len(a) == 1 else a[0].size for a in arrays], dtype=np.int64)
     pointers = [ctypes.c_void_p(a.ctypes.data) for a in (*arrays, strides, origins, found)]
     sizes = (ctypes.c_int64(given.count), ctypes.c_int64(given.points))
@@ -236,13 +236,14 @@ def _numbers(rows: Any, name: str) -> Array:
     return array
 
 
-def _has_problems(array: Array, name: str, n: int) -> bool:
-    """Whether the first axis is that of the problems."""
+def _of_each(given: Any, name: str, n: int) -> Array:
+    """(count or 1, N, ...): the rows of each problem, or of all."""
+    array = _numbers(given, name)
     shape = array.shape
     of_all = shape[:1] == (n,) and shape[1:] in SHAPES[name]
     of_each = shape[1:2] == (n,) and shape[2:] in SHAPES[name]
     if of_all != of_each:
-        return of_each
+        return array if of_each else array[np.newaxis]
     forms = [str((n, *row)).removeprefix("(") for row in SHAPES[name]]
     wanted = " or ".join(f"({form}" for form in forms), " or ".join(f"(count, {f}" for f in forms)
     message = f"{name} have the shape {shape}: give {wanted[0]} for all, or {wanted[1]}"
@@ -251,42 +252,33 @@ def _has_problems(array: Array, name: str, n: int) -> bool:
     raise InvalidProblemError(message, array=name, value=shape)
 
 
-def _sizes(
-    kinds: dict[str, Array], several: dict[str, bool], numbers: dict[str, Array], clouds: Any
-) -> list[tuple[str, int]]:
-    """Of how many problems each array is."""
-    sizes = [(name, len(rows)) for name, rows in kinds.items() if several[name]]
-    sizes += [(name, len(array)) for name, array in numbers.items() if array.ndim == 2]
-    return [*sizes, *zip(("sources", "targets"), map(len, clouds), strict=True)]
-
-
-def _rows(array: Array, times: int, n: int, *, own: bool) -> Array:
+def _flat(array: Array, times: int) -> Array:
     """The rows of all problems, one problem after another."""
-    row = array.shape[2:] if own else array.shape[1:]
-    several = array if own else array[np.newaxis]
-    return np.ascontiguousarray(np.broadcast_to(several, (times, n, *row))).reshape(-1, *row)
+    every = np.broadcast_to(array, (times, *array.shape[1:]))
+    return np.ascontiguousarray(every).reshape(-1, *array.shape[2:])
 
 
-def _scales(array: Array, name: str, times: int, n: int) -> Array:
-    """Sigma or weights of all rows. Raises InvalidProblemError for what is none of them."""
+def _scales(given: Any, name: str, n: int) -> Array:
+    """Sigma or weights, (count or 1, N). Raises InvalidProblemError for what is none of them."""
+    array = np.atleast_2d(_numbers(given, name).astype(float))
     try:
-        every = np.ascontiguousarray(np.broadcast_to(np.atleast_2d(array), (times, n))).ravel()
+        every = np.broadcast_to(array, (len(array), n))
     except ValueError as error:
         raise InvalidProblemError(
-            f"{name} have the shape {array.shape}: give ({n},) for all or (count, {n})",
+            f"{name} have the shape {np.shape(given)}: give ({n},) for all or (count, {n})",
             array=name,
-            value=array.shape,
+            value=np.shape(given),
         ) from error
     good = np.isfinite(every) & (every > 0.0 if name == "sigma" else every >= 0.0)
     if not good.all():
-        row = int(np.argmin(good))
+        instance, row = divmod(int(np.argmin(good)), n)
         raise InvalidProblemError(
-            f"{name} of instance {row // n}, row {row % n}, is {every[row]}: give finite numbers "
-            f"{'> 0' if name == 'sigma' else '>= 0'}",
+            f"{name} of instance {instance}, row {row}, is {every[instance, row]}: give finite "
+            f"numbers {'> 0' if name == 'sigma' else '>= 0'}",
             array=name,
-            instance=row // n,
-            row=row % n,
-            value=float(every[row]),
+            instance=instance,
+            row=row,
+            value=float(every[instance, row]),
         )
     return every
 

@@ -139,7 +139,7 @@ class Moments(Brief):
 
 def exact_moments(problem: RegistrationProblem) -> ExactMoments:
     """The moments of a problem in integer arithmetic: no rounding anywhere."""
-    return moments_of(WEIGHTED.of(problem), problem.n, about_origin=problem.rotation_only)
+    return moments_of(WEIGHTED.of(problem), problem.n, about_origin=not problem.motion.translations)
 
 
 def moments_of(sums: Sums, n: int, *, about_origin: bool = False) -> ExactMoments:
@@ -172,7 +172,7 @@ def floating_moments(problem: RegistrationProblem, *, threads: int = 1) -> Momen
         problem.target,
         problem.weights,
         threads=threads,
-        about_origin=problem.rotation_only,
+        about_origin=not problem.motion.translations,
     )
 
 

@@ -29,28 +29,41 @@ class Scale(StrEnum):
     ASYMMETRIC = "asymmetric"
     SYMMETRIC = "symmetric"
 
+    @property
+    def free(self) -> bool:
+        """Whether it is found."""
+        return self is not Scale.NONE
+
+    @property
+    def divides(self) -> bool:
+        """Whether the squares are minimised over the scale, and are not the least ones then."""
+        return self is Scale.SYMMETRIC
+
 
 @dataclass(frozen=True, slots=True)
 class Motion:
-    """How the source may move: it turns; it shifts, or not; its scale is free, or not."""
+    """How the source may move: it turns; it shifts, or not; its scale is free, or not.
+
+    translations: how many numbers of a translation are found, 3 or 0.
+    """
 
     scale: Scale = Scale.NONE
-    rotation_only: bool = False
+    translations: int = 3
+
+    @property
+    def scales(self) -> int:
+        """How many numbers of a scale are found."""
+        return int(self.scale.free)
 
     @property
     def scaled(self) -> bool:
         """Whether the scale is free."""
-        return self.scale is not Scale.NONE
-
-    @property
-    def translations(self) -> int:
-        """How many numbers of a translation are found."""
-        return 0 if self.rotation_only else 3
+        return self.scale.free
 
     @property
     def parameters(self) -> int:
         """How many numbers of a pose are found: the only place where they are counted."""
-        return 3 + self.translations + self.scaled
+        return 3 + self.translations + self.scales
 
     @property
     def rigid(self) -> bool:
@@ -68,8 +81,13 @@ class Motion:
     @property
     def options(self) -> str:
         """What to type for such a problem, as the checker says it."""
-        words = [f"--scale {self.scale.value}"] if self.scaled else []
-        return " ".join(words + ["--rotation-only"] * self.rotation_only)
+        scale = [f"--scale {self.scale.value}"] * self.scales
+        return " ".join([*scale, *["--rotation-only"] * (not self.translations)])
+
+
+def checked_motion(scale: Any, rotation_only: Any) -> Motion:
+    """A motion as users name it; raises InvalidProblemError for others."""
+    return Motion(checked_scale(scale), 0 if checked_rotation_only(rotation_only) else 3)
 
 
 def checked_scale(scale: Any) -> Scale:

@@ -10,7 +10,6 @@ import numpy as np
 
 from certreg.errors import InvalidProblemError
 from certreg.problem.arrays import (
-    CHANGED,
     cloud_array,
     contiguous,
     finite_doubles,
@@ -23,14 +22,11 @@ from certreg.problem.motion import (
     Motion,
     Scale,
     checked_damping,
-    checked_rotation_only,
-    checked_scale,
+    checked_motion,
 )
 from certreg.problem.row_labels import require_same_labels
-from certreg.problem.spring_rows import warn_of_unused
-from certreg.problem.springs import GivenSprings, masses, weighed_springs
-from certreg.problem.support import PREFIXES, Cell, Loss, require_supported
-from certreg.problem.terms import NO_WEIGHTS, Pairs
+from certreg.problem.springs import GivenSprings, stated_pairs
+from certreg.problem.support import PREFIXES, Cell, require_supported
 from certreg.results import Brief
 
 if TYPE_CHECKING:
@@ -39,7 +35,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from certreg.problem.losses import PairLoss
-    from certreg.problem.springs import SpringSummary
+    from certreg.problem.terms import Named, Pairs, SpringSummary
 
 
 @dataclass(frozen=True, slots=True, eq=False, init=False)
@@ -94,6 +90,7 @@ class RegistrationProblem(Brief):
     3
     """
 
+    pairs: Pairs
     source: NDArray[np.float64]
     target: NDArray[np.float64]
     springs: SpringSummary | None  # of general springs
@@ -102,7 +99,6 @@ class RegistrationProblem(Brief):
     loss: PairLoss  # `bounded` makes others than the least squares
     noise_given: bool  # whether sigma was given: weights alone may be relative
     damping_given: bool
-    _springs: NDArray[np.float64]  # (N,) weights, or (N, 6) factors
     _digest: list[str]  # once it was asked for; of arrays in memory, which nobody changes
 
     def __init__(  # noqa: PLR0913 - each kind of springs has a name of its own, a published contract
@@ -137,20 +133,16 @@ class RegistrationProblem(Brief):
             factors=factors,
         )
         require_same_labels(source, target=target, sigma=sigma, weights=weights, **given.rows)
-        springs = (
-            weighed_springs(given, (source, target), sigma, weights, n) if given.rows else None
-        )
-        if springs is None:
-            warn_of_unused(target, n, depth=1)
-        own = masses(sigma, weights, n) if springs is None else springs.factors
+        clouds = source_points, target_points
+        pairs = stated_pairs(clouds, given, (source, target), sigma=sigma, weights=weights)
         for name, fact in (
-            ("source", _read_only(source_points)),
-            ("target", _read_only(target_points)),
-            ("_springs", _read_only(own)),
-            ("springs", None if springs is None else springs.summary),
+            ("pairs", pairs),
+            ("source", pairs.source),
+            ("target", pairs.target),
+            ("springs", pairs.summary),
             ("damping", checked_damping(DEFAULT_DAMPING if damping is None else damping)),
             ("damping_given", damping is not None),
-            ("motion", _motion(scale, rotation_only=rotation_only)),
+            ("motion", checked_motion(scale, rotation_only)),
             ("loss", SQUARES),
             ("noise_given", sigma is not None or given.is_noise),
             ("_digest", list[str]()),
@@ -159,12 +151,12 @@ class RegistrationProblem(Brief):
         require_supported(self.cell)
 
     def __repr__(self) -> str:
-        noise = ", sigma given" if self.noise_given else ""
-        springs = "" if self.springs is None else f", springs: {self.springs.kind}"
-        scale = "" if self.scale is Scale.NONE else f", {self.scale.value} scale"
-        only = ", rotation only" if self.rotation_only else ""
-        loss = "" if self.loss.kind is Loss.SQUARES else f", {self.loss.kind.value}"
-        return f"<RegistrationProblem: n={self.n}{springs}{scale}{only}{noise}{loss}>"
+        springs = [] if self.springs is None else [f"springs: {self.springs.kind}"]
+        scale = [f"{self.scale.value} scale"] * self.motion.scales
+        still = ["rotation only"] * (not self.motion.translations)
+        loss = [self.loss.kind.value] * self.loss.bounds.ndim
+        words = (*springs, *scale, *still, *["sigma given"] * self.noise_given, *loss)
+        return f"<RegistrationProblem: {', '.join((f'n={self.n}', *words))}>"
 
     def modelled(self, scale: str | Scale, *, rotation_only: bool) -> RegistrationProblem:
         """The same problem, of a motion that may do more, or less.
@@ -184,7 +176,7 @@ class RegistrationProblem(Brief):
         InvalidProblemError
             For other names, and for what is not supported.
         """
-        other = self._changed(motion=_motion(scale, rotation_only=rotation_only), _digest=[])
+        other = self._changed(motion=checked_motion(scale, rotation_only), _digest=[])
         require_supported(other.cell)
         return other
 
@@ -213,8 +205,8 @@ class RegistrationProblem(Brief):
     @property
     def cell(self) -> Cell:
         """What was declared, for the table of what is supported."""
-        motion = self.motion
-        return Cell(self.springs is not None, motion.scale, motion.rotation_only, self.loss.kind)
+        still = not self.motion.translations
+        return Cell(self.pairs.matrices, self.motion.scale, still, self.loss.kind)
 
     @property
     def scale(self) -> Scale:
@@ -224,20 +216,17 @@ class RegistrationProblem(Brief):
     @property
     def rotation_only(self) -> bool:
         """Whether the motion has no translation."""
-        return self.motion.rotation_only
+        return not self.motion.translations
 
     @property
     def scaled(self) -> bool:
         """Whether the scale is free."""
-        return self.motion.scaled
+        return self.motion.scale.free
 
     @property
     def observations(self) -> int:
         """How many numbers with noise the pairs are: three for a weight, the rank of a spring."""
-        if self.springs is not None:
-            return sum(rank * count for rank, count in enumerate(self.springs.ranks))
-        blocks = (contiguous(self.weights, rows) for rows in row_blocks(self.n))
-        return 3 * sum(int(np.count_nonzero(block)) for block in blocks)
+        return self.pairs.observations
 
     @property
     def degrees_of_freedom(self) -> int:
@@ -282,14 +271,11 @@ class RegistrationProblem(Brief):
         InvalidProblemError
             Where none of them counts: all have the weight 0, or a spring that is 0.
         """
-        kept = list(rows)
         other = RegistrationProblem(
-            self.source[kept],
-            self.target[kept],
-            **{self._springs_are: self._springs[kept]},
+            **dict(self.pairs.rows(list(rows)).data()),
             damping=self.damping if self.damping_given else None,
             scale=self.scale,
-            rotation_only=self.rotation_only,
+            rotation_only=not self.motion.translations,
         )
         object.__setattr__(other, "noise_given", self.noise_given)
         return other
@@ -305,18 +291,12 @@ class RegistrationProblem(Brief):
 
         Raises InvalidProblemError where there are general springs: nobody takes them for weights.
         """
-        if self.springs is not None:
-            raise InvalidProblemError(NO_WEIGHTS, array="weights")
-        return self._springs
+        return self.pairs.weights
 
     @property
     def factors(self) -> NDArray[np.float64] | None:
         """(N, 6), of general springs; None where there are weights."""
-        return None if self.springs is None else self._springs
-
-    @property
-    def _springs_are(self) -> str:
-        return "weights" if self.springs is None else "factors"
+        return self.pairs.springs if self.pairs.matrices else None
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -331,7 +311,7 @@ class RegistrationProblem(Brief):
     @property
     def mapped(self) -> bool:
         """Whether a part of the problem stays in a file, which somebody else could change."""
-        return any(mapped_file(array) is not None for _, array in self._stated())
+        return any(mapped_file(array) is not None for _, array in self._stated)
 
     @property
     def equally_weighted(self) -> bool:
@@ -363,20 +343,7 @@ class RegistrationProblem(Brief):
         InvalidProblemError
             Where a file holds no proper points any more.
         """
-        name = self._springs_are
-        springs = contiguous(self._springs, rows, name)
-        if name == "weights" and mapped_file(self._springs) is not None and (springs < 0.0).any():
-            raise InvalidProblemError(
-                CHANGED,
-                array=name,
-                row=(rows.start or 0) + int(np.argmax(springs < 0.0)),
-                limit=0.0,
-            )
-        return Pairs(
-            source=contiguous(self.source, rows, "source"),
-            target=contiguous(self.target, rows, "target"),
-            springs=springs,
-        )
+        return self.pairs.block(rows)
 
     def data_bytes(self) -> bytes:
         """The bytes that state the problem: prefix, n (u64), then all doubles, little-endian."""
@@ -396,16 +363,15 @@ class RegistrationProblem(Brief):
     def _pieces(self) -> Iterator[bytes | memoryview]:
         """What `data_bytes` holds, piece by piece."""
         yield PREFIXES[self.cell] + self.n.to_bytes(8, "little")
-        for name, array in self._stated():
+        for name, array in self._stated:
             for rows in row_blocks(len(array)):
                 yield contiguous(array, rows, name).astype("<f8", copy=False).data
 
-    def _stated(self) -> list[tuple[str, NDArray[np.float64]]]:
+    @property
+    def _stated(self) -> tuple[Named, ...]:
         """The arrays that state the problem, in the order of its digest, by name."""
-        bounds = [] if self.loss.kind is Loss.SQUARES else [("max_residual", self.bounds)]
-        points = [("source", self.source), ("target", self.target)]
-        springs = [(self._springs_are, self._springs)]
-        return [*points, *(springs + bounds if self.springs is None else bounds + springs)]
+        own = [("max_residual", self.bounds)] * self.loss.bounds.ndim  # each pair has one, or none
+        return self.pairs.data(*own)
 
 
 def _require_as_many(n: int, m: int) -> None:
@@ -417,13 +383,3 @@ def _require_as_many(n: int, m: int) -> None:
             value=m,
             limit=n,
         )
-
-
-def _motion(scale: Any, *, rotation_only: Any) -> Motion:
-    return Motion(checked_scale(scale), checked_rotation_only(rotation_only))
-
-
-def _read_only(array: NDArray[np.float64]) -> NDArray[np.float64]:
-    view = array.view()
-    view.flags.writeable = False
-    return view

@@ -1,4 +1,4 @@
-"""Random instances: a Gaussian cloud moved with noise, as [Yang2020] makes them; wrong pairs.
+"""Random instances: a Gaussian cloud moved with noise, as [Yang2020] makes them.
 
 >>> import numpy as np
 >>> made = gaussian_instances(np.random.default_rng(0), points=100, sigma=0.01, count=50)
@@ -37,21 +37,6 @@ class Instances:
     targets: NDArray[np.float64]
     rotations: NDArray[np.float64]
     translations: NDArray[np.float64]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class OutlierInstance:
-    """Pairs of which some are wrong, with the motion of the others: y = R x + t + noise.
-
-    source, target: (N, 3), row i to row i. wrong: (N,), which pairs. rotation: (3, 3), target from
-    source; translation: (3,).
-    """
-
-    source: NDArray[np.float64]
-    target: NDArray[np.float64]
-    wrong: NDArray[np.bool_]
-    rotation: NDArray[np.float64]
-    translation: NDArray[np.float64]
 
 
 def gaussian_instances(
@@ -100,44 +85,6 @@ def gaussian_instances(
         targets=targets,
         rotations=rotations,
         translations=translations + turned - means,
-    )
-
-
-def outlier_instance(
-    rng: np.random.Generator, *, points: int, outliers: int, sigma: float = PAPER_SIGMA
-) -> OutlierInstance:
-    """Points of the unit cube, moved at random with noise; of so many pairs the target is wrong.
-
-    x uniform in [0, 1]^3, R uniform on SO(3), t uniform in [-1, 1]^3, y = R x + t + e with
-    e ~ N(0, sigma^2 I), not cut at any bound. Wrong targets are uniform in the ball about the mean
-    of the right ones whose radius is half the diagonal of the cube. Rows are in random order.
-
-    Raises InvalidProblemError where no pair is right, or sigma is negative or not finite.
-
-    >>> made = outlier_instance(np.random.default_rng(0), points=50, outliers=40)
-    >>> int(made.wrong.sum())
-    40
-    """
-    if not 0 <= outliers < points or not 0.0 <= sigma < math.inf:
-        message = (
-            f"{outliers} of {points} pairs are wrong, with sigma {sigma!r}: give at least one that "
-            "is right, and a finite standard deviation >= 0"
-        )
-        wrong = ("outliers", outliers) if not 0 <= outliers < points else ("sigma", sigma)
-        raise InvalidProblemError(message, array=wrong[0], value=wrong[1])
-    source = rng.random((points, 3))
-    rotation = _uniform_rotations(rng.standard_normal((1, 4)))[0]
-    translation = rng.uniform(-1.0, 1.0, 3)
-    target = sigma * rng.standard_normal((points, 3)) + translation
-    for column in range(3):
-        target += source[:, column, np.newaxis] * rotation[:, column]
-    wrong = rng.permutation(points) < outliers
-    directions = rng.standard_normal((outliers, 3))
-    lengths = np.sqrt((directions * directions).sum(axis=1))
-    radii = math.sqrt(3.0) / 2.0 * np.cbrt(rng.random(outliers))
-    target[wrong] = target[~wrong].mean(axis=0) + directions * (radii / lengths)[:, np.newaxis]
-    return OutlierInstance(
-        source=source, target=target, wrong=wrong, rotation=rotation, translation=translation
     )
 
 

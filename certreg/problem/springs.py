@@ -12,7 +12,6 @@ from __future__ import annotations
 import math
 from collections import Counter
 from dataclasses import dataclass, field
-from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -30,13 +29,16 @@ from certreg.problem.factors import (
     weigh,
 )
 from certreg.problem.spring_rows import (
+    SHAPES,
     absent_rows,
     any_of,
     checked_rows,
     held_rows,
     require,
     require_not_of_source,
+    warn_of_unused,
 )
+from certreg.problem.terms import Pairs, SprungPairs
 from certreg.results import Brief
 
 if TYPE_CHECKING:
@@ -48,7 +50,6 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
 
-KINDS = {1: "plane", 2: "line", 3: "full"}  # by rank, where all pairs have the same
 POINT = (1.0, 0.0, 1.0, 0.0, 0.0, 1.0)  # the factor of a pair without a kind: L = I
 UNIT_LENGTH = 1e-3  # a normal whose length is further from 1 is told of
 BEYOND = "gives a factor outside the doubles: change the unit of length, of clouds and springs"
@@ -73,13 +74,7 @@ class GivenSprings(Brief):
     @property
     def rows(self) -> dict[str, Any]:
         """Those that were given, by name."""
-        named = {
-            "normals": self.normals,
-            "directions": self.directions,
-            "covariances": self.covariances,
-            "information": self.information,
-            "factors": self.factors,
-        }
+        named = {name: getattr(self, name) for name in SHAPES}
         return {name: value for name, value in named.items() if value is not None}
 
     @property
@@ -88,46 +83,12 @@ class GivenSprings(Brief):
         return set(self.rows) == {"covariances"}
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class SpringSummary(Brief):
-    """What kind of springs a problem has.
-
-    kind: "plane", "line" or "full" where all that count have the rank 1, 2 or 3, else "mixed".
-    ranks: how many springs have the rank 0, 1, 2, 3; those of rank 0 do not count.
-    notes: what the user should know.
-    """
-
-    kind: str
-    ranks: tuple[int, int, int, int]
-    notes: tuple[str, ...] = ()
-
-
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class StatedSprings(Brief):
     """Factors (N, 6), and what the user should know of them."""
 
-    factors: Rows
+    springs: Rows
     notes: tuple[str, ...]
-
-    @property
-    def summary(self) -> SpringSummary:
-        """The kind of springs, by the exact ranks of their factors.
-
-        Raises InvalidProblemError where none counts.
-        """
-        counts = np.zeros(4, dtype=np.int64)
-        for part in row_blocks(len(self.factors)):
-            counts += np.bincount(ranks_of(self.factors[part]), minlength=4)
-        present = [rank for rank in KINDS if counts[rank]]
-        if not present:
-            raise InvalidProblemError(
-                "all springs are zero: no correspondence counts, so every pose is as good",
-                array="factors",
-                value=0.0,
-            )
-        kind = KINDS[present[0]] if len(present) == 1 else "mixed"
-        zero, one, two, three = counts.tolist()
-        return SpringSummary(kind=kind, ranks=(zero, one, two, three), notes=self.notes)
 
 
 def stated_springs(
@@ -148,7 +109,7 @@ def stated_springs(
     if set(kinds) == {"factors"} and sigma is None and weights is None:
         rows, _ = kinds["factors"]
         if rows.shape[1] == 6 and mapped_file(rows) is not None:
-            return StatedSprings(factors=rows, notes=())
+            return StatedSprings(springs=rows, notes=())
     factors, odd = np.empty((n, 6)), _Odd()
     for part in row_blocks(n):
         over, times = _part(sigma, part), _part(weights, part)
@@ -160,7 +121,7 @@ def stated_springs(
         require(next(iter(kinds)), bare, good, BEYOND, part.start)
         factors[part] = made
     return StatedSprings(
-        factors=factors, notes=(*(note for note in given_notes if note), *odd.notes)
+        springs=factors, notes=(*(note for note in given_notes if note), *odd.notes)
     )
 
 
@@ -258,34 +219,12 @@ def _of_matrices(
         require(name, rows, found.ranks == 3, RANK_BELOW_3, start)
     words = f"{name}: {{count}} are singular to rounding, {{first}}: read as of a lower rank"
     odd.add(words, start, here & found.singular)
-    return found.factors
+    return found.lower
 
 
 def _part(values: Rows | None, part: slice) -> Rows | None:
     """Of one number for each pair those of some; a single one as it is."""
     return values if values is None or len(values) == 1 else np.asarray(values[part], np.float64)
-
-
-def ranks_of(factors: Rows) -> NDArray[np.int64]:
-    """(k,): the exact rank of every L.
-
-    Where l11 is not zero, the first column is independent of the others, which have the rank of
-    [[l22, 0], [l32, l33]]. Else L has the rank of its other rows (l21, l22, 0), (l31, l32, l33).
-    """
-    l11, l21, l22, l31, l32, l33 = (column != 0.0 for column in factors.T)
-    rest = (l22 | l32 | l33).astype(np.int64) + (l22 & l33)
-    upper, lower = l21 | l22, l31 | l32 | l33
-    other = (upper | lower).astype(np.int64) + (upper & l33)
-    for row in np.flatnonzero(~l11 & upper & lower & ~l33):
-        _, a, b, c, d, _ = map(Fraction, factors[row].tolist())
-        other[row] += a * d != b * c
-    other[l11] = 1 + rest[l11]
-    return other
-
-
-def masses(sigma: ArrayLike | None, weights: ArrayLike | None, n: int) -> NDArray[np.float64]:
-    """(n,) weights, from whichever was given."""
-    return _weights_from_sigma(sigma, n) if sigma is not None else given_weights(weights, n)
 
 
 def _per_point(values: ArrayLike, name: str, n: int) -> NDArray[np.float64]:
@@ -359,14 +298,34 @@ def _weights_from_sigma(sigma: ArrayLike, n: int) -> NDArray[np.float64]:
     return np.broadcast_to(weights[inverse], (n,))
 
 
-def weighed_springs(
+def stated_pairs(
+    clouds: tuple[Rows, Rows],
     given: GivenSprings,
-    clouds: tuple[Any, Any],
+    held: tuple[Any, Any],
+    *,
     sigma: ArrayLike | None,
     weights: ArrayLike | None,
-    n: int,
-) -> StatedSprings:
-    """General springs over sigma, or times the weights."""
+) -> Pairs:
+    """The pairs of checked clouds (N, 3), with the springs that a user gave for them.
+
+    held: source and target, as the user gave them. General springs are over sigma, or times the
+    weights. Raises InvalidProblemError with the row.
+    """
+    n = len(clouds[0])
+    source, target = map(_read_only, clouds)
+    if not given.rows:
+        warn_of_unused(held[1], n, depth=2)
+        own = given_weights(weights, n) if sigma is None else _weights_from_sigma(sigma, n)
+        return Pairs(source=source, target=target, springs=_read_only(own))
     over = None if sigma is None else given_sigma(sigma, n)
     times = None if weights is None else given_weights(weights, n)
-    return stated_springs(given, clouds, n, sigma=over, weights=times)
+    made = stated_springs(given, held, n, sigma=over, weights=times)
+    return SprungPairs(
+        source=source, target=target, springs=_read_only(made.springs), noted=made.notes
+    )
+
+
+def _read_only(array: Rows) -> Rows:
+    view = array.view()
+    view.flags.writeable = False
+    return view

@@ -75,7 +75,7 @@ class Cell(NamedTuple):  # made, and looked up, faster than a dataclass: `regist
     @property
     def scaled(self) -> bool:
         """Whether the scale is free."""
-        return self.scale is not Scale.NONE
+        return self.scale.free
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -143,10 +143,8 @@ class PoseCovariance(Explained):
         All in the target's (fixed) frame: R_true = exp([theta]) R, theta = R phi. Of a free scale
         it says nothing.
         """
-        change = np.zeros((6, 6))
-        change[:3, :3] = np.eye(3)
-        change[3:, 3:] = self.rotation
-        return None if self.matrix is None else change @ self.matrix[:6, :6] @ change.T
+        still = np.zeros((3, 3))
+        return self._in(np.block([[np.eye(3), still], [still, self.rotation]]))
 
     @property
     def gtsam(self) -> NDArray[np.float64] | None:
@@ -154,9 +152,10 @@ class PoseCovariance(Explained):
 
         T_true = T Exp((phi, v)), to first order t_true = t + R v. Of a free scale it says nothing.
         """
-        change = np.zeros((6, 6))
-        change[:3, 3:] = np.eye(3)
-        change[3:, :3] = self.rotation.T
+        still = np.zeros((3, 3))
+        return self._in(np.block([[still, np.eye(3)], [self.rotation.T, still]]))
+
+    def _in(self, change: NDArray[np.float64]) -> NDArray[np.float64] | None:
         return None if self.matrix is None else change @ self.matrix[:6, :6] @ change.T
 
 
@@ -398,13 +397,25 @@ def worst_residuals(
     worst: list[Residual] = []
     for rows in row_blocks(problem.n):
         distances = residual_distances(problem.block(rows), pose)
-        distances[~np.isfinite(distances)] = -1.0
-        least = max(0.0, np.partition(distances, -count)[-count] if count < len(distances) else 0.0)
-        far = np.flatnonzero(distances >= least)
-        far = far[np.argsort(-distances[far], kind="stable")[:count]]
-        worst += [Residual(row=rows.start + int(k), distance=float(distances[k])) for k in far]
-        worst = sorted(worst, key=lambda one: (-one.distance, one.row))[:count]
+        known = np.flatnonzero(np.isfinite(distances))
+        worst = largest(worst, rows.start + known, distances[known], count)
     return worst
+
+
+def largest(
+    known: list[Residual],
+    rows: NDArray[np.integer[Any]],
+    distances: NDArray[np.float64],
+    count: int,
+) -> list[Residual]:
+    """So many of those known and these, the largest first; of equal ones the first."""
+    least = known[-1].distance if len(known) == count else 0.0
+    if len(rows) > count:
+        least = max(least, float(np.partition(distances, -count)[-count]))
+    places = np.flatnonzero(distances >= least)
+    places = places[np.argsort(-distances[places], kind="stable")[:count]]
+    more = [Residual(row=int(rows[k]), distance=float(distances[k])) for k in places.tolist()]
+    return sorted([*known, *more], key=lambda one: (-one.distance, one.row))[:count]
 
 
 def effective_rows(problem: RegistrationProblem) -> float:

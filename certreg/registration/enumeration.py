@@ -10,8 +10,8 @@ from certreg.certificate.checking import check_own, require_accepted
 from certreg.equilibrium.equilibrium_set import EquilibriumSet
 from certreg.equilibrium.methods import FINDERS, compare, search
 from certreg.errors import UndecidedError
+from certreg.objective.by_structure import objective_of
 from certreg.objective.isotropic import Isotropic
-from certreg.objective.objective import objective_of
 from certreg.objective.structure import Structure
 from certreg.registration.ambiguity import equilibria_at
 from certreg.registration.covariance import pose_covariance
@@ -34,7 +34,6 @@ if TYPE_CHECKING:
     from certreg.equilibrium.methods import Comparison, Search
     from certreg.geometry.pose import Pose
     from certreg.geometry.similarity import Similarity
-    from certreg.objective.isotropic import Isotropic
     from certreg.objective.springs import Springs
     from certreg.problem.problem import RegistrationProblem
     from certreg.registration import breathing, spring_equilibria
@@ -42,12 +41,12 @@ if TYPE_CHECKING:
     from certreg.registration.progress import Progress
     from certreg.registration.spring_equilibria import SpringEquilibria
 else:
-    breathing = late("certreg.registration.breathing")
-    spring_equilibria = late("certreg.registration.spring_equilibria")
-    paths = late("certreg.equilibrium.paths")
     # which of them is made depends on the problem
+    breathing = late("certreg.registration.breathing")
     count = late("certreg.certificate.count")
     listing = late("certreg.certificate.listing")
+    paths = late("certreg.equilibrium.paths")
+    spring_equilibria = late("certreg.registration.spring_equilibria")
 
 
 ALL = "all"  # methods

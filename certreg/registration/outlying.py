@@ -19,6 +19,7 @@ from certreg.problem.terms import Pairs
 from certreg.registration.covariance import (
     Residual,
     effective_rows,
+    largest,
     residual_distances,
 )
 from certreg.registration.motions import RigidMotion, WeightedPairs
@@ -326,25 +327,12 @@ class _Count:
         pairs = frame.pairs(points)
         self.rows += len(present)
         numbers = first + present
-        self.worst = _largest(self.worst, numbers, pairs.distances(frame.optimum))
+        self.worst = largest(self.worst, numbers, pairs.distances(frame.optimum), LISTED)
         distances = pairs.distances(self.limits.motion)
         far = self.limits.far(pairs, distances)
         self.far_rows += int(np.count_nonzero(far))
-        self.far = _largest(self.far, numbers[far], distances[far])
+        self.far = largest(self.far, numbers[far], distances[far], LISTED)
         self.left += float(pairs.weights[~far] @ distances[~far] ** 2)
-
-
-def _largest(
-    known: list[Residual], rows: NDArray[np.int64], distances: NDArray[np.float64]
-) -> list[Residual]:
-    """The LISTED largest of those known and these; of equal ones the first."""
-    least = known[-1].distance if len(known) == LISTED else 0.0
-    if len(rows) > LISTED:
-        least = max(least, float(np.partition(distances, -LISTED)[-LISTED]))
-    places = np.flatnonzero(distances >= least)
-    places = places[np.argsort(-distances[places], kind="stable")[:LISTED]]
-    more = [Residual(row=int(rows[k]), distance=float(distances[k])) for k in places.tolist()]
-    return sorted([*known, *more], key=lambda one: (-one.distance, one.row))[:LISTED]
 
 
 def _rows(points: RegistrationProblem | Pairs, rows: NDArray[np.int64]) -> Pairs:

@@ -16,8 +16,8 @@ from certreg.dynamics.simulation import optimal_damping
 from certreg.dynamics.trajectory import Trajectory
 from certreg.exact.dyadic import nearest_double, power_of_two
 from certreg.native.loops import Integrator, Kind
+from certreg.objective.by_structure import objective_of
 from certreg.objective.isotropic import Isotropic
-from certreg.objective.objective import objective_of
 from certreg.problem.lifting import lift
 from certreg.problem.support import Verb, require_supported
 from certreg.registration.agreement import require_sound_trajectory

@@ -16,8 +16,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.problem.arrays import row_blocks
-from certreg.registration.covariance import Residual
+from certreg.problem.arrays import lengths, row_blocks
+from certreg.problem.factors import lower_triangles
+from certreg.registration.covariance import Residual, largest
 from certreg.results import Brief
 
 if TYPE_CHECKING:
@@ -30,8 +31,6 @@ if TYPE_CHECKING:
     from certreg.problem.terms import Pairs
 
 SAMPLED = 4096  # rows of which the median is taken, where there are more
-LEFT = np.array([[0, 0, 0], [1, 2, 0], [3, 4, 5]])  # where an entry of L stands among the six
-LOWER = np.array([[1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [1.0, 1.0, 1.0]])
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -46,11 +45,6 @@ class SpringRows(Brief):
     along: NDArray[np.float64]
     strained: NDArray[np.float64]
     stiffness: NDArray[np.float64]
-
-
-def lower_triangles(factors: NDArray[np.float64]) -> NDArray[np.float64]:
-    """(k, 3, 3): L, of its six entries by rows."""
-    return factors[:, LEFT] * LOWER
 
 
 def rows_at(block: Pairs, pose: Pose) -> SpringRows:
@@ -134,27 +128,21 @@ class ResidualSums(Brief):
     @classmethod
     def of(cls, problem: RegistrationProblem, pose: Pose, count: int) -> ResidualSums:
         """Of the pose of a problem; count: of the worst rows."""
-        total = squares = 0.0
+        total = norm = 0.0
         counted, worst = 0, list[Residual]()
         sample: list[NDArray[np.float64]] = []
         step = -(-problem.n // SAMPLED)
         for rows, at in blocks_at(problem, pose):
-            told = np.isfinite(at.along)
+            told = np.flatnonzero(np.isfinite(at.along))
             total += float(at.stiffness.sum())
-            squares += float(at.stiffness @ at.stiffness)
+            norm = math.hypot(norm, *lengths(at.stiffness[np.newaxis]))
             counted += int(np.count_nonzero(at.stiffness))
-            order = np.argsort(-np.where(told, at.along, -1.0), kind="stable")[:count]
-            worst += [
-                Residual(row=rows.start + int(k), distance=float(at.along[k]))
-                for k in order
-                if told[k]
-            ]
-            worst = sorted(worst, key=lambda one: (-one.distance, one.row))[:count]
-            sample.append(at.along[::step][told[::step]])
+            worst = largest(worst, rows.start + told, at.along[told], count)
+            sample.append(at.along[::step][np.isfinite(at.along[::step])])
         seen = np.concatenate(sample)
         return cls(
             stiffness=total,
-            effective_rows=total * (total / squares) if squares else 0.0,
+            effective_rows=(total / norm) ** 2 if norm else 0.0,
             rows=counted,
             worst=tuple(worst),
             median=float(np.median(seen)) if len(seen) else 0.0,

@@ -12,7 +12,7 @@ from certreg.dynamics.integrators import SimulationSettings
 from certreg.dynamics.simulation import simulate
 from certreg.errors import InvalidProblemError
 from certreg.native.loops import Integrator
-from certreg.objective.objective import objective_of
+from certreg.objective.by_structure import objective_of
 from certreg.results import Absent
 
 if TYPE_CHECKING:

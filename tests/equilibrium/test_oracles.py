@@ -18,6 +18,7 @@ import pytest
 import spring_families
 import strategies
 from oracles.exports import as_msolve, as_phcpack, as_singular, value_unit
+from oracles.polynomials import multiplier_system
 from oracles.systems import line_system, quaternion_system, rotation_system
 
 from certreg.equilibrium.equilibrium_set import unit_double
@@ -25,7 +26,6 @@ from certreg.equilibrium.groebner import eliminate, fibres
 from certreg.equilibrium.line_set import LineSet
 from certreg.equilibrium.methods import search
 from certreg.geometry.so3 import davenport_matrix, rotation_matrix
-from certreg.objective.polynomials import multiplier_system
 from certreg.objective.springs import Springs
 from certreg.problem.moments import exact_moments
 from certreg.problem.problem import RegistrationProblem

@@ -10,11 +10,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from oracles.exports import as_msolve, as_phcpack, as_singular, as_sympy
 from oracles.groebner_basis import dimension_and_degree, rotation_ideal
+from oracles.polynomials import multiplier_system
 from oracles.systems import quaternion_system, rotation_system
 
 from certreg.equilibrium.torques import COLUMNS, torque_table
 from certreg.geometry.so3 import davenport_matrix, dot, rotation_matrix
-from certreg.objective.polynomials import multiplier_system
 from certreg.problem.moments import exact_moments
 
 small = st.integers(-9, 9)

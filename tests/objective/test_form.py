@@ -165,7 +165,7 @@ def test_a_translation_is_counted_in_the_units_of_the_form():
 @pytest.mark.parametrize("motion", MOTIONS)
 def test_without_a_translation_the_form_is_the_energy_of_the_motion_alone(motion: Any):
     """Of the very sums: those about the origin are others only beside a translation."""
-    still = Motion(rotation_only=True)
+    still = Motion(translations=0)
     r = z_of(motion)[:10]
     for form in (springs(1.0), points(1.0)):
         kept = form.restricted(still)
@@ -177,7 +177,7 @@ def test_without_a_translation_the_form_is_the_energy_of_the_motion_alone(motion
 
 
 def test_springs_without_a_translation_are_about_the_origin():
-    still = Motion(rotation_only=True)
+    still = Motion(translations=0)
     given = RegistrationProblem(SOURCE, TARGET, factors=FACTORS)
     about = spring_moments_of(SPRUNG.of(given), given.n, about_origin=True)
     whole, objective = Springs.of(given), Springs(about, still)

@@ -13,7 +13,7 @@ import sympy  # pyright: ignore[reportMissingTypeStubs]
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from certreg.objective.polynomials import Monomial, PolynomialSystem
+    from .polynomials import Monomial, PolynomialSystem
 
 
 def as_sympy(system: PolynomialSystem) -> list[Any]:

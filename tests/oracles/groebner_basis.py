@@ -17,7 +17,7 @@ from .systems import rotation_system
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from certreg.objective.polynomials import Monomial
+    from .polynomials import Monomial
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

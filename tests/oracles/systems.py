@@ -10,7 +10,9 @@ from typing import TYPE_CHECKING
 
 from certreg.equilibrium.torques import COLUMNS, TURNS, skew, torque_table
 from certreg.geometry.constraints import rotation_polynomials
-from certreg.objective.polynomials import (
+from certreg.objective.quartics import MONOMIALS
+
+from .polynomials import (
     QUATERNION,
     Monomial,
     Polynomial,
@@ -18,7 +20,6 @@ from certreg.objective.polynomials import (
     collected,
     exponents,
 )
-from certreg.objective.quartics import MONOMIALS
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence

@@ -7,8 +7,8 @@ import math
 import numpy as np
 import pytest
 
+from benchmarks.rates.consensus_labels import outlier_instance
 from certreg.errors import InvalidProblemError
-from certreg.problem.random_instances import outlier_instance
 
 
 def test_right_pairs_differ_by_noise_and_wrong_ones_are_in_a_ball():

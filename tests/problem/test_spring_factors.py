@@ -16,9 +16,9 @@ from certreg.problem.factors import (
     information_factors,
     line_factors,
     plane_factors,
+    ranks_of,
     weigh,
 )
-from certreg.problem.springs import ranks_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -103,10 +103,10 @@ def test_information_is_bit_by_bit_as_written_and_near_what_was_given(spread: in
     assert (found.ranks == 3).all()
     assert not found.indefinite.any()
     assert not found.singular.any()
-    assert _bits(found.factors) == _bits(
+    assert _bits(found.lower) == _bits(
         np.array([scalars.information(m) for m in matrices.tolist()])
     )
-    for factor, matrix in zip(found.factors, matrices, strict=True):
+    for factor, matrix in zip(found.lower, matrices, strict=True):
         error = scalars.farthest(scalars.spring(factor), scalars.symmetric(matrix))
         assert error <= 8 * U * Fraction(float(np.abs(matrix).max()))
 
@@ -118,13 +118,13 @@ def test_sums_of_dyads_in_doubles_are_read_as_of_their_rank(rank: int) -> None:
     found = information_factors(matrices)
 
     assert (found.ranks == rank).all()
-    assert (ranks_of(found.factors) == rank).all()
+    assert (ranks_of(found.lower) == rank).all()
     assert not found.indefinite.any()
     assert found.singular.any()  # those that rounding left of a higher rank
-    assert _bits(found.factors) == _bits(
+    assert _bits(found.lower) == _bits(
         np.array([scalars.information(m) for m in matrices.tolist()])
     )
-    for factor, matrix in zip(found.factors, matrices, strict=True):
+    for factor, matrix in zip(found.lower, matrices, strict=True):
         error = scalars.farthest(scalars.spring(factor), scalars.symmetric(matrix))
         assert error <= 128 * U * Fraction(float(np.abs(matrix).max()))
 
@@ -142,7 +142,7 @@ def test_a_matrix_with_an_eigenvalue_below_zero_is_refused_and_no_other(entries)
     reference = scalars.information(entries)
     assert bool(found.indefinite[0]) == (reference is None)
     if reference is not None:
-        assert _bits(found.factors) == _bits(np.array([reference]))
+        assert _bits(found.lower) == _bits(np.array([reference]))
     if all(entry.is_integer() for entry in entries):  # so that no pivot is near zero and is not
         minors = [exact[i][i] * exact[j][j] - exact[i][j] ** 2 for i, j in ((0, 1), (0, 2), (1, 2))]
         diagonal = [exact[i][i] for i in range(3)]
@@ -160,10 +160,8 @@ def test_a_covariance_is_bit_by_bit_as_written_and_its_spring_is_its_inverse(spr
     found = covariance_factors(matrices)
 
     assert (found.ranks == 3).all()
-    assert _bits(found.factors) == _bits(
-        np.array([scalars.covariance(m) for m in matrices.tolist()])
-    )
-    for factor, matrix in zip(found.factors, matrices, strict=True):
+    assert _bits(found.lower) == _bits(np.array([scalars.covariance(m) for m in matrices.tolist()]))
+    for factor, matrix in zip(found.lower, matrices, strict=True):
         exact = _inverse(scalars.symmetric(matrix))
         share = _largest_relative_change(scalars.spring(factor), exact)
         assert share <= 100 * U * 10**spread
@@ -215,7 +213,7 @@ def test_the_adjugate_would_lose_the_square_of_the_condition() -> None:
     over = a * entries[0] + b * entries[1] + c * entries[2]
     adjugate = scalars.symmetric([entry / over for entry in entries])
 
-    ours = scalars.spring(covariance_factors(needle).factors[0])
+    ours = scalars.spring(covariance_factors(needle).lower[0])
 
     assert _largest_relative_change(ours, exact) < 1e-6
     assert _largest_relative_change(adjugate, exact) > 1e-2

@@ -14,7 +14,7 @@ from syntax import nodes
 
 import certreg
 from certreg.errors import InvalidProblemError
-from certreg.problem.motion import Motion, Scale
+from certreg.problem.motion import Motion, Scale, checked_motion
 from certreg.problem.support import TABLE, Cell, Loss, Verb, refusal, supported
 
 if TYPE_CHECKING:
@@ -49,6 +49,11 @@ LOSSES: dict[Loss, dict[str, Any]] = {
 }
 ACCEPTED = 18  # of 60; a cell that opens, or closes, changes this number knowingly
 CELLS = list(itertools.product(DATA, MOTIONS, LOSSES))
+
+
+def motion_of(motion: str) -> Motion:
+    moves = MOTIONS[motion]
+    return checked_motion(moves.get("scale", "none"), moves.get("rotation_only", False))
 
 
 def cell_of(data: str, motion: str, loss: Loss) -> Cell:
@@ -186,7 +191,7 @@ def test_parameters_are_counted_in_one_place(
     options = options_of(cell, data)
     told: list[dict[str, Any]] = []
     for more in (0, 1):
-        count = {one: one.parameters + more for one in (Motion(**MOTIONS[motion]),)}
+        count = {one: one.parameters + more for one in (motion_of(motion),)}
         monkeypatch.setattr(Motion, "parameters", property(count.get))
         result = certreg.certify(SOURCE, target_of(cell), **options)
         noisy = certreg.certify(SOURCE, target_of(cell), sigma=0.01, **options)

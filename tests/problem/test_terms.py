@@ -6,8 +6,8 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from certreg.objective.by_structure import objective_of
 from certreg.objective.isotropic import Isotropic
-from certreg.objective.objective import objective_of
 from certreg.problem.problem import RegistrationProblem
 
 POINT = np.array([1.0, 0.0, 1.0, 0.0, 0.0, 1.0])  # L = I

@@ -15,13 +15,14 @@ import certreg
 from certreg.equilibrium.equilibrium_set import unit_double
 from certreg.equilibrium.paths import critical_lines
 from certreg.errors import InvalidProblemError
+from certreg.problem.factors import lower_triangles
 from certreg.problem.problem import RegistrationProblem
 from certreg.registration.assessment import assess
 from certreg.registration.certification import certify
 from certreg.registration.curvature import slope_and_curvature
 from certreg.registration.exit_codes import code_of_registration
 from certreg.registration.simulation import optimally_damped
-from certreg.registration.spring_rows import SpringAxes, lower_triangles
+from certreg.registration.spring_rows import SpringAxes
 from certreg.relaxation.refining import refined
 from certreg.results import PoseVerdict
 
@@ -146,6 +147,17 @@ def test_residuals_of_planes_and_lines_are_the_distances_to_them():
 
         assert found.residuals == pytest.approx(np.linalg.norm(moved - nearest, axis=1), abs=1e-12)
         assert found.rmse == pytest.approx(np.sqrt(np.mean(found.residuals**2)))
+
+
+@pytest.mark.parametrize("size", [1e-100, 1e100])
+def test_normals_of_any_length_leave_the_noise_that_the_residuals_tell(size: float):
+    given = plane(np.random.default_rng(7), 20, 0.05)
+    clouds, normals = (given.source, given.target), given.springs["normals"]
+    one, other = (certify(*clouds, normals=times * normals) for times in (1.0, size))
+
+    assert one.covariance is not None
+    assert other.covariance is not None
+    assert other.covariance.rotation_sigma == pytest.approx(one.covariance.rotation_sigma)
 
 
 def test_more_noise_than_was_given_is_warned_of_and_less_is_not():
