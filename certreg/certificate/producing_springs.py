@@ -5,14 +5,17 @@ A module of its own: what proposes these proofs loads NumPy, which other certifi
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import replace
 from typing import TYPE_CHECKING, TypeVar
 
-from certreg.certificate.cones import cones_body
+from certreg.certificate.cones import ConesProposal, cones_body
 from certreg.certificate.listing import list_body
 from certreg.certificate.producing import enclosed
 from certreg.certificate.radius import growth_radius
 from certreg.certificate.squares import sos_body
+from certreg.errors import NotCompiledWarning
+from certreg.native.kernels import MissingLibraryError
 
 if TYPE_CHECKING:
     from typing import Any
@@ -46,7 +49,7 @@ def springs_certificate(
     squares = sos_body(objective, found)
     if squares is not None and squares.claims.unique is not None:
         return enclosed(problem, _moving(objective, squares, robustness_angle), about)
-    cones = cones_body(objective, found.minima)
+    cones = _cones(objective, found)
     body = cones.body
     if body is not None and (squares is None or body.claims.unique or body.gap < squares.gap):
         told = {**(about or {}), "cones": cones.words}
@@ -54,6 +57,15 @@ def springs_certificate(
     if squares is None:
         return None
     return enclosed(problem, _moving(objective, squares, robustness_angle), about)
+
+
+def _cones(objective: Springs, found: Found) -> ConesProposal:
+    """What cones prove; without compiled code nothing, and a warning says so."""
+    try:
+        return cones_body(objective, found.minima)
+    except MissingLibraryError as error:
+        warnings.warn(str(error), NotCompiledWarning, stacklevel=2)
+        return ConesProposal(body=None, words=str(error), seen=0)
 
 
 def springs_list_certificate(

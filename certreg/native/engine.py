@@ -14,14 +14,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.errors import SlowSimulationWarning
+from certreg.errors import NotCompiledWarning
 from certreg.native.kernels import GENERATED, MissingLibraryError
 from certreg.native.layout import (
     BODY,
     QUATERNION_STATE,
     plain,
 )
-from certreg.native.library import checked, loaded_library
+from certreg.native.library import checked, library_for, loaded_library
 from certreg.native.runs import run_in_python
 from certreg.native.signatures import generated
 from certreg.native.stationary import stationary_poses
@@ -121,7 +121,7 @@ def current_engine() -> Engine:
     except MissingLibraryError as error:
         LOG.info("in Python: %s", error)
         message = f"{error}: simulating in Python, same results but much slower"
-        warnings.warn(message, SlowSimulationWarning, stacklevel=2)
+        warnings.warn(message, NotCompiledWarning, stacklevel=2)
         return evaluator()
     LOG.info("%s", library.words)
     return library
@@ -129,8 +129,4 @@ def current_engine() -> Engine:
 
 def compiled_engine() -> Library:
     """The engine of bodies that Python does not move. Raises MissingLibraryError."""
-    try:
-        return loaded_library()
-    except MissingLibraryError as error:
-        words = "the motion on general springs, or with a free scale, needs the compiled library"
-        raise MissingLibraryError(f"{words}: {error}") from error
+    return library_for("the motion on general springs, or with a free scale,")

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.native.bitset_graph import BitRows, rows_of, thinned
-from certreg.native.cliques import enumeration, greedy_clique, triangles
+from certreg.native.bitset_graph import BitRows, Thinned, rows_of
+from certreg.native.cliques import Enumeration, greedy_clique, triangles
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -48,7 +48,7 @@ def _lengths(points: NDArray[np.float64], rows: slice) -> NDArray[np.float64]:
 
 def core(near: BitRows, degree: int) -> int:
     """The rows, as bits, that are left once none has fewer neighbours left than `degree`."""
-    return thinned(near, (1 << len(near)) - 1, degree + 1, 0).alive
+    return Thinned(near, (1 << len(near)) - 1, degree + 1, 0).alive
 
 
 def greedy_cliques(near: BitRows, alive: int) -> Iterator[Rows]:
@@ -77,7 +77,7 @@ class CliqueSearch:
         part = near.table[np.ix_(rows, rows)]
         order = np.argsort(part.sum(axis=1), kind="stable")  # poor rows first: short branches
         part = BitRows.of_table(part[np.ix_(order, order)])
-        search = enumeration(part, size, self.steps, FIT_STEPS + 2 * size)
+        search = Enumeration(part, size, self.steps, FIT_STEPS + 2 * size)
         while len(found := search.some(batch)):
             self.steps = search.steps
             yield rows[order[found]]

@@ -114,14 +114,14 @@ def test_python_is_warned_once():
     )
     run = python(code, **WITHOUT)
 
-    assert (run.stdout, run.stderr) == ("['SlowSimulationWarning']\n", "")
+    assert (run.stdout, run.stderr) == ("['NotCompiledWarning']\n", "")
 
 
 @pytest.mark.slow
 def test_without_compiled_code_other_motions_are_refused_in_one_line_and_all_is_certified():
     code = (
         "import certreg, tempfile, numpy\n"
-        "x = numpy.random.default_rng(0).normal(size=(9, 3))\n"
+        "x = numpy.random.default_rng(0).normal(size=(20, 3))\n"
         "for options in ({'normals': x + 1.0}, {'scale': 'asymmetric'}):\n"
         "    problem = certreg.RegistrationProblem(x, 1.1 * x, **options)\n"
         "    try:\n"
@@ -144,6 +144,18 @@ def test_without_compiled_code_other_motions_are_refused_in_one_line_and_all_is_
         f"no\nCERTIFIED\nno\nCERTIFIED\nAbsent(reason={refused.strip()!r})\n",
         "",
     )
+
+
+@pytest.mark.slow
+def test_without_compiled_code_the_search_for_wrong_pairs_is_refused_in_one_line():
+    command = (
+        f"sys.argv[1:] = ['certify', *{SURVEY!r}, '--max-residual', '1'];"
+        "from certreg.cli.main import main; main()"
+    )
+    run = python(f"import sys; {command}", **WITHOUT)
+    words = "the search for wrong pairs needs the compiled library: CERTREG_VARIANT is python"
+
+    assert (run.returncode, run.stdout, run.stderr) == (2, "", f"certreg: {words}\n")
 
 
 def test_other_warnings_stay_warnings(monkeypatch, data):
