@@ -158,6 +158,24 @@ def test_without_compiled_code_the_search_for_wrong_pairs_is_refused_in_one_line
     assert (run.returncode, run.stdout, run.stderr) == (2, "", f"certreg: {words}\n")
 
 
+@pytest.mark.slow
+def test_without_compiled_code_many_problems_at_once_are_refused_in_one_line():
+    code = (
+        "import certreg, numpy\n"
+        "x = numpy.random.default_rng(0).normal(size=(2, 9, 3))\n"
+        "for many in (certreg.solve_many, certreg.bodies_of):\n"
+        "    try:\n"
+        "        many(x, x)\n"
+        "    except certreg.CertregError as error:\n"
+        "        print(error)\n"
+    )
+    run = python(code, **WITHOUT)
+    task = "solving or moving many problems at once"
+    refused = f"{task} needs the compiled library: CERTREG_VARIANT is python\n"
+
+    assert (run.stdout, run.stderr) == (2 * refused, "")
+
+
 def test_other_warnings_stay_warnings(monkeypatch, data):
     def loud(*_: object, **__: object) -> Any:
         warnings.warn("of another kind", UserWarning, stacklevel=1)
