@@ -60,7 +60,7 @@ from certreg.equilibrium.equilibrium_set import equilibrium_set
 from certreg.equilibrium.spectral import by_eigenspaces
 from certreg.equilibrium.stability import Oscillations
 from certreg.errors import InvalidProblemError
-from certreg.native.library import library_for
+from certreg.native.library import MANY, library_for
 from certreg.native.stationary import ManyClouds
 from certreg.objective.isotropic import Isotropic
 from certreg.problem.budget import checked_threads
@@ -79,7 +79,6 @@ if TYPE_CHECKING:
     from certreg.native.stationary import StationaryPoses
 
 Array = Any  # NDArray[np.float64]
-TASK = "solving or moving many problems at once"  # what is said to need it
 MODES = 12  # of the linearised dynamics
 PORTION = 1024  # instances that a thread takes at a time: fewer, and handing over costs more
 ROUNDING = 2.0**-53
@@ -236,7 +235,7 @@ def stationary_poses(given: ManyClouds, first: int = 0) -> StationaryPoses:
     not finite: it shows in the sums, and nothing else makes a NaN of them. MissingLibraryError
     where there is no compiled code.
     """
-    found = library_for(TASK).stationary_poses(given)
+    found = library_for(MANY).stationary_poses(given)
     lost = np.isnan(found.cross).any(axis=1)
     if lost.any():
         k = int(np.argmax(lost))

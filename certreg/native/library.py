@@ -40,7 +40,7 @@ if TYPE_CHECKING:
     from certreg.native.stationary import ManyClouds
 
 
-WRONG_PAIRS = "the search for wrong pairs"  # what is said to need it
+WRONG_PAIRS, MANY = "the search for wrong pairs", "solving or moving many problems at once"
 SCRATCH = 56  # doubles per point: CERTREG_SCRATCH of native/stationary.h
 PORTION = 512  # bodies that one call takes: Ctrl-C is answered within milliseconds
 _POINTER = ctypes.c_void_p
