@@ -148,7 +148,7 @@ class ConsistentPairs:
         """For each pair those that one motion with such a scale may meet with it, as bits."""
         if not self.rigid:
             return self.within(scales)
-        compiled = agreeing(np.hstack([self.source, self.target]), self.bounds)
+        compiled = agreeing(self.source, self.target, self.bounds)
         more = [(i, j) for i, j in compiled.open_pairs if self.exact.agree(i, j)]
         return compiled.near.with_edges(more) if more else compiled.near
 

@@ -90,29 +90,34 @@ Neighbours = BitRows | list[int]  # of each row, as bits
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Agreeing:
-    """Rows that agree in the lengths between them, as far as doubles tell.
-
-    open_pairs: those that they do not, each once; not in `near`.
-    """
+    """Rows that agree in the lengths between them, and those that doubles leave open."""
 
     near: BitRows
-    open_pairs: list[tuple[int, int]]
+    doubtful: BitRows
+
+    @property
+    def open_pairs(self) -> list[tuple[int, int]]:
+        """Those that doubles leave open, each once."""
+        if not self.doubtful.words.any():
+            return []
+        return [(i, j) for i, j in np.argwhere(np.triu(self.doubtful.table)).tolist()]
 
 
-def agreeing(points: NDArray[np.float64], bounds: NDArray[np.float64]) -> Agreeing:
-    """Of rows x, y (n, 6) and their bounds (n,), all of about one in size at most.
+def agreeing(
+    source: NDArray[np.float64], target: NDArray[np.float64], bounds: NDArray[np.float64]
+) -> Agreeing:
+    """Of points (n, 3), (n, 3) and bounds (n,), whose fourth powers are doubles.
 
     Raises MissingLibraryError where there is no compiled code.
     """
     library, n = little_library_for(WRONG_PAIRS), len(bounds)
     count = max(1, -(-n // WORD_BITS))
     columns = np.zeros((7, count * WORD_BITS))
-    columns[:6, :n], columns[6, :n] = points.T, bounds
-    words, doubtful = np.empty((2, n, count), dtype=np.uint64)
-    places = [ctypes.c_void_p(array.ctypes.data) for array in (columns, words, doubtful)]
-    found: int = library.handle.certreg_agreeing(ctypes.c_int64(n), ctypes.c_int64(count), *places)
-    pairs = np.argwhere(np.triu(BitRows(doubtful).table)).tolist() if found else []
-    return Agreeing(BitRows(words), [(i, j) for i, j in pairs])
+    columns[:3, :n], columns[3:6, :n], columns[6, :n] = source.T, target.T, bounds
+    found = np.empty((2, n, count), dtype=np.uint64)
+    places = [ctypes.c_void_p(array.ctypes.data) for array in (columns, *found)]
+    library.handle.certreg_agreeing(ctypes.c_int64(n), ctypes.c_int64(count), *places)
+    return Agreeing(*map(BitRows, found))
 
 
 @dataclass(frozen=True, slots=True)

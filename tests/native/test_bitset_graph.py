@@ -120,7 +120,7 @@ def test_lengths_agree_as_in_longer_numbers(n: int, size: float):
     points = rng.uniform(-1, 1, (n, 6))
     points[:, 3:] = points[:, :3] + size * rng.normal(size=(n, 3))
     bounds = size * rng.uniform(0.1, 1.0, n)
-    found = agreeing(points, bounds)
+    found = agreeing(points[:, :3], points[:, 3:], bounds)
     long = points.astype(np.longdouble)
     a, b = (
         np.sqrt(((part[:, None] - part) ** 2).sum(axis=2)) for part in (long[:, :3], long[:, 3:])
@@ -137,7 +137,7 @@ def test_lengths_agree_as_in_longer_numbers(n: int, size: float):
 def test_pairs_on_the_bound_are_left_open():
     """|a - b| = 2 = the sum of the bounds, in numbers that doubles have; and two equal points."""
     points = np.array([[0, 0, 0, 0, 0, 0], [4, 0, 0, 6, 0, 0], [4, 0, 0, 6, 0, 0]]) / 8.0
-    found = agreeing(points, np.full(3, 1 / 8))
+    found = agreeing(points[:, :3], points[:, 3:], np.full(3, 1 / 8))
 
     assert found.open_pairs == [(0, 1), (0, 2)]
     assert [*found.near] == [0, 0b100, 0b010]

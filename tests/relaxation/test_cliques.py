@@ -41,13 +41,6 @@ def test_rows_agree_whose_lengths_differ_by_no_more_than_both_bounds(pairs, grap
     assert not graph.diagonal().any()
 
 
-def test_the_graph_is_the_same_in_blocks(pairs, graph, monkeypatch):
-    monkeypatch.setattr(cliques, "BLOCK", 100)
-
-    blocks = consistency(paired_rows(pairs.source, pairs.target, pairs.bounds))
-    np.testing.assert_array_equal(blocks.table, graph)
-
-
 def test_an_edge_on_the_boundary_is_kept():
     source = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]])
     target = np.array([[0.0, 0.0, 0.0], [0.0, 1.3, 0.0]])
