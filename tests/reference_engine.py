@@ -20,7 +20,7 @@ from certreg.native.loops import (
     Ending,
     Kind,
 )
-from certreg.native.runs import FLAT, Array, BodyRun, eigenbasis, turned_by
+from certreg.native.runs import FLAT, Array, BodyRun, turned_by
 
 if TYPE_CHECKING:
     from certreg.native.loops import Batch, Log, Rules
@@ -28,6 +28,27 @@ if TYPE_CHECKING:
 
 SPRING_SWEEPS = 16  # of six rows
 NO_PULL = 1e-12  # of the largest curvature: less is rounding, and must not choose a side
+
+
+def eigenbasis(matrix: Array, sweeps: int) -> tuple[Array, Array]:
+    """Eigenvalues of a symmetric matrix and unit eigenvectors, columns.
+
+    By Jacobi's rotations as in jacobi.h: another method could take the other side of a saddle.
+    """
+    n = len(matrix)
+    a, v = matrix.copy(), np.eye(n)
+    pairs = [(p, q) for p in range(n - 1) for q in range(p + 1, n)]
+    for p, q in pairs * sweeps:
+        if a[p, q] == 0.0:
+            continue
+        theta = float(a[q, q] - a[p, p]) / (2.0 * float(a[p, q]))
+        t = (-1.0 if theta < 0.0 else 1.0) / (abs(theta) + math.sqrt(theta * theta + 1.0))
+        cosine = 1.0 / math.sqrt(t * t + 1.0)
+        turn = np.array([[cosine, t * cosine], [-t * cosine, cosine]])
+        a[:, [p, q]] = a[:, [p, q]] @ turn
+        a[[p, q]] = turn.T @ a[[p, q]]
+        v[:, [p, q]] = v[:, [p, q]] @ turn
+    return np.diag(a).copy(), v
 
 
 class SpringRun(BodyRun):
