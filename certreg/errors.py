@@ -188,5 +188,5 @@ class UnusedSpringsWarning(UserWarning):
     """The target has normals or covariances that were not asked for: pairs are points."""
 
 
-class SlowSimulationWarning(UserWarning):
-    """Simulations run, but slower than they could; the message says why. Told once."""
+class NotCompiledWarning(UserWarning):
+    """Where nothing is compiled, something runs slower or proves less; the message says why."""

@@ -19,7 +19,9 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis.strategies import none
 from samples import leave_cases
 
-from certreg.errors import SlowSimulationWarning
+from certreg.errors import NotCompiledWarning
+from certreg.native.kernels import MissingLibraryError
+from certreg.native.library import library_if_any
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Generator
@@ -114,6 +116,19 @@ def compiled() -> None:
     engine("library")
 
 
+def _without_library() -> Generator[None]:
+    """Tests of what needs the compiled library are skipped where there is none."""
+    try:
+        return (yield)
+    except (MissingLibraryError, NotCompiledWarning) as error:
+        if library_if_any() is not None:
+            raise
+        pytest.skip(str(error))
+
+
+pytest_runtest_setup = pytest_runtest_call = pytest.hookimpl(wrapper=True)(_without_library)
+
+
 def pytest_sessionstart() -> None:
     """What is compiled is of the C sources that stand here; where it is not, told once and now."""
     import build_kernels
@@ -125,5 +140,5 @@ def pytest_sessionstart() -> None:
             build_kernels.find_compiler()
             raise pytest.UsageError(built.why)
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", SlowSimulationWarning)
+        warnings.simplefilter("ignore", NotCompiledWarning)
         current_engine()

@@ -3,20 +3,16 @@
 from __future__ import annotations
 
 import os
-from typing import TYPE_CHECKING
 
 import pytest
-from reference_engine import reference
+from reference_engine import Reference, reference
 
 from build_kernels import NoCompilerError, find_compiler
 from certreg.native.kernels import BUILT, PYTHON, VARIANT, MissingLibraryError, record_of, runnable
 from certreg.native.library import Library, loaded_library
 
-if TYPE_CHECKING:
-    from certreg.native import loops
 
-
-def engine(name: str) -> loops.Engine:
+def engine(name: str) -> Library | Reference:
     """Skips the test where nothing could be compiled; C that is wrong ends the session."""
     if name == "evaluator":
         return reference()

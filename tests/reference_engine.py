@@ -7,10 +7,11 @@ from functools import cache
 from typing import TYPE_CHECKING
 
 import numpy as np
+from reference_stationary import stationary_poses
 
 from certreg.native.engine import Evaluator, calls_of
 from certreg.native.kernels import GENERATED
-from certreg.native.layout import QUATERNION_STATE, named
+from certreg.native.layout import BODY, QUATERNION_STATE, named, plain
 from certreg.native.loops import (
     LARGEST_PERTURBATION,
     LARGEST_TURN,
@@ -19,13 +20,35 @@ from certreg.native.loops import (
     Ending,
     Kind,
 )
-from certreg.native.runs import FLAT, Array, BodyRun, eigenbasis, turned_by
+from certreg.native.runs import FLAT, Array, BodyRun, turned_by
 
 if TYPE_CHECKING:
     from certreg.native.loops import Batch, Log, Rules
+    from certreg.native.stationary import ManyClouds, StationaryPoses
 
 SPRING_SWEEPS = 16  # of six rows
 NO_PULL = 1e-12  # of the largest curvature: less is rounding, and must not choose a side
+
+
+def eigenbasis(matrix: Array, sweeps: int) -> tuple[Array, Array]:
+    """Eigenvalues of a symmetric matrix and unit eigenvectors, columns.
+
+    By Jacobi's rotations as in jacobi.h: another method could take the other side of a saddle.
+    """
+    n = len(matrix)
+    a, v = matrix.copy(), np.eye(n)
+    pairs = [(p, q) for p in range(n - 1) for q in range(p + 1, n)]
+    for p, q in pairs * sweeps:
+        if a[p, q] == 0.0:
+            continue
+        theta = float(a[q, q] - a[p, p]) / (2.0 * float(a[p, q]))
+        t = (-1.0 if theta < 0.0 else 1.0) / (abs(theta) + math.sqrt(theta * theta + 1.0))
+        cosine = 1.0 / math.sqrt(t * t + 1.0)
+        turn = np.array([[cosine, t * cosine], [-t * cosine, cosine]])
+        a[:, [p, q]] = a[:, [p, q]] @ turn
+        a[[p, q]] = turn.T @ a[[p, q]]
+        v[:, [p, q]] = v[:, [p, q]] @ turn
+    return np.diag(a).copy(), v
 
 
 class SpringRun(BodyRun):
@@ -76,6 +99,19 @@ class SpringRun(BodyRun):
 
 class Reference(Evaluator):
     """The tapes of all generated functions, and a run on general springs."""
+
+    def stationary_poses(self, clouds: ManyClouds) -> StationaryPoses:
+        """What doubles say of the stationary poses of many problems."""
+        return stationary_poses(clouds, self._hessians)
+
+    def _hessians(self, quaternions: Array, cross: Array) -> Array:
+        """The generated Hessian at unit quaternions (count, 4), of C (count, 9): (count, 3, 3)."""
+        states = np.zeros(len(quaternions), dtype=QUATERNION_STATE)
+        bodies = np.zeros(len(quaternions), dtype=BODY)
+        states["q"], bodies["cross"] = quaternions, cross.reshape(-1, 3, 3)
+        arguments = plain(states).T, plain(bodies).T
+        hessians, _ = self.calls["certreg_quaternion_curvature"].of_arrays(arguments)
+        return hessians.T.reshape(-1, 3, 3)
 
     def run(self, batch: Batch, rules: Rules, log: Log | None = None) -> None:
         """Integrate every body of a batch, one after another."""

@@ -21,6 +21,7 @@ the same integers, and on doubles for caps and vertices.
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import product
@@ -31,10 +32,12 @@ import numpy as np
 from certreg.certificate.envelope import enclosed
 from certreg.certificate.radius import growth_radius
 from certreg.certificate.squares import SpringsBody, growth_claims, sos_body
+from certreg.errors import NotCompiledWarning
 from certreg.equilibrium.quartics import FloatingQuartic, descended
 from certreg.exact.dyadic import Dyadic, dyadic_above, dyadic_below
 from certreg.exact.elimination import is_positive_definite
 from certreg.geometry.so3 import body_frame, dot, squared_norm
+from certreg.native.kernels import MissingLibraryError
 from certreg.native.cones import ConesEnding, search_cones
 from certreg.objective.normalisation import levelled_exactly
 from certreg.objective.quartics import MONOMIALS
@@ -171,7 +174,7 @@ def springs_certificate(
     squares = sos_body(objective, found)
     if squares is not None and squares.claims.unique is not None:
         return enclosed(problem, _moving(objective, squares, robustness_angle), about)
-    cones = cones_body(objective, found.minima)
+    cones = _cones(objective, found)
     body = cones.body
     if body is not None and (squares is None or body.claims.unique or body.gap < squares.gap):
         told = {**(about or {}), "cones": cones.words}
@@ -179,6 +182,15 @@ def springs_certificate(
     if squares is None:
         return None
     return enclosed(problem, _moving(objective, squares, robustness_angle), about)
+
+
+def _cones(objective: Springs, found: Found) -> ConesProposal:
+    """What cones prove; without compiled code nothing, and a warning says so."""
+    try:
+        return cones_body(objective, found.minima)
+    except MissingLibraryError as error:
+        warnings.warn(str(error), NotCompiledWarning, stacklevel=2)
+        return ConesProposal(body=None, words=str(error), seen=0)
 
 
 def _moving(objective: Springs, body: AnyBody, degrees: float | None) -> AnyBody:

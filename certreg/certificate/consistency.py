@@ -146,11 +146,9 @@ class ConsistentPairs:
 
     def near(self, scales: ScaleRange = RIGID) -> BitRows:
         """For each pair those that one motion with such a scale may meet with it, as bits."""
-        compiled = None
-        if self.rigid:
-            compiled = agreeing(np.hstack([self.source, self.target]), self.bounds)
-        if compiled is None:
+        if not self.rigid:
             return self.within(scales)
+        compiled = agreeing(self.source, self.target, self.bounds)
         more = [(i, j) for i, j in compiled.open_pairs if self.exact.agree(i, j)]
         return compiled.near.with_edges(more) if more else compiled.near
 

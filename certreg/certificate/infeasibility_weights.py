@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from certreg._loading import cached_property
 from certreg.certificate.consensus import Group
 from certreg.geometry.so3 import davenport_matrices, rotation_matrices
-from certreg.native.lawson import LawsonColumns, lawson_columns
+from certreg.native.lawson import LawsonColumns
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -59,10 +59,10 @@ class PointRows:
 
     @cached_property
     def _columns(self) -> LawsonColumns | None:
-        """None where there is no compiled code, or a scale, which that knows not."""
+        """None where there is a scale, which C does not know."""
         if not self.low == self.high == 1.0:
             return None
-        return lawson_columns(self.source.T, self.target.T, self.bounds)
+        return LawsonColumns(self.source.T, self.target.T, self.bounds)
 
     def _refutation(self, row: int, rows: Sequence[int]) -> Group | None:
         """The same in NumPy."""

@@ -19,7 +19,6 @@ if TYPE_CHECKING:
 
     from certreg.certificate.consensus import Witness
     from certreg.certificate.producing_consensus import ConsensusProver
-    from certreg.native.bitset_graph import Neighbours
     from certreg.problem.problem import RegistrationProblem
 
 
@@ -78,22 +77,6 @@ def is_refuted(rows: Sequence[Sequence[int]], weights: Sequence[int]) -> bool:
     return is_positive_definite(
         [[room * (i == j) - 2 * K[i][j] for j in range(4)] for i in range(4)]
     )
-
-
-def sets_apart(near: Neighbours) -> int:
-    """Into how many sets the rows fall, each of rows no two of which a motion may meet together.
-
-    near: for each row those that a motion may meet with it, as bits. The sets are made one by one,
-    each of all rows that still fit; there may be fewer.
-    """
-    left, count = (1 << len(near)) - 1, 0
-    while left:
-        fitting, count = left, count + 1
-        while fitting:
-            lowest = fitting & -fitting
-            left ^= lowest
-            fitting &= ~(near[lowest.bit_length() - 1] | lowest)
-    return count
 
 
 def _least_largest(

@@ -44,7 +44,8 @@ from certreg.errors import UndecidedError
 from certreg.exact.dyadic import Dyadic, dyadic_above, dyadic_below
 from certreg.geometry.pose import Pose
 from certreg.geometry.so3 import davenport_matrix, quaternion_from_matrix, rotation_matrix
-from certreg.native.bitset_graph import mask_of, rows_of
+from certreg.native.bitset_graph import mask_of
+from certreg.native.cliques import greedy_clique
 from certreg.problem.bounds import LEAST_PAIRS
 
 if TYPE_CHECKING:
@@ -52,8 +53,9 @@ if TYPE_CHECKING:
 
     from certreg.certificate.envelope import Certificate
     from certreg.certificate.pose_claims import PoseBody
-    from certreg.native.bitset_graph import Neighbours
+    from certreg.native.bitset_graph import BitRows
     from certreg.problem.problem import RegistrationProblem
+
 
 LOG = logging.getLogger(__name__)
 OPEN_TOLD = "ranges of scales left open are looked at one by one ..."
@@ -215,16 +217,11 @@ class ConsensusProver:
         return Graph(near, points, self._effort, rigid=scales is RIGID)
 
 
-def _clique(near: Neighbours, met: list[int]) -> int:
+def _clique(near: BitRows, met: list[int]) -> int:
     """Of the rows a set that agree with each other, the one with most neighbours first."""
-    left, clique = mask_of(met), 0
-    if all(left & ~(near[row] | 1 << row) == 0 for row in met):
-        return left
-    while left:
-        row = max(rows_of(left), key=lambda i: (near[i] & left).bit_count())
-        clique |= 1 << row
-        left &= near[row]
-    return clique
+    within = mask_of(met)
+    first = max(met, key=lambda row: (near[row] & within).bit_count())
+    return mask_of(greedy_clique(near, within, first).tolist())
 
 
 def _middle(scales: ScaleRange) -> Fraction:

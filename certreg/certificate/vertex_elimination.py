@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from certreg.certificate.consensus import Group, Strike
-from certreg.native.bitset_graph import mask_of, rows_of, thinned
+from certreg.native.bitset_graph import Thinned, mask_of, rows_of
 
 if TYPE_CHECKING:
     from certreg.certificate.infeasibility_weights import PointRows
@@ -45,7 +45,7 @@ class GraphThinning:
     def __init__(self, graph: Graph, alive: int, least: int, clique: int) -> None:
         self.graph, self.least, self.clique = graph, least, clique
         self._failed: dict[int, tuple[int, int]] = {}
-        self._left = thinned(graph.near, alive, least, clique)
+        self._left = Thinned(graph.near, alive, least, clique)
         self.strikes: list[Strike] = []
 
     @property

@@ -15,7 +15,7 @@ import click
 
 from certreg._loading import late
 from certreg.cli.numbers import FROM_ZERO, NUMBER
-from certreg.errors import SlowSimulationWarning
+from certreg.errors import NotCompiledWarning
 from certreg.report.markup import printable
 from certreg.results import MAX_ANGLE, MAX_GAP, Limits
 
@@ -308,12 +308,12 @@ def warnings_as_notes() -> Generator[None]:
         others = warnings.showwarning
 
         def show(message: Warning | str, category: type[Warning], *place: Any, **more: Any) -> None:
-            if issubclass(category, SlowSimulationWarning):
+            if issubclass(category, NotCompiledWarning):
                 click.echo(f"note: {printable(message)}", err=True)
             else:
                 others(message, category, *place, **more)
 
-        warnings.simplefilter("always", SlowSimulationWarning)
+        warnings.simplefilter("always", NotCompiledWarning)
         warnings.showwarning = show
         yield
 

@@ -60,7 +60,7 @@ from certreg.equilibrium.equilibrium_set import equilibrium_set
 from certreg.equilibrium.spectral import by_eigenspaces
 from certreg.equilibrium.stability import Oscillations
 from certreg.errors import InvalidProblemError
-from certreg.native.engine import current_engine
+from certreg.native.library import MANY, library_for
 from certreg.native.stationary import ManyClouds
 from certreg.objective.isotropic import Isotropic
 from certreg.problem.budget import checked_threads
@@ -232,9 +232,10 @@ def stationary_poses(given: ManyClouds, first: int = 0) -> StationaryPoses:
     """What doubles say of the equilibria of each problem, on one thread.
 
     Raises InvalidProblemError, which names the instance, counted from `first`, for a number that is
-    not finite: it shows in the sums, and nothing else makes a NaN of them.
+    not finite: it shows in the sums, and nothing else makes a NaN of them. MissingLibraryError
+    where there is no compiled code.
     """
-    found = current_engine().stationary_poses(given)
+    found = library_for(MANY).stationary_poses(given)
     lost = np.isnan(found.cross).any(axis=1)
     if lost.any():
         k = int(np.argmax(lost))

@@ -287,8 +287,6 @@ def many_critical_lines(quartics: Reals) -> GatheredEnds:
     a = np.exp(2j * np.pi * rng.uniform(size=4))
     roots = _known_roots(a)
     ends = many_quartic_paths(quartics, a, roots, _rules(SETTINGS))
-    if ends is None:
-        return _one_by_one(quartics)
     clear = (ends.changes <= POLISHED) & (ends.conditions <= CLEAR_CONDITION)
     points = ends.points
     codes = np.where(ends.codes == REACHED, REGULAR, LOST).astype(np.int8)

@@ -1,18 +1,15 @@
-"""Graphs whose rows are bits, and rows struck from them, by native/agreement.c and thinning.c.
-
-Where there is no compiled code rows are struck alike in Python's integers, a hundred times slower.
-"""
+"""Graphs whose rows are bits, and rows struck from them, by native/agreement.c and thinning.c."""
 
 from __future__ import annotations
 
 import ctypes
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from certreg._loading import cached_property
-from certreg.native.library import little_library
+from certreg.native.library import WRONG_PAIRS, little_library_for
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -93,32 +90,34 @@ Neighbours = BitRows | list[int]  # of each row, as bits
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Agreeing:
-    """Rows that agree in the lengths between them, as far as doubles tell.
-
-    open_pairs: those that they do not, each once; not in `near`.
-    """
+    """Rows that agree in the lengths between them, and those that doubles leave open."""
 
     near: BitRows
-    open_pairs: list[tuple[int, int]]
+    doubtful: BitRows
+
+    @property
+    def open_pairs(self) -> list[tuple[int, int]]:
+        """Those that doubles leave open, each once."""
+        if not self.doubtful.words.any():
+            return []
+        return [(i, j) for i, j in np.argwhere(np.triu(self.doubtful.table)).tolist()]
 
 
-def agreeing(points: NDArray[np.float64], bounds: NDArray[np.float64]) -> Agreeing | None:
-    """Of rows x, y (n, 6) and their bounds (n,), all of about one in size at most.
+def agreeing(
+    source: NDArray[np.float64], target: NDArray[np.float64], bounds: NDArray[np.float64]
+) -> Agreeing:
+    """Of points (n, 3), (n, 3) and bounds (n,), whose fourth powers are doubles.
 
-    None where there is no compiled code.
+    Raises MissingLibraryError where there is no compiled code.
     """
-    library = little_library()
-    if library is None:
-        return None
-    n = len(bounds)
+    library, n = little_library_for(WRONG_PAIRS), len(bounds)
     count = max(1, -(-n // WORD_BITS))
     columns = np.zeros((7, count * WORD_BITS))
-    columns[:6, :n], columns[6, :n] = points.T, bounds
-    words, doubtful = np.empty((2, n, count), dtype=np.uint64)
-    places = [ctypes.c_void_p(array.ctypes.data) for array in (columns, words, doubtful)]
-    found: int = library.handle.certreg_agreeing(ctypes.c_int64(n), ctypes.c_int64(count), *places)
-    pairs = np.argwhere(np.triu(BitRows(doubtful).table)).tolist() if found else []
-    return Agreeing(BitRows(words), [(i, j) for i, j in pairs])
+    columns[:3, :n], columns[3:6, :n], columns[6, :n] = source.T, target.T, bounds
+    found = np.empty((2, n, count), dtype=np.uint64)
+    places = [ctypes.c_void_p(array.ctypes.data) for array in (columns, *found)]
+    library.handle.certreg_agreeing(ctypes.c_int64(n), ctypes.c_int64(count), *places)
+    return Agreeing(*map(BitRows, found))
 
 
 @dataclass(frozen=True, slots=True)
@@ -133,16 +132,6 @@ class OpenRow:
     spare: int
 
 
-def thinned(
-    near: Neighbours, alive: int, least: int, clique: int
-) -> CompiledThinned | PlainThinned:
-    """The rows left of `alive`, as bits. clique: rows that colours do not strike."""
-    library = little_library()
-    if library is None:
-        return PlainThinned(BitRows.of(near), alive, least, clique)
-    return CompiledThinned(library.handle, BitRows.of(near), alive, least, clique)
-
-
 class _State(ctypes.Structure):
     _fields_ = (
         *((name, ctypes.c_int64) for name in ("rows", "words", "least", "count")),
@@ -152,10 +141,15 @@ class _State(ctypes.Structure):
     )
 
 
-class CompiledThinned:
+class Thinned:
     """Rows left of a graph of which each has `least` - 1 neighbours, by native/thinning.c."""
 
-    def __init__(self, handle: Any, near: BitRows, alive: int, least: int, clique: int) -> None:
+    def __init__(self, given: Neighbours, alive: int, least: int, clique: int) -> None:
+        """alive: the rows to begin with, as bits. clique: rows that colours do not strike.
+
+        Raises MissingLibraryError where there is no compiled code.
+        """
+        handle, near = little_library_for(WRONG_PAIRS).handle, BitRows.of(given)
         n, words = near.words.shape
         size = 8 * words
         masks = [clique.to_bytes(size, "little"), alive.to_bytes(size, "little"), bytes(2 * size)]
@@ -227,78 +221,6 @@ class CompiledThinned:
         return self._handle.certreg_colours(self._pointer, ctypes.c_int64(most))
 
 
-class PlainThinned:
-    """The same in Python's integers."""
-
-    def __init__(self, near: BitRows, alive: int, least: int, clique: int) -> None:
-        self._near, self._least, self._clique = [*near.integers], least, clique
-        self._failed: dict[int, int] = {}
-        self.alive = linked(self._near, alive, least, alive)
-
-    @property
-    def near(self) -> BitRows:
-        """The graph, without the pairs that were cut."""
-        return BitRows.of(self._near)
-
-    def beside(self, row: int) -> int:
-        """The neighbours of a row that are left, as bits."""
-        return self._near[row] & self.alive
-
-    def strike(self, row: int) -> None:
-        """Strikes a row, and then those with too few neighbours."""
-        self.alive = linked(self._near, self.alive & ~(1 << row), self._least, self._near[row])
-
-    def cut(self, row: int, other: int) -> None:
-        """Two neighbours are none any more."""
-        self._near[row] &= ~(1 << other)
-        self._near[other] &= ~(1 << row)
-        self._failed.clear()
-        self.alive = linked(self._near, self.alive, self._least, 1 << row | 1 << other)
-
-    def strike_by_colours(self) -> list[int]:
-        """Strikes rows whose neighbours take few colours."""
-        struck, before = list[int](), -1
-        while before < len(struck):
-            before = len(struck)
-            for row in self._alive_rows():
-                if self._few_colours(row):
-                    struck.append(row)
-                    self.strike(row)
-        return struck
-
-    def open_rows(self) -> Iterator[OpenRow]:
-        """Rows that fall if enough of the clique beside each must be left out."""
-        for row in self._alive_rows():
-            beside, others = self.beside(row), self._least - 1
-            inside = (beside & self._clique).bit_count()
-            if inside:
-                others = colours(beside & ~self._clique, self._near, self._least - 2)
-            spare = inside + others - (self._least - 1)
-            if 0 <= spare < inside:
-                yield OpenRow(row, spare)
-
-    def _alive_rows(self) -> Iterator[int]:
-        tried = rows_of(self.alive & ~self._clique)
-        for row in sorted(tried, key=lambda e: self.beside(e).bit_count()):
-            if self.alive.bit_count() < self._least:
-                return
-            if self.alive >> row & 1:
-                yield row
-
-    def colours(self, rows: int, most: int) -> int:
-        """How many colours rows take; or most + 1."""
-        return colours(rows, self._near, most)
-
-    def _few_colours(self, row: int) -> bool:
-        beside, most = self.beside(row), self._least - 2
-        if self._failed.get(row) == beside or (beside & self._clique).bit_count() > most:
-            return False
-        if colours(beside, self._near, most) <= most:
-            return True
-        self._failed[row] = beside
-        return False
-
-
 def rows_of(mask: int) -> Iterator[int]:
     """The places of the ones."""
     while mask:
@@ -313,20 +235,6 @@ def mask_of(rows: Sequence[int]) -> int:
     for row in rows:
         mask |= 1 << row
     return mask
-
-
-def linked(near: Sequence[int], alive: int, least: int, touched: int) -> int:
-    """Less those with fewer than `least` - 1 neighbours, until none is left that has so few.
-
-    touched: rows that may have so few; those that lose a neighbour follow.
-    """
-    while touched:
-        few = [i for i in rows_of(touched & alive) if (near[i] & alive).bit_count() < least - 1]
-        alive &= ~mask_of(few)
-        touched = 0
-        for i in few:
-            touched |= near[i]
-    return alive
 
 
 def colours(rows: int, near: Sequence[int], most: int) -> int:

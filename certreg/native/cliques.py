@@ -1,6 +1,6 @@
 """Cliques of graphs whose rows are bits, by native/cliques.c.
 
-Where there is no compiled code the same ones are found in Python.
+All raise MissingLibraryError where there is no compiled code.
 """
 
 from __future__ import annotations
@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.native.bitset_graph import rows_of
-from certreg.native.library import little_library
+from certreg.native.library import WRONG_PAIRS, little_library_for
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -23,12 +22,7 @@ if TYPE_CHECKING:
 
 def triangles(near: BitRows, alive: int) -> Rows:
     """Twice how many triangles each row is of, (n,), among those that are alive, as bits."""
-    library = little_library()
-    if library is None:
-        among = np.zeros(len(near), dtype=np.float32)
-        among[list(rows_of(alive))] = 1.0
-        links = near.table * among * among[:, np.newaxis]
-        return np.einsum("ij,ij->i", links @ links, links).astype(np.int64)
+    library = little_library_for(WRONG_PAIRS)
     counts = np.zeros(len(near), dtype=np.int64)
     mask = _words(near, alive)
     library.handle.certreg_triangles(*_given(near, mask), ctypes.c_void_p(counts.ctypes.data))
@@ -37,9 +31,7 @@ def triangles(near: BitRows, alive: int) -> Rows:
 
 def greedy_clique(near: BitRows, alive: int, row: int) -> Rows:
     """A clique that holds a row: the neighbour of most that are left is taken, again and again."""
-    library = little_library()
-    if library is None:
-        return np.array(sorted(_greedily(near.integers, alive, row)))
+    library = little_library_for(WRONG_PAIRS)
     masks, numbers = _words(near, alive, 0), np.empty((2, len(near) + 1), dtype=np.int64)
     numbers[0, 0] = row
     taken: int = library.handle.certreg_greedy_clique(
@@ -52,29 +44,6 @@ def greedy_clique(near: BitRows, alive: int, row: int) -> Rows:
     return np.sort(numbers[0, : taken + 1])
 
 
-def _greedily(near: list[int], alive: int, row: int) -> list[int]:
-    clique, left = [row], near[row] & alive
-    while left:
-        counts = [((near[e] & left).bit_count(), -e) for e in rows_of(left)]
-        best = -max(counts)[1]
-        clique.append(best)
-        left &= near[best]
-    return clique
-
-
-def enumeration(
-    near: BitRows, size: int, steps: int, dear: int
-) -> CompiledEnumeration | PlainEnumeration:
-    """All cliques of a size, of all rows of the graph, some at a time.
-
-    dear: the steps of a clique, beside those of the search.
-    """
-    library = little_library()
-    if library is None:
-        return PlainEnumeration(near, size, steps, dear)
-    return CompiledEnumeration(library.handle, near, size, steps, dear)
-
-
 class _Search(ctypes.Structure):
     _fields_ = (
         *((name, ctypes.c_int64) for name in ("words", "size", "depth", "steps", "dear")),
@@ -82,11 +51,15 @@ class _Search(ctypes.Structure):
     )
 
 
-class CompiledEnumeration:
-    """By native/cliques.c."""
+class Enumeration:
+    """All cliques of a size, of all rows of the graph, some at a time.
 
-    def __init__(self, handle: Any, near: BitRows, size: int, steps: int, dear: int) -> None:
-        self._handle, self._near, self._size = handle, near, size
+    dear: the steps of a clique, beside those of the search.
+    """
+
+    def __init__(self, near: BitRows, size: int, steps: int, dear: int) -> None:
+        self._handle = little_library_for(WRONG_PAIRS).handle
+        self._near, self._size = near, size
         self._left = np.empty((size, near.words.shape[1]), dtype=np.uint64)
         self._left[0] = _words(near, (1 << len(near)) - 1)
         self._path = np.empty(size, dtype=np.int64)
@@ -105,38 +78,6 @@ class CompiledEnumeration:
             ctypes.byref(self._state), ctypes.c_int64(most), ctypes.c_void_p(found.ctypes.data)
         )
         return found[:count]
-
-
-class PlainEnumeration:
-    """The same in Python's integers, without recursion: a clique may have a thousand rows."""
-
-    def __init__(self, near: BitRows, size: int, steps: int, dear: int) -> None:
-        self._near, self._size, self.steps, self._dear = near.integers, size, steps, dear
-        self._path: list[int] = []
-        self._left = [(1 << len(near)) - 1]  # after each row of the path: which rows may follow
-
-    def some(self, most: int) -> Rows:
-        """The next cliques."""
-        found: list[list[int]] = []
-        while self._left and len(found) < most:
-            self.steps -= 1
-            if self.steps < 0:
-                break
-            missing = self._size - len(self._path)
-            if self._left[-1].bit_count() < missing:
-                self._left.pop()
-                if self._path:
-                    self._path.pop()
-                continue
-            row = (self._left[-1] & -self._left[-1]).bit_length() - 1
-            self._left[-1] ^= 1 << row
-            if missing == 1:
-                self.steps -= self._dear
-                found.append([*self._path, row])
-                continue
-            self._path.append(row)
-            self._left.append(self._left[-1] & self._near[row])
-        return np.array(found, dtype=np.int64).reshape(-1, self._size)
 
 
 def _words(near: BitRows, *masks: int) -> NDArray[np.uint64]:

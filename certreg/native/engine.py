@@ -14,17 +14,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.errors import SlowSimulationWarning
+from certreg.errors import NotCompiledWarning
 from certreg.native.kernels import GENERATED, MissingLibraryError
-from certreg.native.layout import (
-    BODY,
-    QUATERNION_STATE,
-    plain,
-)
-from certreg.native.library import checked, loaded_library
+from certreg.native.library import checked, library_for, loaded_library
 from certreg.native.runs import run_in_python
 from certreg.native.signatures import generated
-from certreg.native.stationary import stationary_poses
 from certreg.native.tape import Tape, tapes_of
 
 if TYPE_CHECKING:
@@ -36,7 +30,6 @@ if TYPE_CHECKING:
     from certreg.native.library import Library
     from certreg.native.loops import Batch, Engine, Log, Rules
     from certreg.native.signatures import Signature
-    from certreg.native.stationary import ManyClouds, StationaryPoses
 
 Array = Any  # NDArray[np.float64]
 LOG = logging.getLogger(__name__)
@@ -56,19 +49,6 @@ class Evaluator:
     def evaluate(self, name: str, *arguments: NDArray[Any]) -> tuple[NDArray[np.float64], ...]:
         """The results of one generated function, flat. Raises ValueError for other sizes."""
         return self.calls[name](*arguments)
-
-    def stationary_poses(self, clouds: ManyClouds) -> StationaryPoses:
-        """What doubles say of the stationary poses of many problems."""
-        return stationary_poses(clouds, self._hessians)
-
-    def _hessians(self, quaternions: Array, cross: Array) -> Array:
-        """The generated Hessian at unit quaternions (count, 4), of C (count, 9): (count, 3, 3)."""
-        states = np.zeros(len(quaternions), dtype=QUATERNION_STATE)
-        bodies = np.zeros(len(quaternions), dtype=BODY)
-        states["q"], bodies["cross"] = quaternions, cross.reshape(-1, 3, 3)
-        arguments = plain(states).T, plain(bodies).T
-        hessians, _ = self.calls["certreg_quaternion_curvature"].of_arrays(arguments)
-        return hessians.T.reshape(-1, 3, 3)
 
     def run(self, batch: Batch, rules: Rules, log: Log | None = None) -> None:
         """Integrate every body of a batch, one after another."""
@@ -121,7 +101,7 @@ def current_engine() -> Engine:
     except MissingLibraryError as error:
         LOG.info("in Python: %s", error)
         message = f"{error}: simulating in Python, same results but much slower"
-        warnings.warn(message, SlowSimulationWarning, stacklevel=2)
+        warnings.warn(message, NotCompiledWarning, stacklevel=2)
         return evaluator()
     LOG.info("%s", library.words)
     return library
@@ -129,8 +109,4 @@ def current_engine() -> Engine:
 
 def compiled_engine() -> Library:
     """The engine of bodies that Python does not move. Raises MissingLibraryError."""
-    try:
-        return loaded_library()
-    except MissingLibraryError as error:
-        words = "the motion on general springs, or with a free scale, needs the compiled library"
-        raise MissingLibraryError(f"{words}: {error}") from error
+    return library_for("the motion on general springs, or with a free scale,")

@@ -1,17 +1,14 @@
-"""Lawson's iteration by native/lawson.c: rows that no motion meets, motions of least largest ratio.
-
-It needs compiled code; who calls it has the same in NumPy for where there is none.
-"""
+"""Lawson's iteration by native/lawson.c: rows that no motion meets, poses that fit them best."""
 
 from __future__ import annotations
 
 import ctypes
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.native.library import library_if_any
+from certreg.native.library import WRONG_PAIRS, library_for
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -44,10 +41,11 @@ class LeastRatios:
 
 
 class LawsonColumns:
-    """Points and bounds, of about one in size, for the compiled code."""
+    """Points (3, n), (3, n) and bounds (n,), of about one in size, for the compiled code."""
 
-    def __init__(self, handle: Any, source: Reals, target: Reals, bounds: Reals) -> None:
-        self._handle = handle
+    def __init__(self, source: Reals, target: Reals, bounds: Reals) -> None:
+        """Raises MissingLibraryError where there is no compiled code."""
+        self._handle = library_for(WRONG_PAIRS).handle
         self._columns = np.empty((7, len(bounds)))
         self._columns[:3], self._columns[3:6], self._columns[6] = source, target, bounds
         self._place = ctypes.c_void_p(self._columns.ctypes.data)
@@ -83,9 +81,3 @@ class LawsonColumns:
             *[ctypes.c_void_p(array.ctypes.data) for array in (given, poses, weights, scratch)],
         )
         return LeastRatios(poses[:, :9].reshape(count, 3, 3), poses[:, 9:], weights)
-
-
-def lawson_columns(source: Reals, target: Reals, bounds: Reals) -> LawsonColumns | None:
-    """Of points (3, n), (3, n) and bounds (n,); None where there is no compiled code."""
-    library = library_if_any()
-    return None if library is None else LawsonColumns(library.handle, source, target, bounds)

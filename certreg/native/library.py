@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     from certreg.native.stationary import ManyClouds
 
 
+WRONG_PAIRS, MANY = "the search for wrong pairs", "solving or moving many problems at once"
 SCRATCH = 56  # doubles per point: CERTREG_SCRATCH of native/stationary.h
 PORTION = 512  # bodies that one call takes: Ctrl-C is answered within milliseconds
 _POINTER = ctypes.c_void_p
@@ -298,3 +299,19 @@ def library_if_any() -> Library | None:
 def little_library() -> Library | None:
     """That, for rows of bits and long integers; None where the processor keeps bytes otherwise."""
     return library_if_any() if sys.byteorder == "little" else None
+
+
+def library_for(task: str) -> Library:
+    """The compiled library. Raises MissingLibraryError, which says what needs it."""
+    try:
+        return loaded_library()
+    except MissingLibraryError as error:
+        raise MissingLibraryError(f"{task} needs the compiled library: {error}") from error
+
+
+def little_library_for(task: str) -> Library:
+    """That, for rows of bits and long integers. Raises MissingLibraryError as `library_for`."""
+    library = library_for(task)
+    if little_library() is None:
+        raise MissingLibraryError(f"{task} needs a processor that keeps the low byte first")
+    return library

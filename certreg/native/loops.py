@@ -31,7 +31,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.native.layout import Records, RecordType
-    from certreg.native.stationary import ManyClouds, StationaryPoses
 
 BASIN_SHARE = 0.4  # of the barrier: below the 1/2 that the certificate's mu proves
 STALLED_TORQUE = 0.05  # of the curvature: above, a body is off the saddle, only slow
@@ -260,8 +259,4 @@ class Engine(Protocol):
 
     def run(self, batch: Batch, rules: Rules, log: Log | None = None) -> None:
         """Integrate every body of a batch to its end; a log is for a single body."""
-        ...
-
-    def stationary_poses(self, clouds: ManyClouds) -> StationaryPoses:
-        """What doubles say of the stationary poses of many problems."""
         ...

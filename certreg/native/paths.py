@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.native.library import library_if_any
+from certreg.native.library import MANY, library_for, library_if_any
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -79,8 +79,10 @@ def quartic_paths(
     a: (4,). roots: (paths, 5), q and l of the start. library: None for the one of this process.
     None where there is no compiled code.
     """
-    ends = many_quartic_paths(np.atleast_2d(quartic), a, roots, rules, library)
-    return None if ends is None else ends.of(0)
+    library = library or library_if_any()
+    if library is None:
+        return None
+    return many_quartic_paths(np.atleast_2d(quartic), a, roots, rules, library).of(0)
 
 
 def many_quartic_paths(
@@ -89,11 +91,12 @@ def many_quartic_paths(
     roots: NDArray[np.complex128],
     rules: PathRules,
     library: Library | None = None,
-) -> PathEnds | None:
-    """As `quartic_paths`, to many quartics (problems, 35): arrays (problems, paths, ...)."""
-    library = library or library_if_any()
-    if library is None:
-        return None
+) -> PathEnds:
+    """As `quartic_paths`, to many quartics (problems, 35): arrays (problems, paths, ...).
+
+    Raises MissingLibraryError where there is no compiled code.
+    """
+    library = library or library_for(MANY)
     given = [np.ascontiguousarray(quartics, dtype=np.float64)]
     given += [np.ascontiguousarray(array, dtype=np.complex128) for array in (a, roots)]
     if given[0].shape[1:] != (35,) or given[1].shape != (4,) or roots.shape[1:] != (5,):

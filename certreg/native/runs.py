@@ -41,7 +41,6 @@ if TYPE_CHECKING:
 
 Array = Any  # NDArray[np.float64]
 NO_TORQUE = 1e-12  # of the curvature: less is rounding, and must not choose a side
-JACOBI_SWEEPS = 12  # the sixth changes nothing any more
 FLAT = 1e-9  # of the largest curvature: less is none
 LEAST_SCALE = 1e-6  # of the start's: below, the scale is on its way to 0
 
@@ -167,8 +166,9 @@ class BodyRun:
 
     def _perturbed(self, state: Array) -> tuple[Ending, Array]:
         hessian, torque = self.machine.evaluate(f"{self.prefix}curvature", state, self.body)
-        least, axis = least_curvature(hessian.reshape(3, 3))
-        if least >= 0.0:
+        values, vectors = np.linalg.eigh(hessian.reshape(3, 3))
+        axis = vectors[:, 0]
+        if values[0] >= 0.0:
             return Ending.OUT_OF_STEPS, state
         size = float(np.abs(hessian).max())
         if float(np.abs(torque).max()) > STALLED_TORQUE * size:
@@ -252,34 +252,6 @@ def run_in_python(machine: Engine, batch: Batch, rules: Rules, log: Log | None) 
     """Integrate every body of a batch, one after another."""
     for k in range(len(batch.bodies)):
         RUNS[batch.kind](machine, batch.part(slice(k, k + 1)), rules, log).to_the_end()
-
-
-def least_curvature(hessian: Array) -> tuple[float, Array]:
-    """The least eigenvalue of a symmetric (3, 3) matrix and its unit eigenvector."""
-    values, vectors = eigenbasis(hessian, JACOBI_SWEEPS)
-    k = int(np.argmin(values))
-    return float(values[k]), vectors[:, k]
-
-
-def eigenbasis(matrix: Array, sweeps: int) -> tuple[Array, Array]:
-    """Eigenvalues of a symmetric matrix and unit eigenvectors, columns.
-
-    By Jacobi's rotations as in jacobi.h: another method could take the other side of a saddle.
-    """
-    n = len(matrix)
-    a, v = matrix.copy(), np.eye(n)
-    pairs = [(p, q) for p in range(n - 1) for q in range(p + 1, n)]
-    for p, q in pairs * sweeps:
-        if a[p, q] == 0.0:
-            continue
-        theta = float(a[q, q] - a[p, p]) / (2.0 * float(a[p, q]))
-        t = (-1.0 if theta < 0.0 else 1.0) / (abs(theta) + math.sqrt(theta * theta + 1.0))
-        cosine = 1.0 / math.sqrt(t * t + 1.0)
-        turn = np.array([[cosine, t * cosine], [-t * cosine, cosine]])
-        a[:, [p, q]] = a[:, [p, q]] @ turn
-        a[[p, q]] = turn.T @ a[[p, q]]
-        v[:, [p, q]] = v[:, [p, q]] @ turn
-    return np.diag(a).copy(), v
 
 
 def turned_by(state: Array, record: RecordType, cosine: float, sine: Array) -> Array:

@@ -32,6 +32,7 @@ if TYPE_CHECKING:
 
     from certreg.problem.problem import RegistrationProblem
 
+
 LEAST_STIFFNESS = 1e-13  # of the largest eigenvalue of S: below, a direction counts as free
 FULL = tuple(UPPER.index((min(a, b), max(a, b))) for a, b in product(range(3), repeat=2))
 TRACE = (0, 3, 5)  # the diagonal among the six entries
@@ -132,7 +133,7 @@ def _of_block(
         block, origin = _over(block, origin, exponents), np.zeros(6)
     library = library_if_any()
     if library is None:
-        return summed_in_numpy(block, origin)[:, np.newaxis]
+        return _summed_in_numpy(block, origin)[:, np.newaxis]
     sums = np.empty((len(COORDINATES), 2))
     arrays = (block.source, block.target, block.springs, origin, sums)
     pointers = [ctypes.c_void_p(array.ctypes.data) for array in arrays]
@@ -150,7 +151,7 @@ def _over(block: Pairs, origin: NDArray[np.float64], exponents: tuple[int, int])
     return SprungPairs(source=source, target=target, springs=np.ldexp(block.springs, -factor))
 
 
-def summed_in_numpy(block: Pairs, origin: NDArray[np.float64]) -> NDArray[np.float64]:
+def _summed_in_numpy(block: Pairs, origin: NDArray[np.float64]) -> NDArray[np.float64]:
     """(73,): the sums, where nothing is compiled."""
     with np.errstate(over="ignore", invalid="ignore", under="ignore"):
         x, y = block.source - origin[:3], block.target - origin[3:]

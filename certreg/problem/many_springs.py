@@ -13,14 +13,13 @@ import numpy as np
 
 from certreg._loading import cached_property
 from certreg.errors import InvalidProblemError
-from certreg.native.library import library_if_any
+from certreg.native.library import MANY, library_for
 from certreg.problem.floating_stiffness import (
     LEAST_STIFFNESS,
     FloatingSpringMoments,
     floating_spring_moments,
     hessian_form_of,
     is_settled,
-    summed_in_numpy,
 )
 from certreg.problem.problem import RegistrationProblem
 from certreg.problem.spring_rows import SHAPES
@@ -30,7 +29,6 @@ from certreg.results import Brief
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from certreg.native.library import Library
 
 Array = Any  # NDArray[np.float64]
 SUMS = 73
@@ -186,13 +184,13 @@ def many_spring_moments(given: ManySprings) -> ManySpringMoments:
     """The moments of many problems in doubles, in one pass over the points of each.
 
     A problem whose sums leave the range of doubles, or whose mean is no origin for its springs,
-    goes by itself, as `floating_spring_moments`.
+    goes by itself, as `floating_spring_moments`. Raises MissingLibraryError where there is no
+    compiled code.
     """
     origins = np.empty((given.count, 6))
     with np.errstate(over="ignore", invalid="ignore"):
         origins[:, :3], origins[:, 3:] = given.sources.mean(axis=1), given.targets.mean(axis=1)
-    library = library_if_any()
-    sums = _compiled(given, origins, library) if library else _plain(given, origins)
+    sums = _sums(given, origins)
     exponents = np.zeros((given.count, 2), dtype=np.int64)
     for k in range(given.count):
         if not is_settled(sums[k]):
@@ -205,19 +203,14 @@ def many_spring_moments(given: ManySprings) -> ManySpringMoments:
     )
 
 
-def _compiled(given: ManySprings, origins: Array, library: Library) -> Array:
+def _sums(given: ManySprings, origins: Array) -> Array:
     found = np.empty((given.count, SUMS, 2))
     arrays = [np.ascontiguousarray(a) for a in given.arrays]
     strides = np.array([0 if len(a) == 1 else a[0].size for a in arrays], dtype=np.int64)
     pointers = [ctypes.c_void_p(a.ctypes.data) for a in (*arrays, strides, origins, found)]
     sizes = (ctypes.c_int64(given.count), ctypes.c_int64(given.points))
-    library.handle.certreg_many_springs(*sizes, *pointers)
+    library_for(MANY).handle.certreg_many_springs(*sizes, *pointers)
     return found.sum(axis=2)
-
-
-def _plain(given: ManySprings, origins: Array) -> Array:
-    problems = (given.problem(k).block(slice(0, given.points)) for k in range(given.count))
-    return np.array([summed_in_numpy(block, o) for block, o in zip(problems, origins, strict=True)])
 
 
 def _numbers(rows: Any, name: str) -> Array:

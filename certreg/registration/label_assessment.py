@@ -6,9 +6,10 @@ import enum
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from certreg.certificate.joint_feasibility import CommonMotion, common_motion, sets_apart
+from certreg.certificate.joint_feasibility import CommonMotion, common_motion
 from certreg.certificate.producing_consensus import ConsensusProver, pose_of
 from certreg.errors import InvalidProblemError
+from certreg.native.bitset_graph import colours
 from certreg.problem.bounds import checked_inliers
 from certreg.problem.budget import checked_effort
 from certreg.registration.consensus import proved_consensus
@@ -184,5 +185,5 @@ def judged_labels(
         motion=motion,
         most=most,
         names=RowNames.of(about or {}, problem.n),
-        sets=sets_apart(prover.graph.near),
+        sets=colours((1 << problem.n) - 1, prover.graph.near.integers, problem.n),
     )

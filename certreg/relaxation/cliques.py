@@ -12,43 +12,26 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.native.bitset_graph import BitRows, rows_of, thinned
-from certreg.native.cliques import enumeration, greedy_clique, triangles
+from certreg.native.bitset_graph import BitRows, Thinned, agreeing, rows_of
+from certreg.native.cliques import Enumeration, greedy_clique, triangles
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from numpy.typing import NDArray
-
     from certreg.relaxation.paired_rows import PairedRows, Rows
 
-ROUNDING = 1e-9  # of the bounds: an edge on the boundary is kept
-BLOCK = 1 << 18  # entries of the graph that are computed at a time: they stay in the cache
 FIT_STEPS = 32  # of an enumeration, and two a row: what it takes to see whether a clique fits
 
 
 def consistency(pairs: PairedRows) -> BitRows:
-    """Which rows agree in the length between them. No row agrees with itself."""
-    count = len(pairs)
-    graph = np.empty((count, count), dtype=bool)
-    height = max(1, BLOCK // count)
-    for first in range(0, count, height):
-        rows = slice(first, first + height)
-        lengths = [_lengths(points, rows) for points in (pairs.source, pairs.target)]
-        slack = (1.0 + ROUNDING) * (pairs.bounds[rows, np.newaxis] + pairs.bounds)
-        graph[rows] = np.abs(lengths[0] - lengths[1]) <= slack
-    np.fill_diagonal(graph, val=False)
-    return BitRows.of_table(graph)
-
-
-def _lengths(points: NDArray[np.float64], rows: slice) -> NDArray[np.float64]:
-    squares = sum((axis[rows, np.newaxis] - axis) ** 2 for axis in points)
-    return np.sqrt(squares)
+    """Which rows agree in the length between them, or nearly so. No row agrees with itself."""
+    found = agreeing(pairs.source.T, pairs.target.T, pairs.bounds)
+    return BitRows(found.near.words | found.doubtful.words)
 
 
 def core(near: BitRows, degree: int) -> int:
     """The rows, as bits, that are left once none has fewer neighbours left than `degree`."""
-    return thinned(near, (1 << len(near)) - 1, degree + 1, 0).alive
+    return Thinned(near, (1 << len(near)) - 1, degree + 1, 0).alive
 
 
 def greedy_cliques(near: BitRows, alive: int) -> Iterator[Rows]:
@@ -77,7 +60,7 @@ class CliqueSearch:
         part = near.table[np.ix_(rows, rows)]
         order = np.argsort(part.sum(axis=1), kind="stable")  # poor rows first: short branches
         part = BitRows.of_table(part[np.ix_(order, order)])
-        search = enumeration(part, size, self.steps, FIT_STEPS + 2 * size)
+        search = Enumeration(part, size, self.steps, FIT_STEPS + 2 * size)
         while len(found := search.some(batch)):
             self.steps = search.steps
             yield rows[order[found]]

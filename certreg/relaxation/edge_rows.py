@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.native.lawson import lawson_columns
+from certreg.native.lawson import LawsonColumns
 from certreg.relaxation.paired_rows import Poses, fitted, squared_ratios
 
 if TYPE_CHECKING:
@@ -27,8 +27,6 @@ if TYPE_CHECKING:
     Sets = NDArray[np.bool_]
 
 MOST_REFITS = 20  # three are usual
-# 5 to 20 decide most sets; what is left is within 2 percent of its bounds. In native/lawson.c, too.
-LAWSON_STEPS = 80
 REACH = 16.0  # squared ratio of rows that may still come within their bounds
 MOST_NEAR = 12  # rows that are tried, the nearest ones
 MOST_JOINED = 6  # of them in twos
@@ -139,39 +137,9 @@ def lawson_fits(pairs: PairedRows, sets: Sets) -> LawsonFits:
     """Lawson's iteration on sets (B, N), each until it fits, cannot fit, or steps are used up."""
     used = np.flatnonzero(sets.any(axis=0))
     some, inside = pairs.of(used), sets[:, used]
-    columns = lawson_columns(some.source, some.target, some.bounds)
-    if columns is None:
-        poses, weights = _lawson_fits(some, inside)
-    else:
-        fits = columns.fits(inside)
-        poses, weights = Poses(fits.rotations, fits.translations), fits.weights
+    fits = LawsonColumns(some.source, some.target, some.bounds).fits(inside)
+    poses = Poses(fits.rotations, fits.translations)
     largest = np.where(inside, squared_ratios(some, poses), 0.0).max(axis=1)
     full = np.zeros(sets.shape)
-    full[:, used] = weights
+    full[:, used] = fits.weights
     return LawsonFits(poses, largest, full)
-
-
-def _lawson_fits(pairs: PairedRows, inside: Sets) -> tuple[Poses, Reals]:
-    """The poses of least largest ratio that were met, and the last weights: in NumPy."""
-    weights = inside / inside.sum(axis=1, keepdims=True)
-    largest = np.full(len(inside), np.inf)
-    rotations, translations = np.zeros((len(inside), 3, 3)), np.zeros((len(inside), 3))
-    open_sets = np.arange(len(inside))
-    for _ in range(LAWSON_STEPS):
-        now = weights[open_sets]
-        poses = fitted(pairs, now * pairs.precisions)
-        ratios = squared_ratios(pairs, poses)
-        tops = np.where(inside[open_sets], ratios, 0.0).max(axis=1)
-        better = tops < largest[open_sets]
-        place = open_sets[better]
-        largest[place] = tops[better]
-        rotations[place], translations[place] = poses.rotations[better], poses.translations[better]
-        lower = (now * ratios).sum(axis=1)
-        now *= np.sqrt(ratios)
-        totals = now.sum(axis=1)
-        go_on = (tops > 1.0) & (lower <= 1.0) & (totals > 0.0)
-        open_sets = open_sets[go_on]
-        if not len(open_sets):
-            break
-        weights[open_sets] = now[go_on] / totals[go_on, np.newaxis]
-    return Poses(rotations, translations), weights

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from importlib import resources
-from typing import Any
+from typing import TYPE_CHECKING, Any, NoReturn
 
 import jsonschema
 import numpy as np
@@ -18,9 +19,15 @@ from certreg.certificate import cones as producer
 from certreg.certificate.checking import verify
 from certreg.certificate.cones import SpringsConesBody, cones_body, springs_certificate
 from certreg.certificate.envelope import Certificate
-from certreg.certificate.squares import SpringsSosBody
+from certreg.certificate.squares import SpringsSosBody, sos_body
+from certreg.errors import NotCompiledWarning
+from certreg.native.kernels import MissingLibraryError
 from certreg.objective.springs import Springs
 from certreg.relaxation.optimum import find_optimum
+
+if TYPE_CHECKING:
+    from certreg.relaxation.optimum import Found
+
 
 SCHEMAS = resources.files("certreg") / "report" / "schemas"
 
@@ -111,6 +118,28 @@ def test_a_false_claim_is_seen_to_be_false():
     assert not cone_certificates.is_true(
         {**document, "proof": {**document["proof"], "pose": pose}}, made
     )
+
+
+@pytest.mark.parametrize("squares", [0, 1])
+def test_without_compiled_code_squares_prove_what_they_can_and_cones_are_said_to_need_it(
+    squares: int, monkeypatch: pytest.MonkeyPatch
+):
+    """Squares that leave open whether the optimum is unique; and none."""
+
+    def refusing(task: str) -> NoReturn:
+        raise MissingLibraryError(f"{task} needs the compiled library")
+
+    def undecided(objective: Springs, found: Found) -> SpringsSosBody | None:
+        body = sos_body(objective, found) if squares else None
+        return body and replace(body, claims=replace(body.claims, unique=None))
+
+    made = case("plane 20", 0)
+    monkeypatch.setattr("certreg.native.cones.little_library_for", refusing)
+    monkeypatch.setattr("certreg.certificate.producing_springs.sos_body", undecided)
+    with pytest.warns(NotCompiledWarning, match="a proof by cones of rotations needs the comp"):
+        proved = springs_certificate(made.problem, made.objective, find_optimum(made.objective))
+
+    assert (proved is not None) == squares
 
 
 def test_a_symmetry_that_moves_the_optimum_makes_it_not_unique():

@@ -92,6 +92,7 @@ def test_the_released_body_grows_to_the_optimum_and_its_size_is_kept_above_zero(
     assert "Not proved that the exact motion never comes to the scale 0" in larger
 
 
+@pytest.mark.usefixtures("compiled")
 @pytest.mark.slow
 def test_certify_lists_and_simulates_with_a_free_scale(tmp_path: Path):
     pair = clouds(tmp_path, TARGETS[3])

@@ -90,6 +90,7 @@ def test_where_several_are_as_good_the_list_is_complete_and_the_best_not_decided
     assert found["spurious"] is None
 
 
+@pytest.mark.usefixtures("compiled")
 def test_what_could_not_be_told_apart_is_said_and_not_counted(answers):
     text, document = answers["sphere"]
     found = document.document["equilibria"]

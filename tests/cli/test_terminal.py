@@ -19,7 +19,7 @@ from certreg.cli import memory, options, progress
 from certreg.cli.campaigns import resumable
 from certreg.cli.main import cli
 from certreg.cli.progress import Progress, Stages
-from certreg.errors import InvalidFileError, SlowSimulationWarning
+from certreg.errors import InvalidFileError, NotCompiledWarning
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -126,10 +126,10 @@ def test_warnings_of_certreg_are_notes_and_others_are_left_to_python(
             monkeypatch.setattr(
                 warnings, "showwarning", lambda *given, **_: others.append(given[:2])
             )
-            warnings.filterwarnings("ignore", category=SlowSimulationWarning)
+            warnings.filterwarnings("ignore", category=NotCompiledWarning)
             with options.warnings_as_notes():
                 for _ in range(2):
-                    warnings.warn("slow", SlowSimulationWarning, stacklevel=1)
+                    warnings.warn("slow", NotCompiledWarning, stacklevel=1)
                 warnings.warn("odd", UserWarning, stacklevel=1)
         assert terminal.getvalue() == "note: slow\nnote: slow\n"
         ((message, category),) = others

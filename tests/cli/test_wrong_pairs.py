@@ -32,6 +32,7 @@ def clouds(folder: Folder) -> list[str]:
     return names
 
 
+@pytest.mark.usefixtures("compiled")
 @pytest.mark.parametrize(
     ("terminal", "patience", "told"), [(1, -1.0, 1), (0, -1.0, 0), (1, 9.0, 0)]
 )

@@ -9,7 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
+import reference_stationary
 from commands import checked
+from reference_engine import reference
 from strategies import ZOO, Specimen, random_problem, random_rotation
 
 from certreg import equilibria
@@ -21,9 +23,8 @@ from certreg.equilibrium.batch import Solutions, exactly, solve_many
 from certreg.equilibrium.stability import Oscillations, linearised_spectrum
 from certreg.errors import InvalidProblemError
 from certreg.geometry.so3 import davenport_matrix, rotation_matrix
-from certreg.native import stationary
-from certreg.native.engine import current_engine, evaluator
 from certreg.native.layout import plain, symmetric
+from certreg.native.library import loaded_library
 from certreg.objective.isotropic import Isotropic
 from certreg.problem.moments import exact_moments
 from certreg.problem.problem import RegistrationProblem
@@ -176,7 +177,7 @@ def test_no_instance_depends_on_its_neighbours_or_on_the_number_of_threads():
 def test_the_evaluator_finds_the_same(monkeypatch):
     given = some(600, n=7, decades=3.0, offset=10.0)
     by_engine = solve_many(**given, spectrum=True)
-    monkeypatch.setattr(instances, "current_engine", evaluator)
+    monkeypatch.setattr(instances, "library_for", lambda _: reference())
 
     found = solve_many(**given, spectrum=True)
 
@@ -189,7 +190,7 @@ def test_the_evaluator_finds_the_same(monkeypatch):
     assert found.rmse == pytest.approx(by_engine.rmse, rel=1e-11)
 
 
-@pytest.mark.parametrize("machine", [current_engine, evaluator])
+@pytest.mark.parametrize("machine", [loaded_library, reference])
 def test_residuals_and_ratios_are_what_they_are_called(machine):
     found = machine().stationary_poses(instances.clouds(**some(70)))
     entries: Any = np.moveaxis(found.cross.reshape(-1, 3, 3), 0, -1)
@@ -368,7 +369,7 @@ def test_without_its_bound_a_decision_would_be_wrong(monkeypatch):
 
 @pytest.mark.slow
 @pytest.mark.one_in(2)
-@pytest.mark.parametrize("machine", [current_engine, evaluator])
+@pytest.mark.parametrize("machine", [loaded_library, reference])
 def test_eigenvalues_are_as_near_as_the_bound_says(machine):
     for group in adversaries():
         given = instances.clouds(**stacked(list(group)))
@@ -439,10 +440,10 @@ def test_unstable_eigenvalues_are_counted_from_the_spectrum(monkeypatch):
 
     class Turned:
         def stationary_poses(self, clouds: Any) -> StationaryPoses:
-            found = current_engine().stationary_poses(clouds)
+            found = loaded_library().stationary_poses(clouds)
             return replace(found, ratios=-found.ratios[:, :, ::-1])
 
-    monkeypatch.setattr(instances, "current_engine", Turned)
+    monkeypatch.setattr(instances, "library_for", lambda _: Turned())
 
     assert (solve_many(**some(40)).unstable == [3, 2, 1, 0]).all()
 
@@ -450,12 +451,12 @@ def test_unstable_eigenvalues_are_counted_from_the_spectrum(monkeypatch):
 def test_a_count_that_rounding_could_change_is_not_given(monkeypatch):
     class Flat:
         def stationary_poses(self, clouds: Any) -> StationaryPoses:
-            found = current_engine().stationary_poses(clouds)
+            found = loaded_library().stationary_poses(clouds)
             ratios = found.ratios.copy()
             ratios[:, 2, 1] = 1e-14
             return replace(found, ratios=ratios)
 
-    monkeypatch.setattr(instances, "current_engine", Flat)
+    monkeypatch.setattr(instances, "library_for", lambda _: Flat())
 
     assert (solve_many(**some(40)).unstable == [0, 1, -1, 3]).all()
 
@@ -468,7 +469,7 @@ def test_the_residual_has_all_the_terms_of_its_formula():
     found = instances.stationary_poses(instances.clouds(sources, targets, None))
     entries: Any = np.moveaxis(found.cross.reshape(-1, 3, 3), 0, -1)
     davenport = np.moveaxis(np.array(davenport_matrix(entries)), -1, 0)
-    expected = stationary._residual(davenport, found.values, found.vectors)
+    expected = reference_stationary._residual(davenport, found.values, found.vectors)
 
     assert np.median(found.residual) == pytest.approx(np.median(expected), rel=0.05, abs=0.0)
 
@@ -578,9 +579,9 @@ def test_what_is_not_finite_is_named_by_its_number_among_all(monkeypatch):
 @pytest.mark.one_in(4)
 @pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
 @pytest.mark.parametrize("name", ["sources", "targets"])
-@pytest.mark.parametrize("machine", [current_engine, evaluator])
+@pytest.mark.parametrize("machine", [loaded_library, reference])
 def test_what_is_not_finite_is_named(name, value, machine, monkeypatch):
-    monkeypatch.setattr(instances, "current_engine", machine)
+    monkeypatch.setattr(instances, "library_for", lambda _: machine())
     given = some(700, n=4)
     given[name][611, 2, 1] = value
 

@@ -6,19 +6,10 @@ from itertools import combinations
 
 import numpy as np
 import pytest
+from reference_graphs import PlainThinned
 
-from certreg.native.bitset_graph import (
-    BitRows,
-    CompiledThinned,
-    PlainThinned,
-    agreeing,
-    mask_of,
-    rows_of,
-    thinned,
-)
-from certreg.native.library import library_if_any
+from certreg.native.bitset_graph import BitRows, Thinned, agreeing, mask_of, rows_of
 
-ENGINES = ("compiled", "plain")
 SIZES = (1, 5, 64, 65, 130)
 
 
@@ -28,21 +19,12 @@ def random_graph(n: int, seed: int) -> BitRows:
     return BitRows.of_table(upper | upper.T)
 
 
-def engine(name: str, near: BitRows, alive: int, least: int, clique: int):
-    if name == "plain":
-        return PlainThinned(near, alive, least, clique)
-    library = library_if_any()
-    if library is None:
-        pytest.skip("no compiled code")
-    return CompiledThinned(library.handle, near, alive, least, clique)
-
-
 def thinnings(n: int, seed: int):
     """The same in C and in Python, and the rows that colours do not strike."""
     near, rng = random_graph(n, seed), np.random.default_rng(seed)
     clique = mask_of(rng.choice(n, n // 8, replace=False).tolist())
     given = (near, (1 << n) - 1, 3 + seed * n // 10, clique)
-    return engine("compiled", *given), engine("plain", *given)
+    return Thinned(*given), PlainThinned(*given)
 
 
 @pytest.mark.parametrize("n", SIZES)
@@ -98,14 +80,13 @@ def test_c_cuts_what_python_cuts_and_leaves_the_graph_alone(n: int, seed: int):
     assert np.array_equal(random_graph(n, seed).words, given.words)
 
 
-@pytest.mark.parametrize("name", ENGINES)
-def test_a_large_clique_stays(name: str):
+def test_a_large_clique_stays():
     """None of its rows falls, and what is left has the degrees that were asked for."""
     for seed in range(20):
         near, rng = random_graph(30, seed), np.random.default_rng(seed)
         rows = np.sort(rng.choice(30, 9, replace=False)).tolist()
         near = near.with_edges(list(combinations(rows, 2)))
-        left = engine(name, near, (1 << 30) - 1, 9, 0)
+        left = Thinned(near, (1 << 30) - 1, 9, 0)
         struck = left.strike_by_colours()
 
         assert mask_of(rows) & ~left.alive == 0
@@ -113,11 +94,10 @@ def test_a_large_clique_stays(name: str):
         assert all(left.beside(row).bit_count() >= 8 for row in rows_of(left.alive))
 
 
-@pytest.mark.parametrize("name", ENGINES)
-def test_nothing_is_left_where_there_are_too_few_colours(name: str):
+def test_nothing_is_left_where_there_are_too_few_colours():
     """Two halves, each row beside all of the other: no three agree."""
     table = np.add.outer(np.arange(12), np.arange(12)) % 2 == 1
-    left = engine(name, BitRows.of_table(table), (1 << 12) - 1, 3, 0)
+    left = Thinned(BitRows.of_table(table), (1 << 12) - 1, 3, 0)
 
     assert left.alive == (1 << 12) - 1
     assert left.colours(left.alive, 12) == 2
@@ -125,18 +105,11 @@ def test_nothing_is_left_where_there_are_too_few_colours(name: str):
     assert left.alive == 0
 
 
-@pytest.mark.parametrize("name", ENGINES)
-def test_rows_of_the_clique_are_not_struck_by_colours(name: str):
+def test_rows_of_the_clique_are_not_struck_by_colours():
     table = np.add.outer(np.arange(12), np.arange(12)) % 2 == 1
-    left = engine(name, BitRows.of_table(table), (1 << 12) - 1, 3, (1 << 12) - 1)
+    left = Thinned(BitRows.of_table(table), (1 << 12) - 1, 3, (1 << 12) - 1)
 
     assert left.strike_by_colours() == []
-
-
-def test_it_is_c_where_there_is_c():
-    there = library_if_any() is not None
-
-    assert isinstance(thinned([0b10, 0b01], 0b11, 2, 0), CompiledThinned) == there
 
 
 @pytest.mark.parametrize("size", [1.0, 1e-9, 1e-160])
@@ -147,9 +120,7 @@ def test_lengths_agree_as_in_longer_numbers(n: int, size: float):
     points = rng.uniform(-1, 1, (n, 6))
     points[:, 3:] = points[:, :3] + size * rng.normal(size=(n, 3))
     bounds = size * rng.uniform(0.1, 1.0, n)
-    found = agreeing(points, bounds)
-    if found is None:
-        pytest.skip("no compiled code")
+    found = agreeing(points[:, :3], points[:, 3:], bounds)
     long = points.astype(np.longdouble)
     a, b = (
         np.sqrt(((part[:, None] - part) ** 2).sum(axis=2)) for part in (long[:, :3], long[:, 3:])
@@ -166,9 +137,7 @@ def test_lengths_agree_as_in_longer_numbers(n: int, size: float):
 def test_pairs_on_the_bound_are_left_open():
     """|a - b| = 2 = the sum of the bounds, in numbers that doubles have; and two equal points."""
     points = np.array([[0, 0, 0, 0, 0, 0], [4, 0, 0, 6, 0, 0], [4, 0, 0, 6, 0, 0]]) / 8.0
-    found = agreeing(points, np.full(3, 1 / 8))
-    if found is None:
-        pytest.skip("no compiled code")
+    found = agreeing(points[:, :3], points[:, 3:], np.full(3, 1 / 8))
 
     assert found.open_pairs == [(0, 1), (0, 2)]
     assert [*found.near] == [0, 0b100, 0b010]

@@ -25,7 +25,7 @@ from reference_engine import reference
 import build_kernels
 from benchmarks.rates import variants
 from build_kernels import BuildError, Compiler, NoCompilerError, find_compiler
-from certreg.errors import SlowSimulationWarning
+from certreg.errors import NotCompiledWarning
 from certreg.native import engine as engines
 from certreg.native import kernels, signatures
 from certreg.native.engine import evaluator
@@ -325,7 +325,7 @@ def anew():
 def test_why_nothing_was_compiled_is_said_once_and_the_generated_python_runs(copied, built):
     recorded(copied, replace(built, variants={}, why="no compiler anywhere"))
 
-    with pytest.warns(SlowSimulationWarning, match="no compiler anywhere: simulating in Python"):
+    with pytest.warns(NotCompiledWarning, match="no compiler anywhere: simulating in Python"):
         found = engines.current_engine.__wrapped__()
     assert found is evaluator()
     assert "\nsimulation   in Python: no compiler anywhere\n" in certreg("info").out

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 from commands import certreg
+from reference_engine import eigenbasis
 from rotations import saddle_start
 from scipy.spatial.transform import Rotation
 from strategies import ZOO, random_problem
@@ -33,7 +34,6 @@ from certreg.native.engine import evaluator
 from certreg.native.kernels import PYTHON, VARIANT
 from certreg.native.layout import named, width
 from certreg.native.library import loaded_library
-from certreg.native.runs import least_curvature
 from certreg.objective.isotropic import Isotropic
 from certreg.problem.moments import exact_moments
 from certreg.problem.problem import RegistrationProblem
@@ -114,14 +114,14 @@ def test_python_is_warned_once():
     )
     run = python(code, **WITHOUT)
 
-    assert (run.stdout, run.stderr) == ("['SlowSimulationWarning']\n", "")
+    assert (run.stdout, run.stderr) == ("['NotCompiledWarning']\n", "")
 
 
 @pytest.mark.slow
 def test_without_compiled_code_other_motions_are_refused_in_one_line_and_all_is_certified():
     code = (
         "import certreg, tempfile, numpy\n"
-        "x = numpy.random.default_rng(0).normal(size=(9, 3))\n"
+        "x = numpy.random.default_rng(0).normal(size=(20, 3))\n"
         "for options in ({'normals': x + 1.0}, {'scale': 'asymmetric'}):\n"
         "    problem = certreg.RegistrationProblem(x, 1.1 * x, **options)\n"
         "    try:\n"
@@ -144,6 +144,36 @@ def test_without_compiled_code_other_motions_are_refused_in_one_line_and_all_is_
         f"no\nCERTIFIED\nno\nCERTIFIED\nAbsent(reason={refused.strip()!r})\n",
         "",
     )
+
+
+@pytest.mark.slow
+def test_without_compiled_code_the_search_for_wrong_pairs_is_refused_in_one_line():
+    command = (
+        f"sys.argv[1:] = ['certify', *{SURVEY!r}, '--max-residual', '1'];"
+        "from certreg.cli.main import main; main()"
+    )
+    run = python(f"import sys; {command}", **WITHOUT)
+    words = "the search for wrong pairs needs the compiled library: CERTREG_VARIANT is python"
+
+    assert (run.returncode, run.stdout, run.stderr) == (2, "", f"certreg: {words}\n")
+
+
+@pytest.mark.slow
+def test_without_compiled_code_many_problems_at_once_are_refused_in_one_line():
+    code = (
+        "import certreg, numpy\n"
+        "x = numpy.random.default_rng(0).normal(size=(2, 9, 3))\n"
+        "for many in (certreg.solve_many, certreg.bodies_of):\n"
+        "    try:\n"
+        "        many(x, x)\n"
+        "    except certreg.CertregError as error:\n"
+        "        print(error)\n"
+    )
+    run = python(code, **WITHOUT)
+    task = "solving or moving many problems at once"
+    refused = f"{task} needs the compiled library: CERTREG_VARIANT is python\n"
+
+    assert (run.stdout, run.stderr) == (2 * refused, "")
 
 
 def test_other_warnings_stay_warnings(monkeypatch, data):
@@ -268,12 +298,13 @@ def test_a_state_that_is_no_number_ends_out_of_steps_at_once(bad, integrator):
 
 
 @pytest.mark.slow
-def test_theleast_curvature_is_that_of_lapack():
+def test_jacobis_rotations_find_what_lapack_finds():
     rng = np.random.default_rng(5)
     for _ in range(100):
         A = rng.normal(size=(3, 3))
-        least, axis = least_curvature(A + A.T)
         values, vectors = np.linalg.eigh(A + A.T)
+        found, basis = eigenbasis(A + A.T, 12)
+        order = np.argsort(found)
 
-        assert least == pytest.approx(values[0], abs=1e-14)
-        assert abs(axis @ vectors[:, 0]) == pytest.approx(1.0, abs=1e-10)
+        assert found[order] == pytest.approx(values, abs=1e-14)
+        assert np.abs((basis[:, order] * vectors).sum(axis=0)) == pytest.approx(1.0, abs=1e-10)

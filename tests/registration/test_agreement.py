@@ -39,6 +39,7 @@ def test_the_closed_form_that_ended_farther_is_told(monkeypatch: pytest.MonkeyPa
     assert found.solution.agreement.closed_form == pytest.approx(1e-6)
 
 
+@pytest.mark.usefixtures("compiled")
 def test_the_pose_of_one_call_is_told_where_it_ended_farther(monkeypatch: pytest.MonkeyPatch):
     roads = import_module("certreg.registration.agreement")
     called = roads.floating_pose

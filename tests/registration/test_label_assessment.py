@@ -13,8 +13,9 @@ from commands import write_csv
 from test_consensus import BOUND, twins, wrong_pairs
 
 import certreg
-from certreg.certificate.joint_feasibility import CommonMotion, is_refuted, sets_apart
+from certreg.certificate.joint_feasibility import CommonMotion, is_refuted
 from certreg.errors import InvalidProblemError
+from certreg.native.bitset_graph import colours
 
 if TYPE_CHECKING:
     from certreg.registration.label_assessment import KeptPairs
@@ -205,7 +206,7 @@ def test_no_more_are_met_than_all_but_one_where_some_exclude_each_other():
 
 
 @pytest.mark.parametrize("share", [0.2, 0.5, 0.8])
-def test_sets_apart_are_no_fewer_than_the_largest_set_that_agrees(share: float):
+def test_colours_are_no_fewer_than_the_largest_set_that_agrees(share: float):
     rng = np.random.default_rng(3)
     for _ in range(20):
         table = np.triu(rng.random((9, 9)) < share, 1)
@@ -217,6 +218,6 @@ def test_sets_apart_are_no_fewer_than_the_largest_set_that_agrees(share: float):
         ]
         largest = max(some.bit_count() for some in sets)
 
-        assert largest <= sets_apart(near) <= 9
-    assert sets_apart([0] * 9) == 1
-    assert sets_apart([(1 << 9) - 1 - (1 << i) for i in range(9)]) == 9
+        assert largest <= colours((1 << 9) - 1, near, 9) <= 9
+    assert colours((1 << 9) - 1, [0] * 9, 9) == 1
+    assert colours((1 << 9) - 1, [(1 << 9) - 1 - (1 << i) for i in range(9)], 9) == 9
