@@ -32,13 +32,13 @@ import numpy as np
 from certreg.certificate.envelope import enclosed
 from certreg.certificate.radius import growth_radius
 from certreg.certificate.squares import SpringsBody, growth_claims, sos_body
-from certreg.errors import NotCompiledWarning
 from certreg.equilibrium.quartics import FloatingQuartic, descended
+from certreg.errors import NotCompiledWarning
 from certreg.exact.dyadic import Dyadic, dyadic_above, dyadic_below
 from certreg.exact.elimination import is_positive_definite
 from certreg.geometry.so3 import body_frame, dot, squared_norm
-from certreg.native.kernels import MissingLibraryError
 from certreg.native.cones import ConesEnding, search_cones
+from certreg.native.kernels import MissingLibraryError
 from certreg.objective.normalisation import levelled_exactly
 from certreg.objective.quartics import MONOMIALS
 from certreg.relaxation.refining import refined
