@@ -248,12 +248,12 @@ PROVED = (
         "registration/test_truncated_results",
     ),
     _of(
-        "registration/truncated_labels",
-        "TruncatedLabels.differing TruncatedLabels.exit_code",
+        "registration/label_assessment",
+        "TruncatedLabels.differing LabelAssessment.exit_code",
         "registration/test_flags_enumerated",
     ),
     _of(
-        "registration/truncated_labels",
+        "registration/label_assessment",
         "TruncatedLabels.headline",
         "registration/test_truncated_labels",
     ),

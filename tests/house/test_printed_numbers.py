@@ -89,7 +89,7 @@ ALLOWED = {  # what the last digit of a number to the nearest is worth, and wher
         registration/misfits.py round(1 / CHANCE)
         registration/convention_errors.py turn.round(LEAST_DECIMALS)
         registration/convention_errors.py turn.round(d)
-        registration/truncated_labels.py round(entry * 2.0 ** BITS)
+        registration/label_assessment.py round(entry * 2.0 ** BITS)
         report/uncertainty.py round(points)
         report/uncertainty.py round(value, decimals)
     """,

@@ -24,7 +24,12 @@ from certreg.registration.breaking import BreakingEquilibria, BreakingEquilibriu
 from certreg.registration.breathing import ScaledEquilibria
 from certreg.registration.consensus import ConsensusRegistration
 from certreg.registration.consensus_words import ranges_words
-from certreg.registration.label_assessment import KeptPairs, LabelsVerdict
+from certreg.registration.label_assessment import (
+    KeptPairs,
+    LabelAssessment,
+    LabelsVerdict,
+    TruncatedLabels,
+)
 from certreg.registration.quartic import QuarticSolution
 from certreg.registration.result import Registration
 from certreg.registration.spring_equilibria import (
@@ -37,7 +42,6 @@ from certreg.registration.spring_equilibria import (
 )
 from certreg.registration.spring_findings import SpringFindings
 from certreg.registration.truncated import TruncatedRegistration
-from certreg.registration.truncated_labels import TruncatedLabels
 from certreg.registration.valley import SimulatedSprings
 from certreg.results import Absent, ComponentKind, Guarantee, Limits, Optimality, Ruling
 
@@ -148,7 +152,7 @@ def test_labels_that_differ_are_those_of_the_other_side():
             )
     codes = {LabelsVerdict.CONSISTENT: 0, LabelsVerdict.REFUTED: 1, LabelsVerdict.UNDECIDED: 4}
     for verdict, code in codes.items():
-        assert asked(TruncatedLabels, "exit_code", verdict=verdict) == code
+        assert asked(LabelAssessment, "exit_code", verdict=verdict) == code
 
 
 def test_kept_pairs_are_consistent_where_a_motion_is_shown_and_refuted_where_none_is_possible():

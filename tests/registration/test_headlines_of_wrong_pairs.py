@@ -21,9 +21,8 @@ import certreg
 from certreg.certificate.joint_feasibility import CommonMotion
 from certreg.registration import consensus_words
 from certreg.registration.consensus import ConsensusRegistration
-from certreg.registration.label_assessment import KeptPairs
+from certreg.registration.label_assessment import KeptPairs, TruncatedLabels
 from certreg.registration.truncated import TruncatedRegistration
-from certreg.registration.truncated_labels import TruncatedLabels
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -122,7 +121,7 @@ def truncated_lines() -> Iterator[tuple[str, int]]:
         (unsure, right, True),
         (unsure, right, False),
     ):
-        one = TruncatedLabels(optimum=optimum, rows=kept, disproved=disproved)
+        one = replace(TruncatedLabels.of(optimum, kept), disproved=disproved)
         yield one.headline, one.exit_code
 
 
