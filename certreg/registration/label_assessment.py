@@ -21,8 +21,8 @@ from certreg.problem.bounds import LEAST_DIRECTIONS, checked_inliers
 from certreg.problem.budget import checked_effort
 from certreg.problem.support import Loss
 from certreg.registration.consensus import proved_consensus
-from certreg.registration.consensus_words import within_words
 from certreg.registration.exit_codes import DONE, NOT_CERTIFIED, REFUSED
+from certreg.registration.pair_words import within_words
 from certreg.registration.pipeline import Asked, Work
 from certreg.registration.row_names import RowNames
 from certreg.registration.truncated import PROVER
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from certreg.certificate.producing_consensus import ProvedConsensus
     from certreg.geometry.pose import Pose
     from certreg.problem.problem import RegistrationProblem
-    from certreg.registration.truncated import TruncatedRegistration
+    from certreg.registration.labelled import TruncatedRegistration
 
 
 NAMED_ROWS = 8  # of the refuted ones, in a sentence

@@ -22,14 +22,18 @@ from certreg.objective.classification import Classification
 from certreg.registration import headlines
 from certreg.registration.breaking import BreakingEquilibria, BreakingEquilibrium, SimulatedBreaking
 from certreg.registration.breathing import ScaledEquilibria
-from certreg.registration.consensus import ConsensusRegistration
-from certreg.registration.consensus_words import ranges_words
 from certreg.registration.label_assessment import (
     KeptPairs,
     LabelAssessment,
     LabelsVerdict,
     TruncatedLabels,
 )
+from certreg.registration.labelled import (
+    ConsensusRegistration,
+    LabelledRegistration,
+    TruncatedRegistration,
+)
+from certreg.registration.pair_words import ranges_words
 from certreg.registration.quartic import QuarticSolution
 from certreg.registration.result import Registration
 from certreg.registration.spring_equilibria import (
@@ -41,7 +45,6 @@ from certreg.registration.spring_equilibria import (
     _optimal,
 )
 from certreg.registration.spring_findings import SpringFindings
-from certreg.registration.truncated import TruncatedRegistration
 from certreg.registration.valley import SimulatedSprings
 from certreg.results import Absent, ComponentKind, Guarantee, Limits, Optimality, Ruling
 
@@ -83,11 +86,10 @@ def test_a_label_that_is_open_leaves_a_consensus_undecided():
         decided = asked(ProvedConsensus, "decided", labels=labels)
 
         assert decided == (UNDECIDED not in labels)
-        found.decided, found.upper = decided, 7
-        assert asked(ConsensusRegistration, "labels_unique", found=found) == decided
+        found.upper = 7
         assert asked(ConsensusRegistration, "upper", found=found) == 7
     for labels in product(("inlier", "outlier", "undecided"), repeat=3):
-        decided = asked(TruncatedRegistration, "labels_unique", labels=labels)
+        decided = asked(LabelledRegistration, "labels_unique", labels=labels)
         assert decided == ("undecided" not in labels)
 
 
@@ -434,12 +436,9 @@ def test_a_basin_is_proved_below_the_barrier_and_refuted_from_its_top_on(
 
 
 def test_a_card_is_good_where_all_that_it_says_is_proved_and_nothing_is_against_it():
-    for sure, against in product(BOTH, (None, "THE POSE IS NOT UNIQUE")):
-        good = asked(ConsensusRegistration, "good", labels_unique=sure, against=against)
-        assert good == (sure and against is None)
-        for code in (0, 3, 4):
-            good = asked(TruncatedRegistration, "good", exit_code=code, against=against)
-            assert good == (code == 0 and against is None)
+    for code, against in product((0, 3, 4), (None, "THE POSE IS NOT UNIQUE")):
+        good = asked(LabelledRegistration, "good", exit_code=code, against=against)
+        assert good == (code == 0 and against is None)
 
 
 def test_the_usual_limits_are_met_by_the_angle_too_where_one_rotation_is_optimal():
@@ -468,7 +467,7 @@ def test_a_met_row_is_broken_where_its_residual_is_beyond_its_bound():
             "broken",
             residuals=np.array(residuals),
             problem=SimpleNamespace(bounds=np.full(3, 0.5)),
-            found=SimpleNamespace(met=met),
+            inliers=np.array(met),
         )
         assert broken == tuple(row for row in met if residuals[row] > 0.5)
 
