@@ -220,40 +220,35 @@ PROVED = (
         "registration/test_unobservable",
     ),
     _of(
-        "registration/consensus",
-        "ConsensusRegistration.upper ConsensusRegistration.labels_unique "
-        "ConsensusRegistration.exit_code ConsensusRegistration.good",
-        "registration/test_flags_enumerated",
-    ),
-    _of(
-        "registration/consensus",
+        "registration/labelled",
+        "LabelledRegistration.labels_unique LabelledRegistration.good "
+        "ConsensusRegistration.upper ConsensusRegistration.exit_code "
         "ConsensusRegistration.scale_interval",
         "registration/test_flags_enumerated",
     ),
     _of(
-        "registration/consensus_words",
+        "registration/pair_words",
         "ranges_words",
         "registration/test_flags_enumerated",
     ),
     _of(
-        "registration/truncated",
-        "TruncatedRegistration.labels_unique TruncatedRegistration.unique "
-        "TruncatedRegistration.gap TruncatedRegistration.certified "
-        "TruncatedRegistration.exit_code TruncatedRegistration.good",
+        "registration/labelled",
+        "TruncatedRegistration.unique TruncatedRegistration.gap "
+        "TruncatedRegistration.certified TruncatedRegistration.exit_code",
         "registration/test_flags_enumerated",
     ),
     _of(
-        "registration/truncated",
+        "registration/labelled",
         "TruncatedRegistration.headline",
         "registration/test_truncated_results",
     ),
     _of(
-        "registration/truncated_labels",
-        "TruncatedLabels.differing TruncatedLabels.exit_code",
+        "registration/label_assessment",
+        "TruncatedLabels.differing LabelAssessment.exit_code",
         "registration/test_flags_enumerated",
     ),
     _of(
-        "registration/truncated_labels",
+        "registration/label_assessment",
         "TruncatedLabels.headline",
         "registration/test_truncated_labels",
     ),
@@ -307,7 +302,7 @@ PROVED = (
         "registration/test_flags_enumerated",
     ),
     _of("registration/headlines", "_meets_usual", "registration/test_flags_enumerated"),
-    _of("registration/no_consensus", "nothing_turned", "registration/test_no_consensus"),
+    _of("registration/truncated", "nothing_turned", "registration/test_no_consensus"),
     _of("report/words", "_growth", "report/test_printed_angles"),
     _of("report/document", "_growth", "report/test_printed_angles"),
     _of("report/spring_equilibria", "_road", "report/test_spring_list_words"),

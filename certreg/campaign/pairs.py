@@ -38,7 +38,6 @@ from certreg.io.streams import number
 from certreg.problem.motion import Scale
 from certreg.problem.support import Cell, Loss, require_supported
 from certreg.registration.certification import certify
-from certreg.registration.consensus import ConsensusRegistration
 from certreg.registration.exit_codes import (
     MISUSED,
     NOT_CERTIFIED,
@@ -49,8 +48,8 @@ from certreg.registration.exit_codes import (
     code_of_registration,
     worst,
 )
+from certreg.registration.labelled import ConsensusRegistration, TruncatedRegistration
 from certreg.registration.simulation import optimally_damped
-from certreg.registration.truncated import TruncatedRegistration
 from certreg.report.document import ERROR_SCHEMA, error_document, result_document
 from certreg.report.pair_fields import pairs_document
 from certreg.results import Limits, Optimality

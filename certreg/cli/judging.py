@@ -31,7 +31,6 @@ from certreg.registration.exit_codes import DONE, NOT_CERTIFIED, REFUSED
 from certreg.registration.findings import GOOD
 from certreg.registration.headlines import NO_ROTATION
 from certreg.registration.label_assessment import judged_labels
-from certreg.registration.truncated_labels import judged_truncated_labels
 from certreg.report.document import dumps
 from certreg.report.file_names import REPORT
 from certreg.report.judged_pose import assessment_document, assessment_summary
@@ -145,8 +144,7 @@ def _told_of_labels(
     bounds = wrong.bounds(pair)
     labels = read_inliers(file, pair)
     pairs = bounded(problem, bounds, Loss.of(wrong.objective, bounds))
-    judge = judged_truncated_labels if wrong.objective == Loss.TRUNCATED else judged_labels
-    kept = judge(pairs, labels, effort=wrong.effort, about=pair.about)
+    kept = judged_labels(pairs, labels, effort=wrong.effort, about=pair.about)
     click.echo(dumps(kept.to_dict()) if as_json else str(kept))
     return kept.exit_code
 

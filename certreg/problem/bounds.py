@@ -161,9 +161,8 @@ def _require_narrow(problem: RegistrationProblem, bounds: NDArray[np.float64]) -
                 array=name,
                 value=problem.n,
             )
-    half, cloud = diameter(block.target) / 2.0, "target"
-    if not problem.scaled:
-        half, cloud = min(half, diameter(block.source) / 2.0), "smaller cloud"
+    size, cloud = narrow_cloud(problem)
+    half = size / 2.0
     if float(bounds.min()) >= half:
         least = "" if (bounds == bounds[0]).all() else " at least"
         raise InvalidProblemError(
@@ -173,6 +172,17 @@ def _require_narrow(problem: RegistrationProblem, bounds: NDArray[np.float64]) -
             value=float(bounds.min()),
             limit=half,
         )
+
+
+def narrow_cloud(problem: RegistrationProblem) -> tuple[float, str]:
+    """The diameter of the cloud that bounds are held against, and which it is.
+
+    The smaller cloud; the target where the scale is free, since the source may be made as small.
+    """
+    size = diameter(problem.points.target)
+    if problem.scaled:
+        return size, "target"
+    return min(size, diameter(problem.points.source)), "smaller cloud"
 
 
 def _require_telling(problem: RegistrationProblem, bounds: NDArray[np.float64]) -> None:

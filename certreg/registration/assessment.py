@@ -36,7 +36,6 @@ from certreg.registration.problem_arguments import (
 from certreg.registration.result import Registration
 from certreg.registration.scaled_poses import NOT_SCALED, read_for, scale_note
 from certreg.registration.spring_assessment import judged_on_springs
-from certreg.registration.truncated_labels import judged_truncated_labels
 from certreg.results import OUT_OF_RANGE, Absent, PoseVerdict, present
 
 if TYPE_CHECKING:
@@ -44,8 +43,7 @@ if TYPE_CHECKING:
     from certreg.geometry.given import GivenPose
     from certreg.registration.convention_errors import Slip
     from certreg.registration.findings import Findings
-    from certreg.registration.label_assessment import KeptPairs
-    from certreg.registration.truncated_labels import TruncatedLabels
+    from certreg.registration.label_assessment import LabelAssessment
 
 
 NUMBERS = (
@@ -168,7 +166,7 @@ def _judged_pairs(
     given: dict[str, Any],
     sought: dict[str, Any],
     statement: ProblemOptions,
-) -> KeptPairs | TruncatedLabels:
+) -> LabelAssessment:
     """What is proved of labels, of a problem or of two clouds."""
     missing = [name for name, value in given.items() if value is None]
     if missing or translation is not None:
@@ -177,9 +175,8 @@ def _judged_pairs(
         raise InvalidProblemError(message + remedy, array=missing[0] if missing else "pose")
     loss = Loss.of(sought["objective"], given["max_residual"])
     stated, about = stated_problem_of(problem, target, statement, loss)
-    asked: dict[str, Any] = {"effort": sought["effort"], "about": about}
-    judge = judged_truncated_labels if loss is Loss.TRUNCATED else judged_labels
-    return judge(bounded(stated, given["max_residual"], loss), given["labels"], **asked)
+    pairs = bounded(stated, given["max_residual"], loss)
+    return judged_labels(pairs, given["labels"], effort=sought["effort"], about=about)
 
 
 def _unstated(problem: Any, pose: Any) -> str:

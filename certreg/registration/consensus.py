@@ -7,9 +7,8 @@ better candidate is sought: the proof is the stopping rule.
 from __future__ import annotations
 
 import logging
-import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -19,26 +18,14 @@ from certreg.certificate.producing_consensus import (
     ProvedConsensus,
     consensus_certificate,
     consensus_of,
-    pose_of,
 )
 from certreg.errors import InvalidProblemError, UndecidedError
-from certreg.exact.dyadic import double_above, double_below
-from certreg.geometry.similarity import Similarity
-from certreg.problem.arrays import apart
+from certreg.native.cliques import triangles
 from certreg.problem.bounds import LEAST_PAIRS
 from certreg.problem.budget import checked_effort
 from certreg.problem.motion import Scale
-from certreg.registration.consensus_words import PairLabels, headline, ranges_words, repeated_rows
-from certreg.registration.exit_codes import (
-    DONE,
-    NOT_CERTIFIED,
-    NOT_UNIQUE,
-    code_of_registration,
-    worst,
-)
-from certreg.registration.labelled import LabelledRegistration
-from certreg.registration.no_consensus import nothing_met
-from certreg.registration.pair_warnings import few_warning, poor_warning, wide_warning
+from certreg.registration.labelled import ConsensusRegistration
+from certreg.registration.pair_words import motion_words
 from certreg.registration.pipeline import USUAL, Asked, Prover, Work
 from certreg.registration.row_names import RowNames
 from certreg.registration.squares import fitted
@@ -47,179 +34,17 @@ from certreg.relaxation.consensus_search import candidates
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from numpy.typing import NDArray
-
     from certreg.certificate.consensus import ConsensusBody, ConsensusSimilarityBody
     from certreg.certificate.envelope import Certificate
-    from certreg.geometry.pose import Pose
     from certreg.problem.problem import RegistrationProblem
     from certreg.problem.support import Cell
-    from certreg.registration.misfits import FitWarning
     from certreg.registration.result import Registration
     from certreg.results import Verdict
 
 
 LOG = logging.getLogger(__name__)
+LABELS = {"i": "inlier", "o": "outlier", "?": "undecided"}  # of a certificate
 SECOND_EFFORT = 0.3  # of the search among the other pairs: a hint, nothing of it is proved
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class ConsensusRegistration(LabelledRegistration):
-    """The pose of the pairs that are met, and what is proved of every pair.
-
-    Attributes
-    ----------
-    problem
-        As it was stated, with its bounds.
-    found
-        The witness, the rows that it meets and their labels.
-    fit
-        The least squares over these rows, a registration with its own proof. Its row k is
-        `inliers[k]`, and is called so in words.
-    certificate
-        Of kind "consensus", of a free scale "consensus-similarity", the proof of the fit inside;
-        the checker has accepted it.
-    verdict
-        The checker's.
-    second
-        How many of the other pairs another motion meets, as far as one was found; nothing of it is
-        proved. None where fewer than three are left, or met.
-    timings
-        Seconds per phase.
-    """
-
-    problem: RegistrationProblem
-    found: ProvedConsensus
-    fit: Registration
-    certificate: Certificate[ConsensusBody | ConsensusSimilarityBody]
-    verdict: Verdict
-    second: int | None
-    timings: dict[str, float]
-
-    def __repr__(self) -> str:
-        met, n = len(self.found.met), self.problem.n
-        word = "labels proved" if self.labels_unique else f"at most {self.upper} proved"
-        return f"<{type(self).__name__}: {met} of {n} pairs within their bounds; {word}>"
-
-    @property
-    def pose(self) -> Pose | Similarity:
-        """The least-squares pose of the pairs that are met, as the problem has a scale or not."""
-        return self.fit.pose
-
-    @property
-    def witness(self) -> Pose | Similarity:
-        """A motion that meets all of them, exactly before it is rounded to doubles."""
-        rigid = pose_of(self.found.witness)
-        if self.scale_interval is None:
-            return rigid
-        return Similarity(
-            rotation=rigid.rotation,
-            translation=rigid.translation,
-            quaternion_wxyz=rigid.quaternion_wxyz,
-            scale=float(self.found.witness.scale),
-        )
-
-    @property
-    def scale_interval(self) -> tuple[float, float] | None:
-        """Between which scales all motions are that meet these pairs, proved; rounded outwards.
-
-        None where the scale is not free.
-        """
-        scales = self.certificate.body.scales
-        return None if scales is None else (double_below(scales[0]), double_above(scales[1]))
-
-    @property
-    def undecided_scales(self) -> tuple[tuple[float, float], ...]:
-        """With which scales motions may meet as many pairs, or more, but others than these.
-
-        Rounded outwards; an end may be 0 or infinite. None of them where the scale is not free.
-        """
-        some = [] if self.scale_interval is None else self.found.open_scales
-        return tuple(
-            (double_below(one.low), math.inf if one.high is None else double_above(one.high))
-            for one in some
-        )
-
-    @property
-    def lower(self) -> int:
-        """So many pairs one motion meets, proved."""
-        return len(self.found.met)
-
-    @property
-    def upper(self) -> int:
-        """No motion meets more, proved."""
-        return self.found.upper
-
-    @property
-    def labels_unique(self) -> bool:
-        """Whether it is proved that every motion that meets as many meets just these."""
-        return self.found.decided
-
-    @property
-    def labels(self) -> tuple[str, ...]:
-        """Of each pair: "inlier" or "outlier" in every motion that meets as many; "undecided"."""
-        return self._counted.words
-
-    @property
-    def _counted(self) -> PairLabels:
-        return PairLabels(self.found.labels)
-
-    @property
-    def met_rows(self) -> tuple[int, ...]:
-        """Rows of the pairs that the witness meets."""
-        return self.found.met
-
-    @property
-    def inliers(self) -> NDArray[np.intp]:
-        """Rows of the pairs that the witness meets."""
-        return np.array(self.found.met, dtype=np.intp)
-
-    @property
-    def residuals(self) -> NDArray[np.float64]:
-        """(N,), how far each pair is off at `pose`, in the unit of length."""
-        block = self.problem.points
-        return apart(self.pose.apply(block.source), block.target)
-
-    @property
-    def broken(self) -> tuple[int, ...]:
-        """Met rows that the least-squares pose leaves outside of their bounds."""
-        off = self.residuals > self.problem.bounds
-        return tuple(row for row in self.found.met if off[row])
-
-    @property
-    def headline(self) -> str:
-        """What is proved, in words; where it is not proved of all scales, of which it is."""
-        told = headline(self.problem, self.found, self.names, self.against)
-        some = self.undecided_scales
-        if not some:
-            return told
-        met, where = self.lower, ranges_words(some)
-        others = f"{'any other ' * self.certificate.body.met_elsewhere}{met}"
-        return (
-            f"{told} With scales {where} it is not proved which {met} are met; with all others "
-            f"no motion brings {others} within."
-        )
-
-    @property
-    def good(self) -> bool:
-        """Whether every label is proved, and nothing is to be said against pairs and pose."""
-        return self.labels_unique and self.against is None
-
-    @property
-    def pair_warnings(self) -> tuple[FitWarning, ...]:
-        """What the proof of the labels does not tell of the pairs."""
-        again = len(repeated_rows(self.problem, range(self.problem.n)))
-        met = self.lower - len(repeated_rows(self.problem, self.found.met))
-        kind = "different pairs" if again else "pairs"
-        few = few_warning(met, self.problem.n - again, kind)
-        told = (few, wide_warning(self.problem), poor_warning(self.fit))
-        return tuple(one for one in told if one is not None)
-
-    @property
-    def exit_code(self) -> int:
-        """0: all labels proved; 3: the maximum, but not the labels; 4: less; or that of the fit."""
-        own = NOT_UNIQUE if self.upper == self.lower else NOT_CERTIFIED
-        return worst([DONE if self.labels_unique else own, code_of_registration(self.fit)])
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -252,7 +77,7 @@ class InlierProver(Prover[ProvedConsensus, Counted, ConsensusRegistration]):
         work.lap("consensus")
         work.done("consensus")
         if found is None:
-            raise UndecidedError(nothing_met(problem))
+            raise UndecidedError(_nothing_met(prover))
         return found
 
     def prove(
@@ -280,13 +105,16 @@ class InlierProver(Prover[ProvedConsensus, Counted, ConsensusRegistration]):
         self, proved: Counted, verdict: Verdict | None, asked: Asked, timings: dict[str, float]
     ) -> ConsensusRegistration:
         """With what another motion was seen to meet."""
+        found = proved.found
         return ConsensusRegistration(
             problem=proved.problem,
-            found=proved.found,
+            labels=tuple(LABELS[letter] for letter in found.labels),
+            inliers=np.array(found.met, dtype=np.intp),
+            found=found,
             fit=proved.fit,
             certificate=proved.certificate,
-            verdict=cast("Verdict", verdict),  # there is a certificate
-            second=_second(proved.problem, proved.found, asked.effort),
+            verdict=verdict,
+            second=_second(proved.problem, found, asked.effort),
             timings=timings,
         )
 
@@ -304,14 +132,23 @@ def restated_consensus(
     The least squares, and what another motion fits, are computed anew.
     """
     found = consensus_of(problem, certificate.body)
-    return ConsensusRegistration(
-        problem=problem,
-        found=found,
-        fit=_fit(problem, found, USUAL, RowNames.of(certificate.about, problem.n)),
-        certificate=certificate,
-        verdict=verdict,
-        second=_second(problem, found, 1.0),
-        timings={},
+    fit = _fit(problem, found, USUAL, RowNames.of(certificate.about, problem.n))
+    again = Counted(problem=problem, found=found, fit=fit, certificate=certificate)
+    return PROVER.judge(again, verdict, USUAL, {})
+
+
+def _nothing_met(prover: ConsensusProver) -> str:
+    """Why no motion was found that brings three pairs within, and what may help."""
+    motion, n = motion_words(prover.problem).one, prover.problem.n
+    if not prover.pairs.rigid or triangles(prover.graph.near, (1 << n) - 1).any():
+        return (
+            f"no {motion} was found that brings {LEAST_PAIRS} pairs within their bounds: all may "
+            "be wrong; if right ones may be farther off, give wider bounds, else more --effort"
+        )
+    return (
+        f"no {motion} brings {LEAST_PAIRS} pairs within their bounds: no three of them keep their "
+        "distances from each other. All may be wrong; if one cloud is in another unit, give "
+        "--scale asymmetric; if right pairs may be farther off, give wider bounds"
     )
 
 

@@ -360,12 +360,6 @@ def loose_words(registration: Registration) -> str:
     )
 
 
-def reason_of_fit(fit: Fit) -> str | None:
-    """What the first line says against a fit; None where nothing."""
-    headline = _headline_of_fit(fit)
-    return None if headline is CERTIFIED else headline.stamp.partition(", BUT ")[2]
-
-
 def _headline_of_fit(fit: Fit) -> Headline:
     """What the fit of an optimum far from a tie makes of the first line."""
     if not fit.warnings:

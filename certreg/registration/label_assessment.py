@@ -1,30 +1,46 @@
-"""Judging labels of any other tool: can one motion meet the inliers, and are they the most."""
+"""Judging labels of any other tool: are they those of the most pairs, or of the least cost.
+
+Of pairs that one motion shall meet: whether one meets the inliers, and whether they are the most.
+Of truncated squares: whether an optimum has just these within. One 4x4 matrix disproves that beside
+a good rotation, whether its optimality is proved or not; that an optimum has them is proved only
+where the search over all rotations left no label open.
+"""
 
 from __future__ import annotations
 
 import enum
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from certreg.certificate.joint_feasibility import CommonMotion, common_motion
 from certreg.certificate.producing_consensus import ConsensusProver, pose_of
+from certreg.certificate.truncated import disproves_labels
 from certreg.errors import InvalidProblemError
 from certreg.native.bitset_graph import colours
-from certreg.problem.bounds import checked_inliers
+from certreg.problem.bounds import LEAST_DIRECTIONS, checked_inliers
 from certreg.problem.budget import checked_effort
+from certreg.problem.support import Loss
 from certreg.registration.consensus import proved_consensus
-from certreg.registration.consensus_words import within_words
 from certreg.registration.exit_codes import DONE, NOT_CERTIFIED, REFUSED
+from certreg.registration.pair_words import within_words
+from certreg.registration.pipeline import Asked, Work
 from certreg.registration.row_names import RowNames
-from certreg.results import Presented
+from certreg.registration.truncated import PROVER
+from certreg.results import Absent, Presented
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from certreg.certificate.producing_consensus import ProvedConsensus
     from certreg.geometry.pose import Pose
     from certreg.problem.problem import RegistrationProblem
+    from certreg.registration.labelled import TruncatedRegistration
 
 
 NAMED_ROWS = 8  # of the refuted ones, in a sentence
+BITS = 60  # of the entries of a quaternion
+NO_COST = Absent("the most pairs were sought, not the least truncated cost")
 
 
 class LabelsVerdict(enum.Enum):
@@ -35,8 +51,11 @@ class LabelsVerdict(enum.Enum):
     UNDECIDED = "undecided"
 
 
+CODES = {LabelsVerdict.CONSISTENT: DONE, LabelsVerdict.REFUTED: REFUSED}
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class KeptPairs(Presented):
+class LabelAssessment(Presented, ABC):
     """What is proved of pairs that were labelled as inliers.
 
     Attributes
@@ -45,27 +64,54 @@ class KeptPairs(Presented):
         As it was stated, with its bounds.
     rows
         Those labelled as inliers.
+    names
+        Of the rows.
+    """
+
+    problem: RegistrationProblem
+    rows: tuple[int, ...]
+    names: RowNames
+
+    def __repr__(self) -> str:
+        counted = f"{len(self.rows)} of {self.problem.n} pairs"
+        return f"<{type(self).__name__}: {counted}; {self.verdict.value}>"
+
+    @property
+    @abstractmethod
+    def verdict(self) -> LabelsVerdict:
+        """What is proved."""
+
+    @property
+    def exit_code(self) -> int:
+        """0: consistent; 1: refuted; 4: neither is proved."""
+        return CODES.get(self.verdict, NOT_CERTIFIED)
+
+    def _named(self, rows: Sequence[int]) -> str:
+        """The first of some rows, and how many others there are."""
+        return self.names.words(rows[:NAMED_ROWS], len(rows))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class KeptPairs(LabelAssessment):
+    """What is proved of labels with one motion, and with the most pairs that one meets.
+
+    Attributes
+    ----------
     motion
         A motion that meets all of them, or few of them that none meets.
     most
         The most pairs that were found to be met by one motion, and what is proved of them; None
         where none was found that meets three.
-    names
-        Of the rows.
     sets
         So many sets hold all rows, of which no motion meets two of the same set: no motion meets
         more pairs than that.
     """
 
-    problem: RegistrationProblem
-    rows: tuple[int, ...]
     motion: CommonMotion
     most: ProvedConsensus | None
-    names: RowNames
     sets: int
-
-    def __repr__(self) -> str:
-        return f"<KeptPairs: {len(self.rows)} of {self.problem.n} pairs; {self.verdict.value}>"
+    optimum: ClassVar[Absent] = NO_COST
+    __repr__ = LabelAssessment.__repr__
 
     @property
     def verdict(self) -> LabelsVerdict:
@@ -110,8 +156,7 @@ class KeptPairs(Presented):
                 f"UNDECIDED: no rigid motion was found that brings all {kept} labelled inliers "
                 f"{within}, and no proof that there is none. {self._most()}"
             )
-        few = self.motion.refuted
-        named = self.names.words(few[:NAMED_ROWS], len(few))
+        named = self._named(self.motion.refuted)
         return (
             f"REFUTED: no rigid motion brings all {kept} labelled inliers {within}, not even "
             f"{named} (from 0) together. {self._most()}"
@@ -134,8 +179,8 @@ class KeptPairs(Presented):
         rows = [r for r, letter in enumerate(labels) if letter == "i" and r not in self.rows]
         if not rows:
             return ""
-        named = self.names.words(rows[:NAMED_ROWS], len(rows))
-        return f" Every motion that brings {self.lower} within has {named} (from 0), too: proved."
+        has = f"has {self._named(rows)} (from 0), too: proved."
+        return f" Every motion that brings {self.lower} within {has}"
 
     def _most(self) -> str:
         if self.lower == self.upper:
@@ -145,11 +190,87 @@ class KeptPairs(Presented):
         between = f"{self.lower} to {self.upper}"
         return f"The most pairs that one motion brings within are {between}, proved."
 
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class TruncatedLabels(LabelAssessment):
+    """What is proved of labels with the rotation of least truncated cost.
+
+    Attributes
+    ----------
+    optimum
+        The rotation of least truncated cost, as far as it was found, and what is proved of all
+        pairs.
+    disproved
+        Whether no optimum has just these within their bounds, by one 4x4 matrix.
+    """
+
+    optimum: TruncatedRegistration
+    disproved: bool
+    __repr__ = LabelAssessment.__repr__
+
+    @classmethod
+    def of(cls, optimum: TruncatedRegistration, rows: tuple[int, ...]) -> TruncatedLabels:
+        """What one matrix says of the rows, beside this rotation."""
+        problem, kept = optimum.problem, set(rows)
+        within = [row in kept for row in range(problem.n)]
+        q = [round(entry * 2.0**BITS) for entry in optimum.pose.quaternion_wxyz.tolist()]
+        disproved = disproves_labels(problem, within, q)
+        names = optimum.names
+        return cls(problem=problem, rows=rows, names=names, optimum=optimum, disproved=disproved)
+
     @property
-    def exit_code(self) -> int:
-        """0: consistent; 1: refuted; 4: neither is proved."""
-        codes = {LabelsVerdict.CONSISTENT: DONE, LabelsVerdict.REFUTED: REFUSED}
-        return codes.get(self.verdict, NOT_CERTIFIED)
+    def differing(self) -> tuple[int, ...]:
+        """Rows that are proved to have the other label at every optimum."""
+        kept, labels = set(self.rows), self.optimum.labels
+        wrong = ("outlier" if row in kept else "inlier" for row in range(len(labels)))
+        return tuple(row for row, word in enumerate(wrong) if labels[row] == word)
+
+    @property
+    def verdict(self) -> LabelsVerdict:
+        """Refuted: no optimum has these labels. Consistent: every optimum has just these."""
+        if self.disproved or self.differing:
+            return LabelsVerdict.REFUTED
+        sure = self.optimum.labels_unique
+        return LabelsVerdict.CONSISTENT if sure else LabelsVerdict.UNDECIDED
+
+    @property
+    def headline(self) -> str:
+        """The verdict, with what is proved."""
+        kept, within = len(self.rows), within_words(self.problem)
+        if self.verdict is LabelsVerdict.CONSISTENT:
+            return (
+                f"CONSISTENT: at every optimum of the truncated cost these {kept} pairs are "
+                f"{within}, and only these: proved."
+            )
+        if self.verdict is LabelsVerdict.UNDECIDED:
+            return (
+                f"UNDECIDED: it is not proved that an optimum of the truncated cost has just these "
+                f"{kept} pairs {within}, nor that none has. {self._open()}"
+            )
+        matrix = ", by one 4x4 matrix" if self.disproved else ""
+        return (
+            f"REFUTED: no optimum of the truncated cost has just these {kept} pairs {within}"
+            f"{matrix}. {self._others()}"
+        )
+
+    def _others(self) -> str:
+        """What the proved labels are, where they differ."""
+        rows = self.differing
+        if not rows:
+            return f"Which labels are wrong is not proved. {self._open()}"
+        word = "has the other label" if len(rows) == 1 else "have the other label"
+        more = "" if self.optimum.labels_unique else f" {self._open()}"
+        return f"At every optimum {self._named(rows)} (from 0) {word}: proved.{more}"
+
+    def _open(self) -> str:
+        """Of which pairs nothing is proved."""
+        labels = self.optimum.labels
+        rows = [row for row, word in enumerate(labels) if word == "undecided"]
+        verb, named = (
+            "is" if len(rows) == 1 else "are",
+            self.names.counted(rows[:NAMED_ROWS], len(rows)),
+        )
+        return f"Of the {len(labels)} pairs {len(rows)} {verb} undecided ({named})."
 
 
 def judged_labels(
@@ -158,12 +279,18 @@ def judged_labels(
     *,
     effort: float = 1.0,
     about: dict[str, Any] | None = None,
-) -> KeptPairs:
-    """What is proved of the pairs that the labels call inliers.
+) -> LabelAssessment:
+    """What is proved of the pairs that the labels call inliers, by the loss of the problem.
 
     labels: (N,), 0 and 1, booleans, or "outlier" and "inlier". about: with labels of the rows.
-    Raises InvalidProblemError for other labels.
+    Raises InvalidProblemError for other labels, and where too few are inliers; UndecidedError where
+    no rotation was found that brings a pair within its bound.
     """
+    return JUDGES[problem.loss.kind](problem, labels, Asked(effort=effort, about=about or {}))
+
+
+def _kept_pairs(problem: RegistrationProblem, labels: Any, asked: Asked) -> KeptPairs:
+    """Whether one motion meets the inliers, and how many the most are."""
     if problem.scaled:
         raise InvalidProblemError(
             "labels are judged for a rigid motion alone: with --scale let certify prove labels "
@@ -173,8 +300,8 @@ def judged_labels(
             value=problem.scale.value,
         )
     rows = checked_inliers(labels, problem.n)
-    prover = ConsensusProver(problem, effort=checked_effort(effort))
-    motion, most = common_motion(prover, rows), proved_consensus(problem, prover, effort)
+    prover = ConsensusProver(problem, effort=checked_effort(asked.effort))
+    motion, most = common_motion(prover, rows), proved_consensus(problem, prover, asked.effort)
     if motion.witness is not None:
         own = prover.witnessed(motion.witness)
         if most is None or (own is not None and own.worth > most.worth):
@@ -184,6 +311,15 @@ def judged_labels(
         rows=rows,
         motion=motion,
         most=most,
-        names=RowNames.of(about or {}, problem.n),
+        names=RowNames.of(asked.about, problem.n),
         sets=colours((1 << problem.n) - 1, prover.graph.near.integers, problem.n),
     )
+
+
+def _of_the_optimum(problem: RegistrationProblem, labels: Any, asked: Asked) -> TruncatedLabels:
+    """Whether an optimum of truncated squares has just the inliers within."""
+    rows = checked_inliers(labels, problem.n, LEAST_DIRECTIONS)
+    return TruncatedLabels.of(PROVER.certified(problem, asked, Work()), rows)
+
+
+JUDGES = {Loss.CONSENSUS: _kept_pairs, Loss.TRUNCATED: _of_the_optimum}

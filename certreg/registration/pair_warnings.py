@@ -10,11 +10,17 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from certreg.objective.structure import Structure
 from certreg.problem.bounds import LEAST_PAIRS
-from certreg.registration.consensus_words import against_pose, bound_share, bound_words
-from certreg.registration.headlines import reason_of_fit
+from certreg.registration.headlines import (
+    CERTIFIED,
+    NEARLY_AMBIGUOUS,
+    POOR_FIT,
+    SCALE_FITS,
+    headline_of_data,
+)
 from certreg.registration.misfits import FitCode, FitWarning
+from certreg.registration.pair_words import bound_share, bound_words
+from certreg.results import Optimality
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -27,6 +33,8 @@ WIDE = 0.25  # of a cloud's size: of directions a sixth or more are within it of
 FEW = 6  # pairs, where FEW_OF times as many are given: sets of five of 100 agree by chance
 FEW_OF = 10
 LEAST_EXPLAINED = 0.5  # as for the warning of a poor fit
+AMBIGUOUS = "THE ROTATION IS NEARLY AMBIGUOUS"
+OF_FIT = (CERTIFIED, POOR_FIT, SCALE_FITS)  # first lines that say no more than its fit
 REASONS = {
     FitCode.FEW_PAIRS: "SO FEW PAIRS MAY AGREE BY CHANCE",
     FitCode.WIDE_BOUND: "THE BOUND IS WIDE",
@@ -47,6 +55,14 @@ def few_warning(met: int, n: int, pairs: str = "pairs") -> FitWarning | None:
     )
 
 
+def warnings_of(
+    few: FitWarning | None, problem: RegistrationProblem, fit: Registration
+) -> tuple[FitWarning, ...]:
+    """All that there is to be said; few: as of `few_warning`."""
+    told = (few, wide_warning(problem), poor_warning(fit))
+    return tuple(one for one in told if one is not None)
+
+
 def wide_warning(problem: RegistrationProblem) -> FitWarning | None:
     """Of a bound that tells few wrong pairs from right ones; None of others."""
     if bound_share(problem) < WIDE:
@@ -60,10 +76,8 @@ def wide_warning(problem: RegistrationProblem) -> FitWarning | None:
 
 def poor_warning(fit: Registration) -> FitWarning | None:
     """Of a fit that explains little and that no test is for; None of others."""
-    if fit.structure is Structure.QUARTIC or fit.fit.untested is None:
-        return None
     share = fit.fit.explained
-    if share is None or share >= LEAST_EXPLAINED:
+    if fit.fit.untested is None or share is None or share >= LEAST_EXPLAINED:
         return None
     return FitWarning(
         code=FitCode.POOR_FIT,
@@ -78,5 +92,12 @@ def reason_against(fit: Registration, warnings: Sequence[FitWarning]) -> str | N
 
     warnings: of the pairs, without those of the fit.
     """
-    own = [REASONS.get(one.code, "THE FIT IS POOR") for one in warnings]
-    return against_pose(fit) or next(iter(own), None) or reason_of_fit(fit.fit)
+    if fit.status in {Optimality.BOUNDED, Optimality.NOT_CERTIFIED}:
+        return "THE POSE IS NOT CERTIFIED"
+    if not fit.unique:
+        return "A SHIFT IS FREE" if fit.solution.unique_rotation else "THE POSE IS NOT UNIQUE"
+    data = headline_of_data(fit)
+    if warnings and data in OF_FIT:
+        return REASONS.get(warnings[0].code, "THE FIT IS POOR")
+    reason = data.stamp.partition(", BUT ")[2]
+    return AMBIGUOUS if data is NEARLY_AMBIGUOUS else reason or None

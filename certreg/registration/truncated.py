@@ -6,28 +6,19 @@ searches again in integers, accepts the certificate.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from certreg.certificate.truncated import truncated_certificate
 from certreg.errors import UndecidedError
-from certreg.exact.decimals import at_least, at_most
-from certreg.exact.dyadic import double_above
-from certreg.geometry.pose import Pose
+from certreg.exact.decimals import at_least
 from certreg.geometry.so3 import rotation_matrix
-from certreg.problem.arrays import apart
+from certreg.problem.arrays import lengths
 from certreg.problem.budget import checked_effort
 from certreg.problem.problem import RegistrationProblem
-from certreg.registration.consensus_words import others_words
-from certreg.registration.exit_codes import DONE, NOT_CERTIFIED, NOT_UNIQUE
-from certreg.registration.labelled import LabelledRegistration
-from certreg.registration.no_consensus import nothing_turned
-from certreg.registration.pair_angles import angles_between
-from certreg.registration.pair_warnings import poor_warning, wide_warning
+from certreg.registration.labelled import TruncatedRegistration
 from certreg.registration.pipeline import USUAL, Asked, Prover, Work
-from certreg.registration.result import Registration
 from certreg.registration.row_names import RowNames
 from certreg.registration.squares import fitted
 from certreg.relaxation.rotation_boxes import BoxSearch, search_boxes
@@ -39,156 +30,13 @@ if TYPE_CHECKING:
     from certreg.certificate.envelope import Certificate
     from certreg.certificate.truncated import TruncatedRotationBody
     from certreg.problem.support import Cell
-    from certreg.registration.misfits import FitWarning
+    from certreg.registration.result import Registration
     from certreg.results import Verdict
 
 
 WORDS = {1: "inlier", 0: "outlier", -1: "undecided"}
 LETTERS = {"1": "inlier", "0": "outlier", "?": "undecided"}  # of a certificate
-NAMED_ROWS = 5  # of the undecided ones, in a sentence
-COST_DIGITS = 6  # of a cost in the first line
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class TruncatedRegistration(LabelledRegistration):
-    """The rotation of least truncated cost, and what is proved of it and of every pair.
-
-    Attributes
-    ----------
-    problem
-        As it was stated, with its bounds.
-    cost
-        Sum of min((residual / bound)^2, 1) at the rotation, rounded.
-    labels
-        Of each pair: "inlier", "outlier" (within, or beyond its bound at every optimum), or
-        "undecided".
-    rows
-        Of the pairs within their bounds at the rotation.
-    fit
-        The least squares over the pairs within their bounds, weighed by 1 / bound^2: a registration
-        with its own proof, whose rotation is that of the least cost.
-    certificate
-        Of kind "truncated-rotation"; None where the checker accepted none.
-    verdict
-        The checker's.
-    timings
-        Seconds per phase.
-    """
-
-    problem: RegistrationProblem
-    cost: float
-    labels: tuple[str, ...]
-    rows: NDArray[np.intp]
-    fit: Registration
-    certificate: Certificate[TruncatedRotationBody] | None
-    verdict: CertificateVerdict
-    timings: dict[str, float]
-
-    def __repr__(self) -> str:
-        within = self.labels.count("inlier")
-        return (
-            f"<TruncatedRegistration: cost {self.cost:.6g}; {within} of {self.problem.n} inliers>"
-        )
-
-    @property
-    def pose(self) -> Pose:
-        """The rotation; its translation is 0."""
-        pose = self.fit.pose
-        assert isinstance(pose, Pose)  # noqa: S101 - the fit has no scale
-        return pose
-
-    @property
-    def labels_unique(self) -> bool:
-        """Whether it is proved of every pair on which side of its bound it is at every optimum."""
-        return "undecided" not in self.labels
-
-    @property
-    def unique(self) -> bool:
-        """Whether the optimum is proved to be one single rotation."""
-        return self.certificate is not None and self.certificate.body.claims.unique
-
-    @property
-    def gap(self) -> float | None:
-        """The cost exceeds the least one by less, proved; None where nothing is."""
-        return None if self.certificate is None else double_above(self.certificate.body.gap)
-
-    @property
-    def residuals(self) -> NDArray[np.float64]:
-        """(N,), how far each pair is off at `pose`, in the unit of length."""
-        return apart(self.problem.source @ self.pose.rotation.T, self.problem.target)
-
-    @property
-    def angles(self) -> NDArray[np.float64]:
-        """(N,), radians, between the two points of each pair at `pose`; NaN where one is 0."""
-        return angles_between(self.problem.source @ self.pose.rotation.T, self.problem.target)
-
-    @property
-    def met_rows(self) -> list[int]:
-        """`rows`, as integers."""
-        return self.rows.tolist()
-
-    @property
-    def pair_warnings(self) -> tuple[FitWarning, ...]:
-        """What the proof of the labels does not tell of the pairs."""
-        told = (wide_warning(self.problem), poor_warning(self.fit))
-        return tuple(one for one in told if one is not None)
-
-    @property
-    def good(self) -> bool:
-        """Whether all is proved, and nothing is to be said against pairs and rotation."""
-        return self.exit_code == DONE and self.against is None
-
-    @property
-    def certified(self) -> bool:
-        """Whether all labels are proved, and a gap and, if it is unique, an angle in the limits."""
-        worth, limits = self.verdict.worth, self.fit.limits
-        if self.certificate is None or worth is None or not self.labels_unique:
-            return False
-        near = not self.unique or (worth.angle is not None and worth.angle <= limits.max_angle)
-        return worth.share <= limits.max_gap and near
-
-    @property
-    def headline(self) -> str:
-        """What is proved, in words."""
-        out, within = self.labels.count("outlier"), self._within.capitalize()
-        worth = self.verdict.worth
-        if self.gap is None or worth is None:
-            return f"NOT PROVED: a rotation of truncated cost {self.cost:.6g} was found."
-        if not self.certified:
-            rows = [row for row, word in enumerate(self.labels) if word == "undecided"]
-            told = f" ({self.names.counted(rows[:NAMED_ROWS], len(rows))})" if rows else ""
-            cost = at_most(worth.objective, COST_DIGITS)
-            return (
-                f"PARTLY PROVED: the truncated cost is at most {cost}, and less than "
-                f"{at_most(self.gap, 2)} above the least. {within} at every optimum, {out} at "
-                f"none; {len(rows)} undecided{told}."
-            )
-        others = f". {others_words(out)} at EVERY optimum." if out else ": no outliers."
-        least = at_least(worth.minimum, COST_DIGITS)
-        if self.unique:
-            but = "" if self.against is None else f", BUT {self.against}"
-            return (
-                f"CERTIFIED{but}: no rotation has a smaller truncated cost than {least}, and "
-                f"{self._within} there{others}"
-            )
-        return (
-            f"CERTIFIED, NOT UNIQUE: no rotation has a smaller truncated cost than {least}; one "
-            f"single rotation is not proved. {within} at every optimum{others}"
-        )
-
-    @property
-    def _within(self) -> str:
-        """How many pairs are proved to be within their bounds, in words."""
-        n, within = self.problem.n, self.labels.count("inlier")
-        if within == n:
-            return f"all {n} pairs are within their bounds"
-        verb = "is within its bound" if within == 1 else "are within their bounds"
-        return f"{within} of the {n} pairs {verb}"
-
-    @property
-    def exit_code(self) -> int:
-        """0: labels and one rotation proved; 3: the labels alone; 4: less."""
-        return (DONE if self.unique else NOT_UNIQUE) if self.certified else NOT_CERTIFIED
+ROUNDING = 2.0**-48  # of the sum of two lengths: their difference errs by less
 
 
 class TruncatedProver(Prover[BoxSearch, TruncatedRegistration, TruncatedRegistration]):
@@ -228,7 +76,7 @@ class TruncatedProver(Prover[BoxSearch, TruncatedRegistration, TruncatedRegistra
             problem=problem,
             cost=proposal.cost,
             labels=tuple(WORDS[label] for label in labels),
-            rows=np.flatnonzero(proposal.within),
+            inliers=np.flatnonzero(proposal.within),
             fit=fit,
             certificate=certificate,
             verdict=verdict,
@@ -279,7 +127,7 @@ def restated_truncated(
         problem=problem,
         cost=float(np.minimum(squares, 1.0).sum()),
         labels=tuple(LETTERS[letter] for letter in body.claims.labels),
-        rows=np.flatnonzero(within),
+        inliers=np.flatnonzero(within),
         fit=_fit(problem, within, USUAL, certificate.about),
         certificate=certificate,
         verdict=verdict,
@@ -288,27 +136,36 @@ def restated_truncated(
 
 
 def _fit(
-    problem: RegistrationProblem,
-    rows: NDArray[np.bool_],
-    asked: Asked,
-    about: dict[str, Any],
+    problem: RegistrationProblem, within: NDArray[np.bool_], asked: Asked, about: dict[str, Any]
 ) -> Registration:
-    """The least squares over some pairs; about: of all."""
-    names = RowNames.of(about, problem.n)
-    fit = fitted(_of_rows(problem, rows), np.flatnonzero(rows).tolist(), names, asked)
-    assert isinstance(fit, Registration)  # noqa: S101 - of one weight per pair
-    return fit
-
-
-def _of_rows(problem: RegistrationProblem, rows: NDArray[np.bool_]) -> RegistrationProblem:
-    """The least squares over some pairs; equal bounds weigh 1."""
-    if not rows.any():
+    """The least squares over the pairs within; equal bounds weigh 1. about: of all."""
+    if not within.any():
         raise UndecidedError(nothing_turned(problem))
-    bounds = problem.bounds[rows]
-    return RegistrationProblem(
-        problem.source[rows],
-        problem.target[rows],
+    bounds = problem.bounds[within]
+    stated = RegistrationProblem(
+        problem.source[within],
+        problem.target[within],
         weights=(bounds.min() / bounds) ** 2,
         damping=problem.damping if problem.damping_given else None,
         rotation_only=True,
+    )
+    names = RowNames.of(about, problem.n)
+    return fitted(stated, np.flatnonzero(within).tolist(), names, asked)
+
+
+def nothing_turned(problem: RegistrationProblem) -> str:
+    """Why no rotation was found that brings a pair within its bound, and what may help."""
+    sizes = [lengths(points) for points in (problem.source, problem.target)]
+    apart = np.abs(sizes[0] - sizes[1])
+    apart -= ROUNDING * sizes[0] + ROUNDING * sizes[1]
+    if (apart <= problem.bounds).any():
+        return (
+            "no rotation was found that brings a pair within its bound: give more --effort, or "
+            "wider bounds if right pairs may be farther off"
+        )
+    return (
+        "no rotation brings a pair within its bound: the two points of each are at distances from "
+        f"the origin that differ by {at_least(float(apart.min()))} or more. If a translation "
+        "is to be found, leave out --rotation-only and --objective truncated; if the clouds differ "
+        "in scale, bring them to one unit; if right pairs may be that far off, give wider bounds"
     )

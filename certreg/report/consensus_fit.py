@@ -13,7 +13,7 @@ from certreg.report.springs import springs_words
 from certreg.report.words import RESTS_ON
 
 if TYPE_CHECKING:
-    from certreg.registration.consensus import ConsensusRegistration
+    from certreg.registration.labelled import ConsensusRegistration
     from certreg.registration.result import Registration
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Self, cast
 
 from certreg.errors import DegenerateProblemError
 from certreg.registration.breaking import simulate_breaking
-from certreg.registration.consensus_words import are_words
+from certreg.registration.pair_words import are_words
 from certreg.report.any_report import AnyReport, head_of, pairs_words
 from certreg.report.breaking import breaking_course
 from certreg.report.consensus_fit import fit_theorems, fit_verdict, kinds_words, marked
@@ -26,7 +26,7 @@ from certreg.results import Guarantee
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
-    from certreg.registration.consensus import ConsensusRegistration
+    from certreg.registration.labelled import ConsensusRegistration
     from certreg.report.viewer import Names
 
 

@@ -14,8 +14,7 @@ from certreg.results import Brief
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from certreg.registration.consensus import ConsensusRegistration
-    from certreg.registration.truncated import TruncatedRegistration
+    from certreg.registration.labelled import ConsensusRegistration, TruncatedRegistration
 
     Labelled = ConsensusRegistration | TruncatedRegistration
 

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     from certreg.geometry.pose import Pose
     from certreg.geometry.similarity import Similarity
-    from certreg.registration.consensus import ConsensusRegistration
+    from certreg.registration.labelled import ConsensusRegistration
 
 DIGITS = 7  # of the angle, rounded up
 ON_LINE = 1e-9  # of the size of a cloud: nearer to a line its points are said to be on it

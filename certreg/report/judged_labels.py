@@ -8,13 +8,12 @@ from certreg.registration.label_assessment import LabelsVerdict
 from certreg.report.cards import Card
 from certreg.report.encoding import Document, encoded
 from certreg.report.pairs import truncated_facts
-from certreg.results import Absent
+from certreg.results import Absent, present
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from certreg.registration.label_assessment import KeptPairs
-    from certreg.registration.truncated_labels import TruncatedLabels
+    from certreg.registration.label_assessment import KeptPairs, TruncatedLabels
 
 
 LABELS_SCHEMA = "certreg-labels/1"
@@ -37,7 +36,7 @@ def labels_card(kept: KeptPairs | TruncatedLabels) -> str:
 def _facts(kept: KeptPairs | TruncatedLabels) -> list[tuple[str, str]]:
     """The labels; then the most pairs and a motion, or the best rotation and its proof."""
     labelled = ("labelled inliers", str(len(kept.rows)))
-    if (optimum := getattr(kept, "optimum", None)) is not None:
+    if (optimum := present(kept.optimum)) is not None:
         pairs, *others = truncated_facts(optimum)
         proved = [(name if name != "labels" else "proved labels", words) for name, words in others]
         return [pairs, labelled, *proved]

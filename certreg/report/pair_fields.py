@@ -12,8 +12,7 @@ from certreg.report.scaled_consensus import scale_fields
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from certreg.registration.consensus import ConsensusRegistration
-    from certreg.registration.truncated import TruncatedRegistration
+    from certreg.registration.labelled import ConsensusRegistration, TruncatedRegistration
     from certreg.report.encoding import Document
     from certreg.report.parts import Labelled
 
@@ -34,12 +33,16 @@ def pairs_document(
     document = result_document(result.fit, certificate_path, notes=[*notes, *result.notes])
     most, least = counted(result), costed(result)
     own: Document = {}
-    reasons, rows = dict[str, str](), list[int]()
+    reasons, rows = dict[str, str](), result.inliers.tolist()
     if most is not None:
-        own, rows = {"consensus": _consensus(most)}, list(most.found.met)
+        own = {"consensus": _consensus(most)}
         reasons = {} if most.second is not None else {"consensus.second": NO_SECOND}
     if least is not None:
-        own, rows, reasons = {"truncated": _truncated(least)}, least.rows.tolist(), _missing(least)
+        own, rows, reasons = (
+            {"truncated": _truncated(least)},
+            least.inliers.tolist(),
+            _missing(least),
+        )
     residuals = result.residuals
     worst = residuals.argsort()[::-1][:WORST].tolist()
     for one in document["fit"]["worst"]:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from certreg.exact.decimals import as_given, at_most
-from certreg.registration.consensus_words import bound_words
 from certreg.registration.misfits import FitCode
+from certreg.registration.pair_words import bound_words
 from certreg.report.cards import Card
 from certreg.report.consensus_fit import fit_verdict, further_lines, kinds_words, rmse_words
 from certreg.report.consensus_reach import degrees_from, reach_line
@@ -19,9 +19,8 @@ from certreg.results import Limits
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from certreg.registration.consensus import ConsensusRegistration
+    from certreg.registration.labelled import ConsensusRegistration, TruncatedRegistration
     from certreg.registration.misfits import FitWarning
-    from certreg.registration.truncated import TruncatedRegistration
     from certreg.report.parts import Labelled
 
 TOLD_SECOND = 4  # pairs: any three of equal lengths fit
@@ -154,7 +153,7 @@ def truncated_summary(result: TruncatedRegistration) -> str:
     advice = [f"{ADVICE}{words}" for words in truncated_remedies(result)]
     verdict, *_ = fit_verdict(result.fit)
     fit = [
-        f"  {'least squares':<17} of these {len(result.rows)}: {verdict}",
+        f"  {'least squares':<17} of these {len(result.inliers)}: {verdict}",
         *uncertainty_lines(result.fit),
         *further_lines(result.fit),
     ]

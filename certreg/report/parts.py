@@ -5,11 +5,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, cast
 
 if TYPE_CHECKING:
-    from certreg.registration.consensus import ConsensusRegistration
+    from certreg.registration.labelled import ConsensusRegistration, TruncatedRegistration
     from certreg.registration.linear import LinearSolution
     from certreg.registration.quartic import QuarticSolution
     from certreg.registration.result import Registration
-    from certreg.registration.truncated import TruncatedRegistration
 
     Labelled = ConsensusRegistration | TruncatedRegistration
 

@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
-from certreg.registration.consensus_words import ranges_words
+from certreg.registration.pair_words import ranges_words
 from certreg.report.scale import BIAS
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from certreg.registration.consensus import ConsensusRegistration
+    from certreg.registration.labelled import ConsensusRegistration
     from certreg.report.encoding import Document
 
 

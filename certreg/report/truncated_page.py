@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from certreg.exact.decimals import at_least, at_most
-from certreg.registration.consensus_words import are_words
 from certreg.registration.pair_angles import widest_angles
+from certreg.registration.pair_words import are_words
 from certreg.report.any_report import AnyReport, head_of, pairs_words
 from certreg.report.consensus_fit import marked
 from certreg.report.consensus_picture import pairs_picture, residual_chart
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from certreg.registration.truncated import TruncatedRegistration
+    from certreg.registration.labelled import TruncatedRegistration
     from certreg.report.viewer import Names
     from certreg.verify import Worth
 
@@ -138,7 +138,7 @@ def _overview(result: TruncatedRegistration) -> Overview:
 
 def _residual_words(result: TruncatedRegistration) -> Iterator[str]:
     """Which pairs the rotation is fitted to, and which angles their bounds allow."""
-    problem, within = result.problem, len(result.rows)
+    problem, within = result.problem, len(result.inliers)
     yield (
         f"The rotation is fitted by least squares to the {pairs_words(within)} within, each "
         "residual divided by its bound."
@@ -221,7 +221,7 @@ def _known(result: TruncatedRegistration) -> list[Sentence]:
     if result.unique:
         told.append("The optimum is one single rotation: every other one has a larger cost.")
     found = [Sentence(words=words, guarantee=exact, theorems=BOXES) for words in told]
-    words = f"The least squares over the {pairs_words(len(result.rows))} within: "
+    words = f"The least squares over the {pairs_words(len(result.inliers))} within: "
     fit = Sentence(
         words=f"{words}{result.fit.status.value}.",
         guarantee=exact,

@@ -33,9 +33,8 @@ if TYPE_CHECKING:
     from sphinx.application import Sphinx
     from sphinx.util.typing import ExtensionMetadata
 
-    from certreg.registration.consensus import ConsensusRegistration
+    from certreg.registration.labelled import ConsensusRegistration, TruncatedRegistration
     from certreg.registration.result import Registration
-    from certreg.registration.truncated import TruncatedRegistration
     from certreg.report.any_report import AnyReport
 
 PICTURE = "report/templates/picture.html"

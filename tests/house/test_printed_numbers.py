@@ -56,7 +56,9 @@ ALLOWED = {  # what the last digit of a number to the nearest is worth, and wher
         registration/assessment_words.py {math.degrees(facts.angles[facts.nearest]):.2g}
         registration/assessment_words.py {math.degrees(facts.away):.6g}
         registration/closed_form.py {gap:.3g}
-        registration/consensus_words.py {percent:.2g}
+        registration/pair_words.py {percent:.2g}
+        registration/pair_words.py {width:.2g}
+        report/consensus_reach.py {width:.2g}
         registration/examples.py round(c.rmse or 0.0, RMSE_DIGITS)
         registration/rounding.py {times:.3g}
         registration/convention_errors.py {degrees:.2g}
@@ -66,8 +68,7 @@ ALLOWED = {  # what the last digit of a number to the nearest is worth, and wher
         registration/spring_assessment.py {math.degrees(facts.critical.angle):.2g}
         registration/valley.py {degrees:.{digits}g}
         registration/valley.py {run.excess:.2g}
-        registration/truncated.py {self.cost:.6g}
-        report/consensus_reach.py {width:.2g}
+        registration/labelled.py {self.cost:.6g}
         report/judged_pose.py {math.degrees(angle):.4g}
         report/overview.py {ratio:.3g}
         report/viewer.py {away:.3g}
@@ -89,7 +90,7 @@ ALLOWED = {  # what the last digit of a number to the nearest is worth, and wher
         registration/misfits.py round(1 / CHANCE)
         registration/convention_errors.py turn.round(LEAST_DECIMALS)
         registration/convention_errors.py turn.round(d)
-        registration/truncated_labels.py round(entry * 2.0 ** BITS)
+        registration/label_assessment.py round(entry * 2.0 ** BITS)
         report/uncertainty.py round(points)
         report/uncertainty.py round(value, decimals)
     """,

@@ -13,9 +13,8 @@ from scipy.spatial.transform import Rotation
 import certreg
 from certreg.dynamics.integrators import SimulationSettings
 from certreg.registration import linear
-from certreg.registration.consensus import ConsensusRegistration
+from certreg.registration.labelled import ConsensusRegistration, TruncatedRegistration
 from certreg.registration.row_names import RowNames
-from certreg.registration.truncated import TruncatedRegistration
 from certreg.relaxation.shor import relax
 
 BOUND, SIGMA, WRONG, N = 0.05, 0.003, 5, 16

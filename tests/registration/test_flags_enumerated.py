@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from certreg.certificate.basin import Barrier, barrier_of, basin_of_springs
 from certreg.equilibrium.line_batch import QuarticSolutions
+from certreg.registration.pair_words import ranges_words
 
 from certreg.certificate import basin as basins
 from certreg.certificate.producing_consensus import UNDECIDED, ProvedConsensus
@@ -22,9 +23,17 @@ from certreg.objective.classification import Classification
 from certreg.registration import headlines
 from certreg.registration.breaking import BreakingEquilibria, BreakingEquilibrium, SimulatedBreaking
 from certreg.registration.breathing import ScaledEquilibria
-from certreg.registration.consensus import ConsensusRegistration
-from certreg.registration.consensus_words import ranges_words
-from certreg.registration.label_assessment import KeptPairs, LabelsVerdict
+from certreg.registration.label_assessment import (
+    KeptPairs,
+    LabelAssessment,
+    LabelsVerdict,
+    TruncatedLabels,
+)
+from certreg.registration.labelled import (
+    ConsensusRegistration,
+    LabelledRegistration,
+    TruncatedRegistration,
+)
 from certreg.registration.quartic import QuarticSolution
 from certreg.registration.result import Registration
 from certreg.registration.spring_equilibria import (
@@ -36,8 +45,6 @@ from certreg.registration.spring_equilibria import (
     _optimal,
 )
 from certreg.registration.spring_findings import SpringFindings
-from certreg.registration.truncated import TruncatedRegistration
-from certreg.registration.truncated_labels import TruncatedLabels
 from certreg.registration.valley import SimulatedSprings
 from certreg.results import Absent, ComponentKind, Guarantee, Limits, Optimality, Ruling
 
@@ -79,11 +86,10 @@ def test_a_label_that_is_open_leaves_a_consensus_undecided():
         decided = asked(ProvedConsensus, "decided", labels=labels)
 
         assert decided == (UNDECIDED not in labels)
-        found.decided, found.upper = decided, 7
-        assert asked(ConsensusRegistration, "labels_unique", found=found) == decided
+        found.upper = 7
         assert asked(ConsensusRegistration, "upper", found=found) == 7
     for labels in product(("inlier", "outlier", "undecided"), repeat=3):
-        decided = asked(TruncatedRegistration, "labels_unique", labels=labels)
+        decided = asked(LabelledRegistration, "labels_unique", labels=labels)
         assert decided == ("undecided" not in labels)
 
 
@@ -148,7 +154,7 @@ def test_labels_that_differ_are_those_of_the_other_side():
             )
     codes = {LabelsVerdict.CONSISTENT: 0, LabelsVerdict.REFUTED: 1, LabelsVerdict.UNDECIDED: 4}
     for verdict, code in codes.items():
-        assert asked(TruncatedLabels, "exit_code", verdict=verdict) == code
+        assert asked(LabelAssessment, "exit_code", verdict=verdict) == code
 
 
 def test_kept_pairs_are_consistent_where_a_motion_is_shown_and_refuted_where_none_is_possible():
@@ -430,12 +436,9 @@ def test_a_basin_is_proved_below_the_barrier_and_refuted_from_its_top_on(
 
 
 def test_a_card_is_good_where_all_that_it_says_is_proved_and_nothing_is_against_it():
-    for sure, against in product(BOTH, (None, "THE POSE IS NOT UNIQUE")):
-        good = asked(ConsensusRegistration, "good", labels_unique=sure, against=against)
-        assert good == (sure and against is None)
-        for code in (0, 3, 4):
-            good = asked(TruncatedRegistration, "good", exit_code=code, against=against)
-            assert good == (code == 0 and against is None)
+    for code, against in product((0, 3, 4), (None, "THE POSE IS NOT UNIQUE")):
+        good = asked(LabelledRegistration, "good", exit_code=code, against=against)
+        assert good == (code == 0 and against is None)
 
 
 def test_the_usual_limits_are_met_by_the_angle_too_where_one_rotation_is_optimal():
@@ -464,7 +467,7 @@ def test_a_met_row_is_broken_where_its_residual_is_beyond_its_bound():
             "broken",
             residuals=np.array(residuals),
             problem=SimpleNamespace(bounds=np.full(3, 0.5)),
-            found=SimpleNamespace(met=met),
+            inliers=np.array(met),
         )
         assert broken == tuple(row for row in met if residuals[row] > 0.5)
 

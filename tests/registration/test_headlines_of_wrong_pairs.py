@@ -14,16 +14,14 @@ import numpy as np
 import pytest
 from rotated_pairs import BOUND, rotated_pairs
 from scipy.spatial.transform import Rotation
-from test_consensus import certified, wrong_pairs
+from test_consensus import certified, relabelled, wrong_pairs
 from test_label_assessment import judged
 
 import certreg
 from certreg.certificate.joint_feasibility import CommonMotion
-from certreg.registration import consensus_words
-from certreg.registration.consensus import ConsensusRegistration
-from certreg.registration.label_assessment import KeptPairs
-from certreg.registration.truncated import TruncatedRegistration
-from certreg.registration.truncated_labels import TruncatedLabels
+from certreg.registration import pair_words
+from certreg.registration.label_assessment import KeptPairs, TruncatedLabels
+from certreg.registration.labelled import ConsensusRegistration, TruncatedRegistration
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -63,7 +61,7 @@ def text(part: ast.expr) -> str:
 
 def test_the_page_has_the_lines_in_the_words_of_the_program():
     properties = [inspect.getattr_static(kind, "headline").fget for kind in KINDS]
-    said = [line for one in (consensus_words.headline, *properties) for line in said_by(one)]
+    said = [line for one in (pair_words.headline, *properties) for line in said_by(one)]
 
     assert [BRACES.sub("{}", line) for line in rows()] == said
 
@@ -85,7 +83,7 @@ def consensus_lines() -> Iterator[tuple[str, int]]:
         (14, 15, "?" * 20),
     ):
         found = replace(result.found, met=tuple(range(met)), upper=upper, labels=labels)
-        one = replace(result, found=found)
+        one = relabelled(result, found)
         yield one.headline, one.exit_code
 
 
@@ -96,7 +94,7 @@ def scaled_lines() -> Iterator[tuple[str, int]]:
     target[6:] = 2.0 * source[6:] @ Rotation.from_rotvec([0.3, -1.2, 0.4]).as_matrix().T
     result = certified(source, target, 0.01, scale="asymmetric")
     yield result.headline, result.exit_code
-    above = replace(result, found=replace(result.found, upper=7))
+    above = relabelled(result, replace(result.found, upper=7))
     yield above.headline, above.exit_code
 
 
@@ -122,7 +120,7 @@ def truncated_lines() -> Iterator[tuple[str, int]]:
         (unsure, right, True),
         (unsure, right, False),
     ):
-        one = TruncatedLabels(optimum=optimum, rows=kept, disproved=disproved)
+        one = replace(TruncatedLabels.of(optimum, kept), disproved=disproved)
         yield one.headline, one.exit_code
 
 

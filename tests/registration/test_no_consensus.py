@@ -12,7 +12,7 @@ import pytest
 import certreg
 from certreg.errors import InvalidProblemError, UndecidedError
 from certreg.exact.decimals import at_least, at_most
-from certreg.registration.no_consensus import nothing_turned
+from certreg.registration.truncated import nothing_turned
 
 RNG = np.random.default_rng(4)
 CLOUD = RNG.uniform(-1.0, 1.0, (12, 3))
@@ -59,7 +59,7 @@ def test_the_bound_that_is_advised_is_taken():
     words = refusal(CLOUD, 2.0 * CLOUD, 50.0, **TRUNCATED)
     limit = float(re.findall(r"farther apart than (\S+):", words)[0])
 
-    assert certified(CLOUD, 2.0 * CLOUD, 0.99 * limit, **TRUNCATED).rows.size
+    assert certified(CLOUD, 2.0 * CLOUD, 0.99 * limit, **TRUNCATED).inliers.size
 
 
 def test_points_at_the_origin_are_turned_by_no_rotation():

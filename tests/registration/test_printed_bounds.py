@@ -16,14 +16,14 @@ from test_truncated_results import certified as certified_rotation
 from certreg.exact.dyadic import root_above
 from certreg.problem.problem import RegistrationProblem
 from certreg.registration.certification import certify
-from certreg.registration.consensus_words import ranges_words
+from certreg.registration.pair_words import ranges_words
 from certreg.registration.weakly_constrained import WeakShift, weak_shift_words
 from certreg.report.pairs import truncated_summary
 from certreg.report.summary import registration_summary
 from certreg.results import Limits
 
 if TYPE_CHECKING:
-    from certreg.registration.truncated import TruncatedRegistration
+    from certreg.registration.labelled import TruncatedRegistration
 
 
 CLOUD = np.vstack([np.diag([3.0, 2.0, 1.0]), -np.diag([3.0, 2.0, 1.0])])

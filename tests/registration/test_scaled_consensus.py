@@ -18,8 +18,8 @@ import certreg
 from certreg.certificate.consensus import NONE, OPEN
 from certreg.errors import InvalidProblemError
 from certreg.exact.dyadic import Dyadic
-from certreg.registration.consensus import ConsensusRegistration
-from certreg.registration.consensus_words import ranges_words
+from certreg.registration.labelled import ConsensusRegistration
+from certreg.registration.pair_words import ranges_words
 from certreg.report.pages import html_page
 from certreg.report.reload import report_of
 

@@ -24,7 +24,7 @@ from certreg.report.reload import report_of
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from certreg.registration.consensus import ConsensusRegistration
+    from certreg.registration.labelled import ConsensusRegistration
 
 
 N = 24

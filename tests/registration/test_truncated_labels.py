@@ -17,8 +17,8 @@ from rotated_pairs import BOUND, RotatedPairs, rotated_pairs
 
 import certreg
 from certreg.errors import InvalidProblemError
-from certreg.registration.truncated import TruncatedRegistration
-from certreg.registration.truncated_labels import TruncatedLabels
+from certreg.registration.label_assessment import TruncatedLabels
+from certreg.registration.labelled import TruncatedRegistration
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -19,7 +19,7 @@ from rotated_pairs import BOUND, rotated_pairs
 
 import certreg
 from certreg.errors import InvalidProblemError, UndecidedError
-from certreg.registration.truncated import TruncatedRegistration
+from certreg.registration.labelled import TruncatedRegistration
 from certreg.results import Limits
 
 if TYPE_CHECKING:
@@ -265,7 +265,7 @@ def test_a_bound_that_holds_by_chance_is_warned_of(given):
     assert poor.text.endswith("19.5 %: wrong pairs may be among those within, or noise is large")
     assert poor.remedy == "check the pairs within, or give a smaller bound if right pairs keep it"
     assert not narrow.warnings
-    assert f"least squares     of these {len(wide.rows)}: " in str(wide)
+    assert f"least squares     of these {len(wide.inliers)}: " in str(wide)
     assert words not in str(narrow)
     assert "\n  rotation +/-      " in str(narrow)
     assert "\n  explained         " in str(narrow)
@@ -278,7 +278,7 @@ def test_a_bound_that_holds_by_chance_is_warned_of(given):
 @pytest.mark.parametrize(("gap", "worth"), [(0.5, None), (None, SimpleNamespace()), (None, None)])
 def test_without_a_gap_or_without_a_cost_nothing_is_called_proved(gap: Any, worth: Any):
     fields = {"gap": gap, "verdict": SimpleNamespace(worth=worth), "cost": 6.75}
-    found = SimpleNamespace(labels=(), _within="", certified=True, **fields)
+    found = SimpleNamespace(labels=(), certified=True, **fields)
 
     assert vars(TruncatedRegistration)["headline"].fget(found) == (
         "NOT PROVED: a rotation of truncated cost 6.75 was found."

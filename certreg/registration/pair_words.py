@@ -3,51 +3,46 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from certreg.exact.decimals import as_given, at_least, at_most
-from certreg.problem.arrays import diameter
-from certreg.registration.headlines import is_loose
-from certreg.results import Optimality
+from certreg.problem.bounds import narrow_cloud
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from numpy.typing import NDArray
+
     from certreg.certificate.producing_consensus import ProvedConsensus
     from certreg.problem.problem import RegistrationProblem
-    from certreg.registration.quartic import QuarticSolution
-    from certreg.registration.result import Registration
     from certreg.registration.row_names import RowNames
 
 
-WORDS = {"i": "inlier", "o": "outlier", "?": "undecided"}
 NAMED_ROWS = 5  # of the undecided ones, in a sentence
 DIGITS = 7  # of a scale, in words
 NAMED_RANGES = 3  # of scales, in a sentence
+ON_LINE = 1e-9  # of the size of a cloud: nearer to a line its points are said to be on it
+NOT_ALL_LABELS = "with labels undecided, another optimum may have other pairs within their bounds"
+OF_THOSE_WITHIN = "of the pairs within their bounds, {}"  # why an angle is not bounded
+LITTLE_TOLD = "the pairs within their bounds hardly tell this rotation from another"
 
 
-@dataclass(frozen=True, slots=True)
-class PairLabels:
-    """A letter for each pair, as a certificate holds them."""
+class MotionWords(NamedTuple):
+    """What brings pairs within: one such motion, and none of them."""
 
-    letters: str
+    one: str
+    none: str
 
-    @property
-    def words(self) -> tuple[str, ...]:
-        """Of each pair."""
-        return tuple(WORDS[letter] for letter in self.letters)
 
-    @property
-    def undecided(self) -> list[int]:
-        """The rows of which nothing is proved."""
-        return [row for row, letter in enumerate(self.letters) if letter == "?"]
+RIGID = MotionWords("rigid motion", "rigid motion")
+SCALED = MotionWords("motion with a scale", "motion of any scale")
 
-    def count(self, word: str) -> int:
-        """How many have it."""
-        return self.words.count(word)
+
+def motion_words(problem: RegistrationProblem) -> MotionWords:
+    """How the source may move."""
+    return SCALED if problem.scaled else RIGID
 
 
 def headline(
@@ -57,25 +52,23 @@ def headline(
 
     against: what is to be said against pairs and pose, as of `reason_against`.
     """
-    n, met, labels = problem.n, len(found.met), PairLabels(found.labels)
+    n, met, labels = problem.n, len(found.met), found.labels
     within, motion = within_words(problem), motion_words(problem)
     but = "" if against is None else f", BUT {against}"
     if found.decided and met == n:
-        one = "motion with a scale" if problem.scaled else "rigid motion"
-        return f"CERTIFIED{but}: one {one} brings all {n} pairs {within}: no outliers."
-    out = labels.count("outlier")
+        return f"CERTIFIED{but}: one {motion.one} brings all {n} pairs {within}: no outliers."
+    out, sure = labels.count("o"), labels.count("i")
     if found.decided:
         return (
-            f"CERTIFIED{but}: no {motion} brings more than {met} of the {n} pairs {within}, and "
-            f"only these {met}. {others_words(out)} in EVERY such motion."
+            f"CERTIFIED{but}: no {motion.none} brings more than {met} of the {n} pairs {within}, "
+            f"and only these {met}. {others_words(out)} in EVERY such motion."
         )
-    open_rows = labels.undecided
-    rest = f"{len(open_rows)} undecided ({names.counted(open_rows[:NAMED_ROWS], len(open_rows))})"
-    sure = labels.count("inlier")
+    rows = [row for row, letter in enumerate(labels) if letter == "?"]
+    rest = f"{len(rows)} undecided ({named_rows(names, rows)})"
     kept = f", {_pairs(sure)} inliers" if sure > 1 else ", one pair an inlier" if sure else ""
     if found.upper == met:
         return (
-            f"MAXIMUM PROVED, LABELS NOT: no {motion} brings more than {met} of the {n} pairs "
+            f"MAXIMUM PROVED, LABELS NOT: no {motion.none} brings more than {met} of the {n} pairs "
             f"{within}; which {met} is not proved. {_outliers(out)}{kept} in every motion that "
             f"brings {met}; {rest}."
         )
@@ -90,31 +83,9 @@ def headline(
     )
 
 
-def against_pose(fit: Registration) -> str | None:
-    """Why not to rely on the pose of pairs though their labels are proved; None where one may."""
-    if fit.status in {Optimality.BOUNDED, Optimality.NOT_CERTIFIED}:
-        return "THE POSE IS NOT CERTIFIED"
-    if fit.problem.factors is not None:
-        return _against_sprung(fit)
-    equilibria = fit.equilibria
-    if not equilibria.classification.unique:
-        return "THE POSE IS NOT UNIQUE"
-    if equilibria.nearly_ambiguous:
-        return "THE ROTATION IS NEARLY AMBIGUOUS"
-    return _against_turn(fit)
-
-
-def _against_sprung(fit: Registration[QuarticSolution]) -> str | None:
-    if fit.unique is False:
-        return "A SHIFT IS FREE" if fit.solution.unique_rotation else "THE POSE IS NOT UNIQUE"
-    return "A SHIFT IS HARDLY RESISTED" if fit.solution.weak_shifts else _against_turn(fit)
-
-
-def _against_turn(fit: Registration) -> str | None:
-    return "THE ROTATION IS HARDLY DETERMINED" if is_loose(fit) else None
-
-
-def repeated_rows(problem: RegistrationProblem, rows: Sequence[int]) -> list[int]:
+def repeated_rows(
+    problem: RegistrationProblem, rows: Sequence[int] | NDArray[np.intp]
+) -> list[int]:
     """Those of the rows whose two points are the two points of an earlier one of them."""
     own = np.asarray(rows, dtype=np.intp)
     both = np.hstack([problem.source[own], problem.target[own]])
@@ -124,7 +95,7 @@ def repeated_rows(problem: RegistrationProblem, rows: Sequence[int]) -> list[int
 
 def repeated_words(rows: Sequence[int], names: RowNames) -> str:
     """What is made of pairs that are given more than once; rows: of `repeated_rows`."""
-    which = names.counted(rows[:NAMED_ROWS], len(rows))
+    which = named_rows(names, rows)
     same = (
         "has the points of an earlier one" if len(rows) == 1 else "have the points of earlier ones"
     )
@@ -134,15 +105,23 @@ def repeated_words(rows: Sequence[int], names: RowNames) -> str:
     )
 
 
-def motion_words(problem: RegistrationProblem) -> str:
-    """What brings no more pairs within."""
-    return "motion of any scale" if problem.scaled else "rigid motion"
+def named_rows(names: RowNames, rows: Sequence[int]) -> str:
+    """The first of some rows, counting from 0, and how many others there are."""
+    return names.counted(rows[:NAMED_ROWS], len(rows))
 
 
 def within_words(problem: RegistrationProblem) -> str:
     """Within the bound, or the bounds."""
     bounds = problem.bounds
     return f"within {as_given(bounds[0])}" if (bounds == bounds[0]).all() else "within their bounds"
+
+
+def those_within(count: int, n: int) -> str:
+    """How many of n pairs are proved to be within their bounds."""
+    if count == n:
+        return f"all {n} pairs are within their bounds"
+    verb = "is within its bound" if count == 1 else "are within their bounds"
+    return f"{count} of the {n} pairs {verb}"
 
 
 def are_words(count: int, word: str) -> str:
@@ -174,14 +153,26 @@ def bound_words(problem: RegistrationProblem) -> str:
 
 
 def bound_share(problem: RegistrationProblem) -> float:
-    """The largest bound over the smaller cloud's box; over the target's where the scale is free.
+    """The largest bound over the diameter of the cloud that it is held against.
 
     0 for a cloud of one point, which has no size; no pose of it is unique.
     """
-    size = diameter(problem.target)
-    if not problem.scaled:
-        size = min(size, diameter(problem.source))
+    size, _ = narrow_cloud(problem)
     return float(problem.bounds.max()) / size if size else 0.0
+
+
+def line_words(points: NDArray[np.float64], bounds: NDArray[np.float64]) -> str:
+    """Why no angle is proved: mostly the pairs are too near to a line for their bounds."""
+    sizes = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
+    width, widest = math.hypot(*sizes[1:]) / math.sqrt(len(points)), bounds.max()
+    if width <= ON_LINE * sizes[0]:
+        return "these pairs lie on a line, and turns about it are not ruled out"
+    if width <= widest:
+        return (
+            f"these pairs lie {width:.2g} from a line (root mean square), beside bounds of "
+            f"{as_given(widest)}: turns about it are not ruled out"
+        )
+    return "for bounds as wide as these no angle below 180 degrees is proved"
 
 
 def ranges_words(some: Sequence[tuple[float, float]]) -> str:
