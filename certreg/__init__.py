@@ -42,7 +42,7 @@ if TYPE_CHECKING:
     from certreg.registration.certification import certify as certify
     from certreg.registration.closed_form import register as register
     from certreg.registration.enumeration import equilibria as equilibria
-    from certreg.registration.findings import AssessmentSettings as AssessmentSettings
+    from certreg.registration.landscape import AssessmentSettings as AssessmentSettings
     from certreg.registration.many import certify_many as certify_many
     from certreg.registration.result import Registration as Registration
     from certreg.registration.simulation import simulate as simulate
@@ -119,7 +119,7 @@ __getattr__ = lazy_face(
         "registration.certification": ("certify",),
         "registration.closed_form": ("register",),
         "registration.enumeration": ("equilibria",),
-        "registration.findings": ("AssessmentSettings",),
+        "registration.landscape": ("AssessmentSettings",),
         "registration.many": ("certify_many",),
         "registration.result": ("Registration",),
         "registration.simulation": ("simulate",),
