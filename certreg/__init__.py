@@ -11,9 +11,6 @@ from typing import TYPE_CHECKING
 
 from certreg import results as _results
 from certreg._loading import found_late, lazy_face
-
-# Not lazily: this loads the module `certreg.verify`, too, which Python binds to that name when it
-# is first loaded, and never again. So the function, bound after it, stays.
 from certreg.certificate.checking import verify as verify
 
 if TYPE_CHECKING:
@@ -42,11 +39,16 @@ if TYPE_CHECKING:
     from certreg.registration.certification import certify as certify
     from certreg.registration.closed_form import register as register
     from certreg.registration.enumeration import equilibria as equilibria
-    from certreg.registration.findings import AssessmentSettings as AssessmentSettings
+    from certreg.registration.landscape import AssessmentSettings as AssessmentSettings
     from certreg.registration.many import certify_many as certify_many
     from certreg.registration.result import Registration as Registration
     from certreg.registration.simulation import simulate as simulate
     from certreg.results import Verdict as Verdict
+
+
+# Not lazily: this loads the module `certreg.verify`, too, which Python binds to that name when it
+# is first loaded, and never again. So the function, bound after it, stays.
+
 
 __version__ = "0.1.0"
 
@@ -119,7 +121,7 @@ __getattr__ = lazy_face(
         "registration.certification": ("certify",),
         "registration.closed_form": ("register",),
         "registration.enumeration": ("equilibria",),
-        "registration.findings": ("AssessmentSettings",),
+        "registration.landscape": ("AssessmentSettings",),
         "registration.many": ("certify_many",),
         "registration.result": ("Registration",),
         "registration.simulation": ("simulate",),

@@ -270,15 +270,21 @@ PROVED = (
         "registration/test_flags_enumerated registration/test_spring_flags",
     ),
     _of(
-        "registration/spring_findings",
-        "SpringFindings.is_elsewhere SpringFindings.is_near",
+        "registration/findings",
+        "Findings.is_elsewhere Findings.is_near",
         "registration/test_flags_enumerated",
     ),
     _of(
-        "registration/spring_findings",
-        "_cost_of_rounding spring_verdict_of",
+        "registration/landscape",
+        "quartic_rounding_cost",
         "registration/test_spring_flags registration/test_spring_words "
         "registration/test_spring_results",
+    ),
+    _of(
+        "registration/findings",
+        "verdict_of",
+        "registration/test_verdicts_of_poses registration/test_spring_flags "
+        "registration/test_spring_words registration/test_spring_results",
     ),
     _of(
         "registration/scaled_poses",

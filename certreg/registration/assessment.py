@@ -13,14 +13,12 @@ from certreg.problem.bounds import bounded
 from certreg.problem.problem import RegistrationProblem
 from certreg.problem.support import Loss
 from certreg.registration.assessed import Assessment
-from certreg.registration.assessment_words import headline_of_pose, note_on, words_of_pose
+from certreg.registration.assessment_words import WORDS, headline_of_pose, words_of_pose
 from certreg.registration.certification import certify
 from certreg.registration.convention_errors import slip_of
 from certreg.registration.findings import (
     GOOD,
-    AssessmentSettings,
     JudgedEnergies,
-    cost_of_rounding,
     exact_pose,
     findings,
     sigma_distance,
@@ -28,18 +26,20 @@ from certreg.registration.findings import (
 )
 from certreg.registration.headlines import NO_ROTATION
 from certreg.registration.label_assessment import judged_labels
+from certreg.registration.landscape import AssessmentSettings, landscape_of, optimum_worth
 from certreg.registration.problem_arguments import (
     ProblemOptions,
     stated_in_clouds,
     stated_problem_of,
 )
-from certreg.registration.result import Registration
-from certreg.registration.scaled_poses import NOT_SCALED, read_for, scale_note
-from certreg.registration.spring_assessment import judged_on_springs
+from certreg.registration.result import UNDECIDED, Registration
+from certreg.registration.scaled_poses import NOT_SCALED, read_for
 from certreg.results import OUT_OF_RANGE, Absent, PoseVerdict, present
 
 if TYPE_CHECKING:
-    from certreg.certificate.bounds import PoseBounds
+    from collections.abc import Callable, Mapping
+    from fractions import Fraction
+
     from certreg.geometry.given import GivenPose
     from certreg.registration.convention_errors import Slip
     from certreg.registration.findings import Findings
@@ -63,7 +63,11 @@ NO_SLIP = Absent(
 )
 NO_SCALED_SLIP = Absent("no slip is tried where the scale is free")
 NOT_TRIED = Absent("the optimum could not be certified, and no slip was tried")
-OF_OPTIMUM = dict.fromkeys(("optimum_objective", "optimum_rmse"), OUT_OF_RANGE)
+NO_SPRING_SLIP = Absent(
+    "no slip (a mirror image, swapped columns, the inverse pose) is tried for general springs"
+)
+NOT_UNIQUE = Absent("other poses are as good: no angle to 'the' optimum exists")
+NOT_MET = Absent("no equilibrium was met at the pose, and those of general springs are not listed")
 NOTHING_TO_EXPLAIN = Absent("the pose is (nearly) optimal: there is no slip to name")
 
 
@@ -196,110 +200,127 @@ def judged(
     settings: AssessmentSettings | None = None,
 ) -> Assessment:
     """As `assess`, of a problem that is certified already."""
-    settings, problem = settings or AssessmentSettings(), registration.problem
-    given = read_for(problem, given)
-    if registration.structure is Structure.QUARTIC:
-        return judged_on_springs(registration, given, settings)
-    turn = given.scaled_apart().turn if problem.scaled else given.turn
+    settings, landscape = settings or AssessmentSettings(), landscape_of(registration)
+    objective, given = registration.solution.objective, read_for(registration, given)
+    turn = given.turn if objective.scaling is None else given.scaled_apart().turn
     fault = why_no_rotation(turn, settings.rotation_tolerance)
     if fault is not None:
         return _no_rotation(registration, given, fault, settings)
-    exact = exact_pose(registration.solution.objective, given)
-    facts = findings(registration, exact, cost_of_rounding(registration, given))
-    verdict = verdict_of(facts, settings)
-    slip = NOTHING_TO_EXPLAIN
-    if verdict not in GOOD:
-        slip = _slip(registration, given, settings)
-    return _assessment(facts, verdict, given, slip)
+    exact = exact_pose(objective, given, landscape.centre(registration.solution))
+    facts = findings(registration, exact, landscape.rounding_cost(registration, given), settings)
+    verdict, distance = verdict_of(facts, settings), sigma_distance(facts, given)
+    best = optimum_worth(registration)
+    headline, line = headline_of_pose(facts, verdict, distance)
+    slip = SLIPS[objective.structure](registration, given, settings, verdict)
+    return _assessment(
+        registration,
+        {
+            "verdict": verdict,
+            "headline": line,
+            "green": headline.good,
+            "energies": JudgedEnergies(
+                objective=facts.worth.energy,
+                optimum=best.energy,
+                mean_square=facts.worth.mean_square,
+                least_square=best.mean_square,
+                bounds=facts.bounds,
+                rounding_cost=facts.rounding_cost,
+                of_what=WORDS[objective.structure].of_what,
+            ),
+            "words": words_of_pose(facts, verdict, given),
+        },
+        {**_numbers(facts, verdict), "sigma_distance": distance, "slip": slip},
+    )
 
 
 def _slip(
-    registration: Registration, given: GivenPose, settings: AssessmentSettings
+    registration: Registration,
+    given: GivenPose,
+    settings: AssessmentSettings,
+    verdict: PoseVerdict,
 ) -> Slip | Absent:
-    if registration.problem.scaled:
+    """Of one weight per pair."""
+    if verdict in GOOD:
+        return NOTHING_TO_EXPLAIN
+    if verdict is PoseVerdict.NOT_A_ROTATION and registration.certificate is None:
+        return NOT_TRIED
+    if registration.solution.objective.scaling is not None:
         return NO_SCALED_SLIP
     return slip_of(registration, given, settings) or NO_SLIP
+
+
+SLIPS: Mapping[Structure, Callable[..., Slip | Absent]] = {
+    Structure.LINEAR: _slip,
+    Structure.QUARTIC: lambda *_: NO_SPRING_SLIP,
+}
 
 
 def _no_rotation(
     registration: Registration, given: GivenPose, fault: str, settings: AssessmentSettings
 ) -> Assessment:
-    slip = NOT_TRIED
-    if registration.certificate is not None:
-        slip = _slip(registration, given, settings)
-    return Assessment(
-        verdict=PoseVerdict.NOT_A_ROTATION,
-        headline=NO_ROTATION.said(fault=fault),
-        words=fault,
-        slip=present(slip),
-        **_beside(registration),
-        absent={
-            **dict.fromkeys(NUMBERS, Absent(fault)),
-            **OF_OPTIMUM,
-            **({"slip": slip} if isinstance(slip, Absent) else {}),
-        },
+    verdict = PoseVerdict.NOT_A_ROTATION
+    slip = SLIPS[registration.structure](registration, given, settings, verdict)
+    return _assessment(
+        registration,
+        {"verdict": verdict, "headline": NO_ROTATION.said(fault=fault), "words": fault},
+        {**dict.fromkeys(NUMBERS, Absent(fault)), "slip": slip},
     )
 
 
 def _assessment(
-    facts: Findings, verdict: PoseVerdict, given: GivenPose, slip: Slip | Absent
+    registration: Registration, said: dict[str, Any], numbers: dict[str, Any]
 ) -> Assessment:
-    registration, bounds = facts.registration, facts.bounds
-    distance = sigma_distance(facts, given)
-    chosen, headline = headline_of_pose(facts, verdict, distance)
+    """With the optimum beside the pose that is judged: what it costs itself, not rounded."""
+    best = optimum_worth(registration)
+    stated: dict[str, Any] = {
+        **numbers,
+        "optimum_objective": _double(best.energy, nearest_double),
+        "optimum_rmse": _double(best.mean_square, nearest_root),
+    }
+    known: dict[str, Any] = {name: present(value) for name, value in stated.items()}
     return Assessment(
-        verdict=verdict,
-        headline=headline,
-        green=chosen.good,
-        energies=JudgedEnergies.of(facts),
-        words=words_of_pose(facts, verdict) + _notes(facts, verdict, given),
-        objective=nearest_double(facts.energy),
-        rmse=nearest_root(facts.squares / registration.solution.moments.total_weight),
-        gap_lower=bounds.gap_lower,
-        gap_upper=bounds.gap_upper,
-        gap_share=bounds.share_upper,
-        gap_parts=facts.parts,
-        rounding_cost=double_above(facts.rounding_cost),
-        angle_upper=bounds.angle_upper,
-        shift_upper=bounds.shift_upper,
-        angle_to_optimum=facts.away,
-        nearest_index=registration.equilibria.components[facts.nearest].morse_index,
-        nearest_angle=facts.angles[facts.nearest],
-        sigma_distance=present(distance),
-        slip=present(slip),
-        **_beside(registration),
-        absent={
-            **dict.fromkeys(("objective", "rmse"), OUT_OF_RANGE),
-            **({} if facts.parts is not None else {"gap_parts": NOT_SCALED}),
-            **_unbounded(bounds),
-            **OF_OPTIMUM,
-            **({"sigma_distance": distance} if isinstance(distance, Absent) else {}),
-            **({"slip": slip} if isinstance(slip, Absent) else {}),
-        },
+        **said,
+        **known,
+        optimum=registration.pose,
+        fit=registration.fit,
+        absent={name: value for name, value in stated.items() if isinstance(value, Absent)},
     )
 
 
-def _notes(facts: Findings, verdict: PoseVerdict, given: GivenPose) -> str:
-    """What each part of the pose costs, and what was judged where that is not as it was given."""
-    problem, parts = facts.registration.problem, facts.parts
-    if parts is not None:
-        costs = "" if verdict is PoseVerdict.OPTIMAL else parts.words
-        return costs + scale_note(problem, given)
-    return note_on(problem, given)
-
-
-def _beside(registration: Registration) -> dict[str, Any]:
-    """The optimum, to be held beside the pose that is judged: what it costs itself, not rounded."""
-    best = registration.equilibria.components[0]
+def _numbers(facts: Findings, verdict: PoseVerdict) -> dict[str, Any]:
+    """By name; where there is none, why not."""
+    bounds = facts.bounds
+    index, angle = _nearest(facts, verdict)
+    no_angle = UNDECIDED if facts.unique is None else NOT_UNIQUE
     return {
-        "optimum": registration.pose,
-        "optimum_objective": best.energy,
-        "optimum_rmse": best.rmse,
-        "fit": registration.fit,
+        "objective": _double(facts.worth.energy, nearest_double),
+        "rmse": _double(facts.worth.mean_square, nearest_root),
+        "gap_lower": bounds.gap_lower,
+        "gap_upper": bounds.gap_upper,
+        "gap_share": bounds.stated("share_upper"),
+        "gap_parts": NOT_SCALED if facts.parts is None else facts.parts,
+        "rounding_cost": double_above(facts.rounding_cost),
+        "angle_upper": bounds.stated("angle_upper"),
+        "shift_upper": bounds.stated("shift_upper"),
+        "angle_to_optimum": no_angle if facts.away is None else facts.away,
+        "nearest_index": index,
+        "nearest_angle": angle,
     }
 
 
-def _unbounded(bounds: PoseBounds) -> dict[str, Absent]:
-    """Why there is no angle, or no share of the range of energies, if there is none."""
-    names = {"angle_upper": "angle_upper", "share_upper": "gap_share"}
-    return {names[name]: reason for name, reason in bounds.absent.items()}
+def _nearest(facts: Findings, verdict: PoseVerdict) -> tuple[Any, Any]:
+    """Index and angle of the equilibrium nearest to the pose; why there is none, twice."""
+    rest = facts.place.rest
+    number = None if rest is None else rest.number
+    at_optimum = verdict in GOOD if number is None else not number
+    if at_optimum and facts.away is not None:
+        return 0, facts.away
+    if rest is None or (number is None and verdict is not PoseVerdict.SPURIOUS_EQUILIBRIUM):
+        return NOT_MET, NOT_MET
+    return rest.index, rest.angle
+
+
+def _double(value: Fraction | None, rounded: Callable[[Fraction], float | None]) -> float | Absent:
+    """A double, or that there is none."""
+    double = None if value is None else rounded(value)
+    return OUT_OF_RANGE if double is None else double

@@ -23,7 +23,6 @@ from certreg.geometry.so3 import quaternion_from_matrix, rotation_matrix
 from certreg.registration.findings import (
     GOOD,
     added,
-    cost_of_rounding,
     findings,
     nearest_quaternion,
     pose_through,
@@ -31,6 +30,7 @@ from certreg.registration.findings import (
     turned,
     verdict_of,
 )
+from certreg.registration.landscape import linear_rounding_cost, little
 from certreg.results import Brief, PoseVerdict
 
 if TYPE_CHECKING:
@@ -39,7 +39,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.geometry.given import GivenPose
-    from certreg.registration.findings import AssessmentSettings, Findings
+    from certreg.registration.findings import Findings
+    from certreg.registration.landscape import AssessmentSettings
     from certreg.registration.result import Registration
 
 UNITS = {  # of the translation against the clouds
@@ -120,7 +121,7 @@ def _named(slipped: Slipped, tries: Iterator[Mended], settings: AssessmentSettin
     """The first pose that is optimal; else, of those that are near it, the one of the least gap."""
     near: tuple[Fraction, Slip] | None = None
     for mended in tries:
-        facts = findings(slipped.registration, mended.pose, mended.cost)
+        facts = findings(slipped.registration, mended.pose, mended.cost, settings)
         verdict, gap = verdict_of(facts, settings), facts.bounds.greatest_gap
         if verdict in GOOD and _is_close(facts, settings):
             words = f"{mended.subject} is {verdict.value}: {mended.why}"
@@ -136,8 +137,8 @@ def _is_close(facts: Findings, settings: AssessmentSettings) -> bool:
 
     More can be chance: of a turn about an axis the quaternion is one about an axis in any order.
     """
-    limit = Fraction(settings.equilibrium_shift) ** 2 * facts.energy_range
-    return facts.away <= settings.equilibrium_angle and facts.bounds.greatest_gap <= limit
+    near = facts.away is not None and facts.away <= settings.equilibrium_angle
+    return near and facts.bounds.greatest_gap <= little(settings, facts.place.energy_range)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -168,7 +169,7 @@ class Slipped:
         return cls(
             registration=registration,
             given=given,
-            cost=cost_of_rounding(registration, _normalised(given)),
+            cost=linear_rounding_cost(registration, _normalised(given)),
             q=nearest_quaternion(given.turn),
             x=x,
             y=list(moments.target_centroid),
@@ -211,7 +212,7 @@ def _inverse(slipped: Slipped) -> Iterator[Mended]:
     else:
         start = added(turned(slipped.given.turn, slipped.y), slipped.shift)
         pose = pose_through(back, start, slipped.y)
-    cost = cost_of_rounding(slipped.registration, slipped.given, inverse=True)
+    cost = linear_rounding_cost(slipped.registration, slipped.given, inverse=True)
     yield Mended(code=SlipCode.INVERSE, pose=pose, cost=cost, subject="Its inverse", why=why)
 
 

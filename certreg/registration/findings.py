@@ -5,20 +5,18 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
-from certreg.certificate.bounds import ExactPose, flat_energy, pose_bounds, pose_energy
+from certreg.certificate.bounds import ExactPose
 from certreg.errors import UndecidedError
 from certreg.exact.dyadic import nearest_double, nearest_root
 from certreg.exact.eigenbasis import integer_eigenbasis
-from certreg.geometry.pose_matrix import ROTATION_TOLERANCE
-from certreg.geometry.similarity import Similarity
 from certreg.geometry.so3 import davenport_matrix, rotation_matrix, squared_norm
 from certreg.problem.lifting import lift
+from certreg.registration.landscape import landscape_of, optimum_worth
 from certreg.registration.loose_turns import LOOSE_SIGMA, TURNED_FAR, beyond_first_order
 from certreg.registration.misfits import LEVEL
-from certreg.registration.rounding import rounding_cost
-from certreg.registration.scaled_poses import GapParts, gap_parts, scaled_rounding_cost
+from certreg.registration.scaled_poses import gap_parts
 from certreg.registration.tail_probabilities import log_chi2_above
 from certreg.results import OUT_OF_RANGE, Absent, Brief, Limits, PoseVerdict
 
@@ -31,42 +29,20 @@ if TYPE_CHECKING:
     from certreg.certificate.bounds import PoseBounds
     from certreg.geometry.given import GivenPose
     from certreg.objective.isotropic import Isotropic
-    from certreg.registration.linear import LinearSolution
-    from certreg.registration.result import Registration
+    from certreg.objective.springs import Springs
+    from certreg.registration.landscape import AssessmentSettings, Place
+    from certreg.registration.result import PoseWorth, Registration
+    from certreg.registration.scaled_poses import GapParts
 
 
 GOOD = (PoseVerdict.OPTIMAL, PoseVerdict.NEAR_OPTIMAL)
 PROJECTION_BITS = 160  # of a nearest rotation: thrice a double's
+FINE_PROOF = 1e-24  # of the range of energies: what a turn by 1e-12 radians costs at most
 SURELY = 100.0  # standard deviations: a probability below 1e-1000
 UNDECIDED = "the optimum could not be certified: nothing is proved of any pose"
 NO_NOISE = Absent("no noise was given: give sigma")
 NOT_OF_SCALE = Absent("it is not computed where the scale is free")
 FIT_WARNED = Absent("the fit has a warning: it would be of the sigma given and right pairs alone")
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class AssessmentSettings:
-    """Where the words of an assessment change. Gaps are relative to the range of energies.
-
-    What is optimal is no choice: the gap is then at most what rounding the pose can cost, and
-    within what `certify` calls certified (`Limits`).
-
-    Parameters
-    ----------
-    rotation_tolerance
-        How far, in the norm of R^T R - I, a matrix may be off a rotation.
-    near_optimal_gap, near_optimal_angle
-        A share of the range of energies, and radians: what is nearer than both is near optimal.
-    equilibrium_angle, equilibrium_shift
-        Radians, and a distance of the centroids relative to the clouds' radius: what is nearer than
-        both to another equilibrium is told to be there.
-    """
-
-    rotation_tolerance: float = ROTATION_TOLERANCE  # |R^T R - I|, as for poses in files
-    near_optimal_gap: float = 1e-4  # a pose off by one part in a hundred
-    near_optimal_angle: float = 0.1  # radians
-    equilibrium_angle: float = 1e-3  # radians: a pose printed with few digits still counts
-    equilibrium_shift: float = 1e-3  # distance of the centroids, relative to the clouds' radius
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -86,160 +62,146 @@ class SigmaDistance(Brief):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Findings:
-    """The facts on which the verdict rests; energies exact, angles in radians."""
-
-    registration: Registration
-    bounds: PoseBounds
-    rounding_cost: Fraction  # of the optimal pose, see `certreg.registration.rounding`
-    energy: Fraction
-    squares: Fraction  # sum w |y - s R x - t|^2
-    translation_energy: Fraction  # what the translation adds to the best one
-    energy_range: Fraction  # the scale that says which energies are small
-    angles: list[float]  # to each component of equilibria
-    nearest: int  # the component of the least angle
-    parts: GapParts | None = None  # of the gap, where the scale is free
-
-    @property
-    def unique(self) -> bool:
-        """Whether there is one optimum."""
-        return self.registration.equilibria.classification.unique
-
-    @property
-    def away(self) -> float:
-        """The angle to the nearest optimum."""
-        return self.angles[0]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class JudgedEnergies(Brief):
-    """The energies of a pose and of the optimum, exactly, or between exact bounds, of any size.
+    """What a pose and the optimum cost, exactly, or between exact bounds, of any size.
 
-    objective, optimum: of the two. bounds: of objective - minimum. rounding_cost: of rounding the
-    numbers of the optimal pose to doubles. total_weight: of which they are sums. of_what: what an
-        RMSE is of.
+    objective, optimum: of the two. mean_square, least_square: of their RMSE; None where there is
+    none. bounds: of objective - minimum. rounding_cost: of rounding the numbers of the optimal pose
+    to doubles. of_what: what an RMSE is of.
     """
 
     objective: Fraction
     optimum: Fraction
+    mean_square: Fraction | None
+    least_square: Fraction | None
     bounds: PoseBounds
     rounding_cost: Fraction
-    total_weight: Fraction
-    of_what: str = "weighted"
-
-    @classmethod
-    def of(cls, facts: Findings) -> JudgedEnergies:
-        """Of a pose that was judged."""
-        objective = facts.registration.solution.objective
-        return cls(
-            objective=facts.energy,
-            optimum=objective.energy(objective.optimum),
-            bounds=facts.bounds,
-            rounding_cost=facts.rounding_cost,
-            total_weight=objective.moments.total_weight,
-        )
+    of_what: str
 
 
-def findings(registration: Registration, pose: ExactPose, cost: Fraction) -> Findings:
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Findings:
+    """The facts on which the verdict rests; energies exact, angles in radians.
+
+    rounding_cost: of the optimal pose. away: to the nearest optimum; None where others may be as
+    good. parts: of the gap, where the scale is free.
+    """
+
+    registration: Registration
+    worth: PoseWorth
+    bounds: PoseBounds
+    rounding_cost: Fraction
+    place: Place
+    away: float | None
+    parts: GapParts | None
+
+    @property
+    def unique(self) -> bool | None:
+        """Whether one rotation is optimal; None where that is not decided."""
+        return self.registration.solution.unique_rotation
+
+    @property
+    def proof_gap(self) -> Fraction:
+        """What the proof itself leaves open of the pose."""
+        return self.bounds.greatest_gap - self.bounds.least_gap
+
+    @property
+    def is_elsewhere(self) -> bool:
+        """Whether the equilibrium nearest to the pose is worse than the optimum."""
+        return self.place.rest is not None and self.place.rest.worse
+
+    def is_near(self, settings: AssessmentSettings) -> bool:
+        """Whether its angle is not in doubt: where uniqueness is not decided, by a proved bound."""
+        angle = self.bounds.angle_upper
+        proved = angle is not None and angle <= settings.near_optimal_angle
+        return proved or self.unique is not None
+
+
+def findings(
+    registration: Registration, pose: ExactPose, cost: Fraction, settings: AssessmentSettings
+) -> Findings:
     """What is known of a pose; cost: of rounding the optimal one.
 
     Raises UndecidedError where the optimum could not be certified.
     """
     solution = registration.solution
-    objective, q = solution.objective, pose.quaternion
-    angles = [objective.angle_to(i, q) for i in range(len(objective.classification.pattern))]
     if solution.certificate is None:
         raise UndecidedError(UNDECIDED, method="certificate")
-    shifted = objective.translation_energy(q, pose.translation, pose.scale)
-    energy, body = pose_energy(objective, pose, shifted), solution.certificate.body
-    bounds = pose_bounds(objective, body, pose, shifted=shifted, energy=energy)
-    if bounds.angle_upper is not None:  # proved from more bits than a computed angle has
-        angles[0] = min(angles[0], bounds.angle_upper)
+    body = solution.certificate.body
+    worth, parts = solution.worth(pose, body), gap_parts(solution.objective, body.gap, pose)
+    bounds = cast("PoseBounds", worth.bounds)  # as there is a certificate
+    place = landscape_of(registration).place(solution, pose, bounds, parts, settings)
+    away, proved = place.away, bounds.angle_upper  # proved from more bits than it is computed
     return Findings(
         registration=registration,
+        worth=worth,
         bounds=bounds,
         rounding_cost=cost,
-        energy=energy,
-        squares=objective.squares(energy, pose.scale),
-        translation_energy=shifted,
-        energy_range=_energy_range(solution),
-        angles=angles,
-        nearest=min(range(len(angles)), key=angles.__getitem__),
-        parts=gap_parts(objective, body.gap, pose),
+        place=place,
+        away=away if away is None or proved is None else min(away, proved),
+        parts=parts,
     )
-
-
-def _energy_range(solution: LinearSolution) -> Fraction:
-    """Energy between the best and the worst rotation; the clouds' own where all are equal."""
-    objective, moments = solution.objective, solution.moments
-    spaces = len(objective.classification.pattern)
-    if objective.scaling is not None:
-        worst, best = (objective.energy(objective.quaternions[k]) for k in (-1, 0))
-        return worst - best if spaces > 1 else flat_energy(moments)
-    if spaces > 1:
-        return 2 * objective.eigenvalue_difference(0, spaces - 1)
-    return flat_energy(moments)
 
 
 def verdict_of(facts: Findings, settings: AssessmentSettings) -> PoseVerdict:
-    """The verdict: by the angle first, as a small gap may only mean that little is at stake."""
-    scale = facts.energy_range
-    settled = facts.angles[facts.nearest] <= settings.equilibrium_angle
-    if facts.translation_energy > Fraction(settings.equilibrium_shift) ** 2 * scale:
-        settled = False
-    if facts.parts is not None and not _scale_settled(facts, settings):
-        settled = False
-    if facts.nearest > 0:
-        return PoseVerdict.SPURIOUS_EQUILIBRIUM if settled else PoseVerdict.NOT_AN_EQUILIBRIUM
-    gap, away = facts.bounds.greatest_gap, facts.away
-    if gap > Fraction(settings.near_optimal_gap) * scale or away > settings.near_optimal_angle:
-        return PoseVerdict.NOT_AN_EQUILIBRIUM
-    if gap <= facts.rounding_cost and facts.bounds.meet(Limits(), unique=facts.unique):
-        return PoseVerdict.OPTIMAL
-    return PoseVerdict.NEAR_OPTIMAL
+    """The verdict: by the proved gap, by the angle, and by the equilibrium that the pose is at.
 
-
-def _scale_settled(facts: Findings, settings: AssessmentSettings) -> bool:
-    """Whether the scale is the best one for a rotation, and positive: a symmetric one always is."""
-    objective, parts = facts.registration.solution.objective, facts.parts
-    if parts is None or not objective.best_scale(objective.quaternions[facts.nearest]):
-        return False
-    return parts.scale <= Fraction(settings.equilibrium_shift) ** 2 * facts.energy_range
+    A small gap may only mean that little is at stake, which at a worse equilibrium it does. Where
+    uniqueness is not decided, a proved angle to every optimum shows that it means more.
+    """
+    gap, scale = facts.bounds.greatest_gap, facts.place.energy_range
+    turned = facts.away is not None and facts.away > settings.near_optimal_angle
+    if gap <= Fraction(settings.near_optimal_gap) * scale and not turned:
+        within = facts.bounds.meet(Limits(), unique=facts.unique is True)
+        own = facts.proof_gap
+        fine = own <= max(facts.rounding_cost, Fraction(FINE_PROOF) * scale)
+        if gap - own <= facts.rounding_cost and fine and within:
+            return PoseVerdict.OPTIMAL
+        if not facts.is_elsewhere:
+            return PoseVerdict.NEAR_OPTIMAL if facts.is_near(settings) else PoseVerdict.BOUNDED
+    rest = facts.place.rest
+    if rest is not None and rest.here and facts.bounds.least_gap > 0:
+        return PoseVerdict.SPURIOUS_EQUILIBRIUM
+    return PoseVerdict.NOT_AN_EQUILIBRIUM
 
 
 def sigma_distance(facts: Findings, given: GivenPose) -> SigmaDistance | Absent:
-    """The distance of a pose from the optimum by the joint covariance; Absent without a sigma.
+    """The distance of a pose from the optimum in standard deviations; Absent without a sigma.
 
-    In e = (c, phi), c the shift of the source's centroid and phi = a u the rotation vector, P^-1 is
-    M and half the Hessian G, with no entries between them. The energy of the rotation is
-    2 sin^2(a/2) times sum (l1 - lk) u_k^2, and phi^T (G / 2) phi is a^2 / 2 times the same sum: so
-    no covariance is inverted, and nothing cancels. Absent, too, where the fit has a warning, as
-    the optimum may then be off by more than the noise, and where the turn is beyond a first
-    order; of a loose one it is told only where it rules the pose out.
+    The objective is twice the negative log-likelihood: to first order its rise is the square. A
+    rotation by a vector phi costs phi^T (G / 2) phi, G half the Hessian, and the energy of a large
+    one is stretched to that: so no covariance is inverted, and nothing cancels. Absent, too, where
+    the fit has a warning, as the optimum may then be off by more than the noise, and where the turn
+    is beyond a first order; of a loose one it is told only where it rules the pose out.
     """
-    solution, covariance = facts.registration.solution, facts.registration.solution.covariance
-    if facts.registration.problem.scaled or covariance is None:
-        absent: Absent = NOT_OF_SCALE if covariance is not None else solution.stated("covariance")
+    registration, away = facts.registration, facts.away
+    covariance = registration.covariance
+    if covariance is None:
+        absent: Absent = registration.stated("covariance")
         return absent
-    if not facts.registration.problem.noise_given:
-        return NO_NOISE
-    if facts.registration.fit.warnings:
-        return FIT_WARNED
-    if facts.away > LOOSE_SIGMA:
+    if (why := _no_distance(facts)) is not None:
+        return why
+    if away is None or away > LOOSE_SIGMA:
         return TURNED_FAR
-    least, half = solution.objective.energy(solution.objective.optimum), facts.away / 2
-    stretch = Fraction(half / math.sin(half)) if half else Fraction(1)
-    turned = max(Fraction(0), facts.energy - facts.translation_energy - least)
-    square = stretch**2 * turned + facts.translation_energy
+    shifted, least = facts.place.translation_energy, optimum_worth(registration).energy
+    square = facts.place.stretch * max(Fraction(0), facts.worth.energy - shifted - least) + shifted
     value, squared = nearest_root(square), nearest_double(square)
     if value is None:
         return OUT_OF_RANGE
-    dof = facts.registration.problem.motion.parameters_given(
-        translation=given.translation is not None
-    )
+    dof = registration.problem.motion.parameters_given(translation=given.translation is not None)
     p = 0.0 if squared is None else math.exp(log_chi2_above(squared, dof))
-    distance, loose = SigmaDistance(value=value, dof=dof, p=p), beyond_first_order(covariance)
-    return loose if loose is not None and not rules_out(facts.registration, distance) else distance
+    distance = SigmaDistance(value=value, dof=dof, p=p)
+    loose = beyond_first_order(covariance)
+    return loose if loose is not None and not rules_out(registration, distance) else distance
+
+
+def _no_distance(facts: Findings) -> Absent | None:
+    """Why no distance is told, wherever the pose is; None where one may be."""
+    if facts.parts is not None:
+        return NOT_OF_SCALE
+    if not facts.registration.problem.noise_given:
+        return NO_NOISE
+    return FIT_WARNED if facts.registration.fit.warnings else None
 
 
 def rules_out(registration: Registration, distance: SigmaDistance) -> bool:
@@ -255,58 +217,33 @@ def rules_out(registration: Registration, distance: SigmaDistance) -> bool:
     return value >= SURELY or log_chi2_above(value**2, distance.dof) <= math.log(LEVEL)
 
 
-def cost_of_rounding(
-    registration: Registration, given: GivenPose, *, inverse: bool = False
-) -> Fraction:
-    """What rounding can cost, the optimal pose written as the given one; of many, that near it.
+def exact_pose(
+    objective: Isotropic | Springs, given: GivenPose, centre: Sequence[Fraction]
+) -> ExactPose:
+    """Exactly the pose that is judged; centre: of the source.
 
-    inverse: whether it is written as the motion from the target to the source.
+    A quaternion is normalised. A matrix M is taken as the nearest rotation, turned about the centre
+    so that this goes where the matrix takes it, and, where there is a scale, with tr(R^T M) / 3 of
+    it. Without a translation, with the best one; without a scale, too, with the best of that.
     """
-    objective, pose = registration.solution.objective, registration.pose
-    turn, shift, centre = given.turn, given.translation, objective.moments.source_centroid
-    if inverse:
-        pose, centre = pose.inverse(), objective.moments.target_centroid
-    if objective.classification.unique:
-        turn = pose.rotation if given.is_matrix else pose.quaternion_wxyz
-        shift = None if shift is None else pose.translation
-    if isinstance(pose, Similarity):
-        return scaled_rounding_cost(objective, pose, turn, shift)
-    return rounding_cost(objective, turn, shift, centre)
-
-
-def exact_pose(objective: Isotropic, given: GivenPose) -> ExactPose:
-    """Exactly the pose that is judged.
-
-    A quaternion is normalised. A matrix is taken as the nearest rotation, turned about the source's
-    centroid, so that this goes where the matrix takes it. Without a translation, with the best one.
-    """
-    q = nearest_quaternion(given.turn)
-    if given.translation is None and (objective.scaling is None or given.scale is None):
-        best = objective.best_translation(q)
-        return ExactPose(quaternion=q, translation=best, scale=objective.best_scale(q))
-    if objective.scaling is not None or given.translation is None:
-        return _scaled_pose(objective, q, given)
-    x = objective.moments.source_centroid
-    shift = [Fraction(t) for t in given.translation.tolist()]
-    if not given.is_matrix:
-        return ExactPose(quaternion=q, translation=tuple(shift))
-    return pose_through(q, x, added(turned(given.turn, x), shift))
-
-
-def _scaled_pose(objective: Isotropic, q: tuple[int, ...], given: GivenPose) -> ExactPose:
-    """With the scale of a matrix M, tr(R^T M) / 3, exactly; without a translation with the best."""
-    moments, scale = objective.moments, Fraction(1 if given.scale is None else given.scale)
-    held, x = Fraction(1), list(moments.source_centroid)
-    if given.is_matrix:
+    q, scale = nearest_quaternion(given.turn), Fraction(given.scale or 1)
+    if given.translation is None:
+        best = ExactPose(
+            quaternion=q,
+            translation=objective.best_translation(q),
+            scale=objective.best_scale(q),
+        )
+        if given.scale is None:
+            return best
+        image = best.moved(centre)
+    else:
+        moved = [scale * entry for entry in turned(given.turn, centre)]
+        image = added(moved, [Fraction(t) for t in given.translation.tolist()])
+    if given.is_matrix and given.scale is not None:
         rows = zip(rotation_matrix(q), given.turn.tolist(), strict=True)
         held = sum((_sum_of_products(a, list(map(Fraction, b))) for a, b in rows), Fraction(0))
-        held /= 3 * squared_norm(q)
-    image = list(moments.target_centroid)
-    if given.translation is not None:
-        moved = [scale * entry for entry in turned(given.turn, x)]
-        image = added(moved, [Fraction(t) for t in given.translation.tolist()])
-    pose = pose_through(q, [scale * held * entry for entry in x], image)
-    return replace(pose, scale=scale * held)
+        scale *= held / (3 * squared_norm(q))
+    return replace(pose_through(q, [scale * entry for entry in centre], image), scale=scale)
 
 
 def nearest_quaternion(turn: NDArray[np.float64]) -> tuple[int, ...]:

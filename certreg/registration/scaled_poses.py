@@ -29,9 +29,8 @@ if TYPE_CHECKING:
 
     from certreg.certificate.bounds import ExactPose
     from certreg.geometry.given import GivenPose
-    from certreg.geometry.similarity import Similarity
     from certreg.objective.isotropic import Isotropic
-    from certreg.problem.problem import RegistrationProblem
+    from certreg.problem.motion import Motion
     from certreg.registration.result import Registration
 
 
@@ -93,13 +92,13 @@ def gap_parts(objective: Isotropic, gap: Fraction, pose: ExactPose) -> GapParts 
     )
 
 
-def read_for(problem: RegistrationProblem, given: GivenPose) -> GivenPose:
+def read_for(registration: Registration, given: GivenPose) -> GivenPose:
     """A pose as the problem's are: with its scale apart where one is free, else within a matrix.
 
     Raises InvalidProblemError for a translation where the problem has none.
     """
     translation, alone = given.translation, given.translation is None
-    if problem.rotation_only and translation is not None:
+    if translation is not None and not registration.problem.motion.translations:
         if translation.any():
             shift = translation.tolist()
             raise InvalidProblemError(
@@ -110,7 +109,7 @@ def read_for(problem: RegistrationProblem, given: GivenPose) -> GivenPose:
                 limit=0.0,
             )
         given = replace(given, translation=None)
-    if not problem.scaled:
+    if registration.solution.objective.scaling is None:
         return given.scaled_within()
     if given.scale is not None or (alone and not is_scaled(given)):
         return given
@@ -122,28 +121,26 @@ def is_scaled(given: GivenPose) -> bool:
     return abs((given.scaled_apart().scale or 0.0) - 1.0) > UNSCALED
 
 
-def scale_note(problem: RegistrationProblem, given: GivenPose) -> str:
+def scale_note(motion: Motion, given: GivenPose) -> str:
     """What was judged, where a rigid pose was given for a problem whose scale is free."""
-    if not problem.scaled:
-        return ""
     if given.scale is None:
-        return BEST_SCALE.format("scale" if problem.rotation_only else "scale and translation")
+        return BEST_SCALE.format("scale and translation" if motion.translations else "scale")
     return "" if is_scaled(given) else RIGID
 
 
 def scaled_rounding_cost(
     objective: Isotropic,
-    pose: Similarity,
+    scale: Fraction,
     turn: NDArray[np.float64],
     shift: NDArray[np.float64] | None,
 ) -> Fraction:
     """What writing the optimal pose in doubles can cost: as `rounding_cost`, and for the scale.
 
-    turn, shift: the rotation, as a matrix or a quaternion, and the translation that are written. An
-    entry of s R is rounded twice, R and the product: so all is counted twice, its square four
-    times. A scale off by s u costs Sxx (s u)^2, or that over s.
+    scale: that of the pose. turn, shift: the rotation, as a matrix or a quaternion, and the
+    translation that are written. An entry of s R is rounded twice, R and the product: so all is
+    counted twice, its square four times. A scale off by s u costs Sxx (s u)^2, or that over s.
     """
-    scaling, scale = objective.scaling, Fraction(pose.scale)
+    scaling = objective.scaling
     if scaling is None or scale == 0:
         return Fraction(0)
     centre = [scale * entry for entry in objective.moments.source_centroid]

@@ -14,7 +14,7 @@ from certreg.report.encoding import Document, encoded
 from certreg.report.fields import degrees, finite, fit_fields, scale_of, upper_degrees
 from certreg.report.lines import exact_number, unit_words
 from certreg.report.remedies import ADVICE
-from certreg.results import Absent, PoseVerdict
+from certreg.results import OUT_OF_RANGE, Absent, PoseVerdict
 
 if TYPE_CHECKING:
     from certreg.registration.assessed import Assessment
@@ -45,10 +45,10 @@ def assessment_summary(assessment: Assessment) -> str:
 def _judged_lines(assessment: Assessment, energies: JudgedEnergies) -> list[str]:
     """Numbers of a pose that is a rotation, beside those of the optimum."""
     optimum = assessment.optimum
-    cost, weight = at_most(energies.rounding_cost), energies.total_weight
+    cost = at_most(energies.rounding_cost)
     rmse, of_optimum = (
-        exact_number(rational_root_above(energy / weight))
-        for energy in (energies.objective, energies.optimum)
+        OUT_OF_RANGE.reason if square is None else exact_number(rational_root_above(square))
+        for square in (energies.mean_square, energies.least_square)
     )
     return [
         f"  RMSE               {rmse}  ({energies.of_what}, {unit_words(assessment.fit)})",

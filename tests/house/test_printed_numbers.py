@@ -53,8 +53,8 @@ ALLOWED = {  # what the last digit of a number to the nearest is worth, and wher
         registration/assessment_words.py {away:.4g}
         registration/assessment_words.py {defect:.1e}
         registration/assessment_words.py {degrees:.4g}
-        registration/assessment_words.py {math.degrees(facts.angles[facts.nearest]):.2g}
-        registration/assessment_words.py {math.degrees(facts.away):.6g}
+        registration/assessment_words.py {away:.6g}
+        registration/assessment_words.py {math.degrees(rest.angle):.2g}
         registration/closed_form.py {gap:.3g}
         registration/pair_words.py {percent:.2g}
         registration/pair_words.py {width:.2g}
@@ -64,8 +64,6 @@ ALLOWED = {  # what the last digit of a number to the nearest is worth, and wher
         registration/convention_errors.py {degrees:.2g}
         registration/convention_errors.py {scale:.6g}
         registration/convention_errors.py {shift:.3g}
-        registration/spring_assessment.py {math.degrees(facts.away):.4g}
-        registration/spring_assessment.py {math.degrees(facts.critical.angle):.2g}
         registration/valley.py {degrees:.{digits}g}
         registration/valley.py {run.excess:.2g}
         registration/labelled.py {self.cost:.6g}
@@ -106,7 +104,6 @@ ALLOWED = {  # what the last digit of a number to the nearest is worth, and wher
         registration/misfits.py {times:.{digits}g}
         registration/misfits.py {unit[0]:.6g}
         registration/pair_warnings.py {100.0 * share:.3g}
-        registration/spring_assessment.py {distance.value:.3g}
         report/judged_pose.py {distance.p:.2g}
         report/judged_pose.py {distance.value:.4g}
         report/uncertainty.py {chi2.p:.2g}

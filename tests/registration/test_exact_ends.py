@@ -167,17 +167,15 @@ def test_the_cost_of_rounding_is_the_range_for_the_turn_and_the_weight_for_the_s
 def test_the_cost_of_rounding_a_scale_is_that_of_half_a_unit(symmetric):
     scale = Fraction(5, 2)
     scaling = SimpleNamespace(source=Fraction(11), symmetric=symmetric)
-    pose: Any = SimpleNamespace(scale=2.5)
     objective = fake(scaling, Fraction(16))
     sine, away = rounding_errors(TURN, SHIFT, [scale * c for c in CENTRE])
     shifted = 7 * away + 11 * (scale * UNIT) ** 2
 
-    assert scaled_rounding_cost(objective, pose, TURN, SHIFT) == 4 * (
+    assert scaled_rounding_cost(objective, scale, TURN, SHIFT) == 4 * (
         4 * RANGE * sine + (shifted / scale if symmetric else shifted)
     )
-    assert scaled_rounding_cost(fake(), pose, TURN, SHIFT) == 0
-    none: Any = SimpleNamespace(scale=0.0)
-    assert scaled_rounding_cost(objective, none, TURN, SHIFT) == 0
+    assert scaled_rounding_cost(fake(), scale, TURN, SHIFT) == 0
+    assert scaled_rounding_cost(objective, Fraction(0), TURN, SHIFT) == 0
 
 
 @pytest.mark.parametrize("beside", [-LITTLE, Fraction(0), LITTLE])

@@ -23,6 +23,7 @@ from certreg.objective.classification import Classification
 from certreg.registration import headlines
 from certreg.registration.breaking import BreakingEquilibria, BreakingEquilibrium, SimulatedBreaking
 from certreg.registration.breathing import ScaledEquilibria
+from certreg.registration.findings import Findings
 from certreg.registration.label_assessment import (
     KeptPairs,
     LabelAssessment,
@@ -44,7 +45,6 @@ from certreg.registration.spring_equilibria import (
     _margin,
     _optimal,
 )
-from certreg.registration.spring_findings import SpringFindings
 from certreg.registration.valley import SimulatedSprings
 from certreg.results import Absent, ComponentKind, Guarantee, Limits, Optimality, Ruling
 
@@ -277,16 +277,13 @@ def test_one_rotation_is_optimal_as_far_as_a_certificate_says():
 
 def test_a_pose_is_elsewhere_at_a_worse_equilibrium_and_near_within_a_proved_angle():
     settings: Any = SimpleNamespace(near_optimal_angle=0.5)
-    assert not asked(SpringFindings, "is_elsewhere", critical=None)
+    assert not asked(Findings, "is_elsewhere", place=SimpleNamespace(rest=None))
     for worse in BOTH:
-        critical = SimpleNamespace(is_worse=worse)
-        assert asked(SpringFindings, "is_elsewhere", critical=critical) == worse
+        rest = SimpleNamespace(worse=worse)
+        assert asked(Findings, "is_elsewhere", place=SimpleNamespace(rest=rest)) == worse
     for unique, angle in product((None, False, True), (None, 0.5, math.nextafter(0.5, 1.0))):
-        pose: Any = SimpleNamespace(
-            registration=SimpleNamespace(solution=SimpleNamespace(unique_rotation=unique)),
-            bounds=SimpleNamespace(angle_upper=angle),
-        )
-        assert SpringFindings.is_near(pose, settings) == (unique is not None or angle == 0.5)
+        pose: Any = SimpleNamespace(unique=unique, bounds=SimpleNamespace(angle_upper=angle))
+        assert Findings.is_near(pose, settings) == (unique is not None or angle == 0.5)
 
 
 def test_a_simulation_converged_where_it_rests_at_what_is_as_good():

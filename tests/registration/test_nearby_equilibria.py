@@ -22,9 +22,9 @@ from certreg.registration import valley
 from certreg.registration.assessment import assess
 from certreg.registration.certification import certify
 from certreg.registration.exit_codes import NOT_CERTIFIED
-from certreg.registration.findings import AssessmentSettings
+from certreg.registration.findings import exact_pose, findings, verdict_of
+from certreg.registration.landscape import AssessmentSettings, landscape_of
 from certreg.registration.nearby_equilibrium import TIE, NearbyEquilibrium
-from certreg.registration.spring_findings import spring_findings, spring_verdict_of
 from certreg.report.judged_pose import assessment_summary
 from certreg.results import PoseVerdict
 
@@ -120,12 +120,15 @@ def test_a_pose_near_one_of_several_fits_is_bounded_and_no_more():
     found = lines()
     settings = AssessmentSettings()
     turned = _turned(found.pose.quaternion_wxyz, 1e-4)
-    facts = spring_findings(found, GivenPose(turn=turned, translation=None), settings)
+    given = GivenPose(turn=turned, translation=None)
+    pose = exact_pose(found.solution.objective, given, found.solution.centre)
+    cost = landscape_of(found).rounding_cost(found, given)
+    facts = findings(found, pose, cost, settings)
 
-    assert spring_verdict_of(facts, settings) is PoseVerdict.BOUNDED
-    assert spring_verdict_of(_within(facts, 0.1), settings) is PoseVerdict.NEAR_OPTIMAL
+    assert verdict_of(facts, settings) is PoseVerdict.BOUNDED
+    assert verdict_of(_within(facts, 0.1), settings) is PoseVerdict.NEAR_OPTIMAL
     outside = math.nextafter(0.1, 1.0)
-    assert spring_verdict_of(_within(facts, outside), settings) is PoseVerdict.BOUNDED
+    assert verdict_of(_within(facts, outside), settings) is PoseVerdict.BOUNDED
     text = assessment_summary(assess(found, turned))
     assert text.startswith("BOUNDED: at most ")
     assert "NEAR-OPTIMAL" not in text

@@ -47,7 +47,8 @@ def cost_and_gap(
 ) -> tuple[Fraction, Fraction]:
     """What rounding can cost, and what exactly this pose costs at most."""
     objective = registration.solution.objective
-    pose = exact_pose(objective, GivenPose(turn=turn, translation=shift))
+    given, centre = GivenPose(turn=turn, translation=shift), objective.moments.source_centroid
+    pose = exact_pose(objective, given, centre)
     bounds = pose_bounds(objective, checked(registration.certificate).body, pose)
     return rounding_cost(objective, turn, shift), bounds.greatest_gap
 

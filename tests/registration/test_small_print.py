@@ -31,8 +31,9 @@ from certreg.registration.certification import certify
 from certreg.registration.closed_form import register
 from certreg.registration.covariance import effective_rows
 from certreg.registration.exit_codes import worst
-from certreg.registration.findings import cost_of_rounding, exact_pose, findings
+from certreg.registration.findings import exact_pose, findings
 from certreg.registration.fit import COINCIDENT, NO_SOURCE, ZERO_MEDIAN
+from certreg.registration.landscape import AssessmentSettings, linear_rounding_cost
 from certreg.registration.misfits import LEVEL, FitCode
 from certreg.registration.outlying import SAMPLE_ROWS, OtherPairing, row_fit
 from certreg.registration.row_names import RowNames
@@ -124,11 +125,13 @@ def test_no_slip_is_said_to_be_tried_where_nothing_is_certified(registration: Re
 def test_rounding_is_named_as_the_cause_up_to_what_it_can_cost(registration: Registration):
     given = given_pose(np.hstack([registration.pose.rotation, [[9.0], [9.0], [9.0]]]), None)
     objective = registration.solution.objective
-    facts = findings(registration, exact_pose(objective, given), Fraction(0))
+    pose = exact_pose(objective, given, objective.moments.source_centroid)
+    facts = findings(registration, pose, Fraction(0), AssessmentSettings())
     gap = facts.bounds.greatest_gap
 
     for cost, named in ((gap, True), (gap * 999 / 1000, False)):
-        words = words_of_pose(replace(facts, rounding_cost=cost), PoseVerdict.NOT_AN_EQUILIBRIUM)
+        costly = replace(facts, rounding_cost=cost)
+        words = words_of_pose(costly, PoseVerdict.NOT_AN_EQUILIBRIUM, given)
         assert ("The rounding of its numbers to doubles can cost that much: " in words) == named
 
 
@@ -190,7 +193,7 @@ def test_the_inverse_is_rounded_about_the_centroid_that_it_moves():
     """A target far from the origin: as the inverse the pose is written for it, at its lever."""
     found = solved(SOURCE, NOISY + np.array([1e9, 0.0, 0.0]))
     given = given_pose(np.hstack([np.eye(3), [[1.0], [2.0], [3.0]]]), None)
-    plain, inverse = (cost_of_rounding(found, given, inverse=k) for k in (False, True))
+    plain, inverse = (linear_rounding_cost(found, given, inverse=k) for k in (False, True))
     back = found.pose.inverse()
     x, y = (cloud.mean(axis=0) for cloud in (found.problem.source, found.problem.target))
 

@@ -10,14 +10,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from certreg.registration import spring_findings, valley
+from certreg.registration import landscape, valley
+from certreg.registration.findings import FINE_PROOF, verdict_of
+from certreg.registration.landscape import SLACK, quartic_rounding_cost
 from certreg.registration.quartic import QuarticSolution
-from certreg.registration.spring_findings import (
-    FINE_PROOF,
-    SLACK,
-    _cost_of_rounding,
-    spring_verdict_of,
-)
 from certreg.registration.valley import LEVEL, NEAR, TIE, SimulatedSprings
 from certreg.results import PoseVerdict
 
@@ -69,12 +65,19 @@ def test_a_pose_on_springs_is_judged_by_each_bound_on_both_sides():
         **more: Any,
     ) -> PoseVerdict:
         bounds = SimpleNamespace(greatest_gap=gap, least_gap=least, meet=lambda *_, **__: within)
-        fields = {"away": None, "is_elsewhere": False, "critical": None, "rounding_cost": TINY}
-        fields |= {"energy_range": 1, "is_near": lambda _: True} | more
-        return spring_verdict_of(
+        fields = {"away": None, "is_elsewhere": False, "rounding_cost": TINY}
+        fields |= {
+            "place": SimpleNamespace(energy_range=1, rest=None),
+            "unique": None,
+            "is_near": lambda _: True,
+        } | more
+        return verdict_of(
             SimpleNamespace(bounds=bounds, proof_gap=own, **fields),  # pyright: ignore[reportArgumentType]
             settings,
         )
+
+    def at(*, here: bool) -> Any:
+        return SimpleNamespace(energy_range=1, rest=SimpleNamespace(here=here))
 
     fine, quarter = Fraction(FINE_PROOF), Fraction(1, 4)
     assert verdict(TINY) is PoseVerdict.OPTIMAL
@@ -88,9 +91,11 @@ def test_a_pose_on_springs_is_judged_by_each_bound_on_both_sides():
     assert verdict(quarter, is_elsewhere=True) is PoseVerdict.NOT_AN_EQUILIBRIUM
     assert verdict(quarter, away=0.125) is PoseVerdict.NEAR_OPTIMAL
     assert verdict(quarter, away=math.nextafter(0.125, 1)) is PoseVerdict.NOT_AN_EQUILIBRIUM
-    worse: dict[str, Any] = {"critical": (), "is_elsewhere": True}
+    worse: dict[str, Any] = {"place": at(here=True), "is_elsewhere": True}
     assert verdict(quarter, least=LITTLE, **worse) is PoseVerdict.SPURIOUS_EQUILIBRIUM
     assert verdict(quarter, least=SAME, **worse) is PoseVerdict.NOT_AN_EQUILIBRIUM
+    worse["place"] = at(here=False)
+    assert verdict(quarter, least=LITTLE, **worse) is PoseVerdict.NOT_AN_EQUILIBRIUM
 
 
 @pytest.mark.parametrize("beside", [-LITTLE, Fraction(0), LITTLE])
@@ -113,14 +118,14 @@ def test_minima_are_near_up_to_the_proved_gap(beside: Fraction):
 
 def cost_of(monkeypatch: Any, half: Any, sine: Fraction, away: Fraction) -> Fraction:
     """Of a turn and a shift of these sizes, squared, beside half a Hessian."""
-    monkeypatch.setattr(spring_findings, "rounding_errors", lambda *_: (sine, away))
+    monkeypatch.setattr(landscape, "rounding_errors", lambda *_: (sine, away))
     near = SimpleNamespace(half_hessian=lambda _: np.asarray(half, dtype=float))
     registration: Any = SimpleNamespace(
         pose=SimpleNamespace(rotation=None, quaternion_wxyz=None, translation=None),
         solution=SimpleNamespace(near=near, centre=()),
     )
     given: Any = SimpleNamespace(is_matrix=True, translation=())
-    return _cost_of_rounding(registration, given)
+    return quartic_rounding_cost(registration, given)
 
 
 @pytest.mark.parametrize("k", range(6))

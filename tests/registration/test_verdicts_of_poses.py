@@ -5,23 +5,23 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
 from spring_families import plane, statement
 
 import certreg
-from certreg.geometry.given import given_pose
-from certreg.registration.findings import AssessmentSettings, findings, verdict_of
+from certreg.registration.findings import (
+    FINE_PROOF,
+    Findings,
+    findings,
+    verdict_of,
+)
 from certreg.registration.headlines import CERTIFIED, WITHIN_LIMITS, headline_of, is_green
+from certreg.registration.landscape import AssessmentSettings
 from certreg.registration.optimum import exact_pose
-from certreg.registration.spring_findings import FINE_PROOF, spring_findings, spring_verdict_of
 from certreg.results import Limits, PoseVerdict
-
-if TYPE_CHECKING:
-    from certreg.registration.findings import Findings
-    from certreg.registration.spring_findings import SpringFindings
 
 USUAL, SETTINGS = Limits(), AssessmentSettings()
 GAP, ANGLE = Fraction(USUAL.max_gap), USUAL.max_angle
@@ -37,14 +37,14 @@ def registration() -> Any:
 
 @pytest.fixture(scope="module")
 def facts(registration: Any) -> Findings:
-    return findings(registration, exact_pose(registration.pose), NONE)
+    return findings(registration, exact_pose(registration.pose), NONE, SETTINGS)
 
 
 @pytest.fixture(scope="module")
-def sprung() -> SpringFindings:
+def sprung() -> Findings:
     made = plane(np.random.default_rng(4), 30, 0.05)
     found: Any = certreg.certify(certreg.RegistrationProblem(**statement(made)))
-    return spring_findings(found, given_pose(found.pose, None), SETTINGS)
+    return findings(found, exact_pose(found.pose), NONE, SETTINGS)
 
 
 @pytest.mark.parametrize(
@@ -85,7 +85,7 @@ def test_a_pose_is_optimal_up_to_its_rounding_and_the_usual_limits(
     ],
 )
 def test_a_pose_on_general_springs_is_optimal_up_to_its_rounding_the_proof_and_the_limits(
-    sprung: SpringFindings,
+    sprung: Findings,
     least: Fraction,
     gap: Fraction,
     cost: Fraction,
@@ -99,12 +99,11 @@ def test_a_pose_on_general_springs_is_optimal_up_to_its_rounding_the_proof_and_t
         least_range_squared=Fraction(1),
         angle_upper=angle,
     )
-    judged = replace(
-        sprung, bounds=bounds, rounding_cost=cost, energy_range=Fraction(1), away=0.0, critical=None
-    )
+    place = replace(sprung.place, energy_range=Fraction(1), rest=None)
+    judged = replace(sprung, bounds=bounds, rounding_cost=cost, place=place, away=0.0)
 
     expected = PoseVerdict.OPTIMAL if optimal else PoseVerdict.NEAR_OPTIMAL
-    assert spring_verdict_of(judged, SETTINGS) is expected
+    assert verdict_of(judged, SETTINGS) is expected
 
 
 @pytest.mark.parametrize(
