@@ -17,11 +17,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from certreg.equilibrium.four_paths import HomotopyStatus, continuation
-from tests.oracles.polynomials import multiplier_system
 
 from benchmarks.measuring import Figure, Quantity, fastest
 from certreg.equilibrium.counting import at_most_four
+from certreg.equilibrium.four_paths import HomotopyStatus, continuation
 from certreg.equilibrium.groebner import eliminate, fibres
 from certreg.equilibrium.homotopy import EigenBalls
 from certreg.equilibrium.krawczyk import proved_root
@@ -32,6 +31,7 @@ from certreg.objective.classification import pattern_of
 from certreg.problem.moments import exact_moments
 from tests.oracles.exports import as_msolve, as_phcpack, as_singular, value_unit
 from tests.oracles.groebner_basis import rotation_ideal
+from tests.oracles.polynomials import multiplier_system
 from tests.oracles.systems import quaternion_system
 
 if TYPE_CHECKING:

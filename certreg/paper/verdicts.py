@@ -14,8 +14,8 @@ from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
 from certreg.certificate.checking import verify
-from certreg.certificate.count import AT_MOST
-from certreg.certificate.producing import count_certificate, produce
+from certreg.certificate.count import AT_MOST, count_certificate
+from certreg.certificate.isotropic import produce
 from certreg.errors import InvalidProblemError
 from certreg.geometry.so3 import squared_norm
 from certreg.objective.isotropic import Isotropic

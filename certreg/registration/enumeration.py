@@ -11,7 +11,6 @@ from certreg.equilibrium.equilibrium_set import EquilibriumSet
 from certreg.equilibrium.methods import FINDERS, compare, search
 from certreg.errors import UndecidedError
 from certreg.objective.by_structure import objective_of
-from certreg.objective.isotropic import Isotropic
 from certreg.objective.structure import Structure
 from certreg.registration.ambiguity import equilibria_at
 from certreg.registration.covariance import pose_covariance
@@ -34,6 +33,7 @@ if TYPE_CHECKING:
     from certreg.equilibrium.methods import Comparison, Search
     from certreg.geometry.pose import Pose
     from certreg.geometry.similarity import Similarity
+    from certreg.objective.isotropic import Isotropic
     from certreg.objective.springs import Springs
     from certreg.problem.problem import RegistrationProblem
     from certreg.registration import breathing, spring_equilibria

@@ -7,7 +7,6 @@ from dataclasses import replace
 from fractions import Fraction
 
 import pytest
-from certreg.paper.claims import Evidence
 
 from certreg.certificate.checking import verify
 from certreg.certificate.count import count_certificate
@@ -15,6 +14,7 @@ from certreg.errors import InvalidProblemError
 from certreg.objective.classification import classify
 from certreg.paper import derivation
 from certreg.paper import verdicts as certifying
+from certreg.paper.claims import Evidence
 from certreg.paper.verdicts import ClaimVerdict, certified_clouds, in_integers
 from certreg.problem.moments import exact_moments
 

@@ -10,14 +10,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from certreg.certificate.basin import Barrier, barrier_of, basin_of_springs
-from certreg.equilibrium.line_batch import QuarticSolutions
-from certreg.registration.pair_words import ranges_words
 
 from certreg.certificate import basin as basins
+from certreg.certificate.basin import Barrier, barrier_of, basin_of_springs
 from certreg.certificate.producing_consensus import UNDECIDED, ProvedConsensus
 from certreg.equilibrium.breaking import Labels
 from certreg.equilibrium.equilibrium_set import WEAK_MARGIN, EquilibriumSet
+from certreg.equilibrium.line_batch import QuarticSolutions
 from certreg.equilibrium.line_set import Finiteness, LineSet
 from certreg.objective.classification import Classification
 from certreg.registration import headlines
@@ -35,6 +34,7 @@ from certreg.registration.labelled import (
     LabelledRegistration,
     TruncatedRegistration,
 )
+from certreg.registration.pair_words import ranges_words
 from certreg.registration.quartic import QuarticSolution
 from certreg.registration.result import Registration
 from certreg.registration.spring_equilibria import (
