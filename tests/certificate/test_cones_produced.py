@@ -135,7 +135,7 @@ def test_without_compiled_code_squares_prove_what_they_can_and_cones_are_said_to
 
     made = case("plane 20", 0)
     monkeypatch.setattr("certreg.native.cones.little_library_for", refusing)
-    monkeypatch.setattr("certreg.certificate.producing_springs.sos_body", undecided)
+    monkeypatch.setattr("certreg.certificate.cones.sos_body", undecided)
     with pytest.warns(NotCompiledWarning, match="a proof by cones of rotations needs the comp"):
         proved = springs_certificate(made.problem, made.objective, find_optimum(made.objective))
 

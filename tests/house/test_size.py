@@ -14,8 +14,8 @@ from syntax import nodes
 import certreg
 
 PACKAGE = Path(certreg.__file__).parent
-MOST_STATEMENTS = 35_924
-MOST_FILES = 355
+MOST_STATEMENTS = 34_947
+MOST_FILES = 338
 
 
 def written() -> list[Path]:
