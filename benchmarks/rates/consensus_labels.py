@@ -23,13 +23,13 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks.rates.consensus_poses import graduated_nonconvexity
 from certreg.certificate.producing_consensus import ConsensusProver
 from certreg.problem.bounds import bounded
 from certreg.problem.problem import RegistrationProblem
 from certreg.problem.random_instances import OutlierInstance, outlier_instance
 from certreg.registration.consensus import PROVER, proved_consensus
 from certreg.registration.pipeline import Asked, Work
-from certreg.relaxation.truncated_squares import graduated_nonconvexity
 
 checker = import_module("certreg.verify")
 ROOT = Path(__file__).resolve().parents[2]
