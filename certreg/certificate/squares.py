@@ -23,7 +23,6 @@ from certreg.certificate.springs_sos import SpringsClaims, SpringsSosBody
 from certreg.exact.dyadic import dyadic_above, power_of_two
 from certreg.exact.elimination import is_positive_definite
 from certreg.geometry.so3 import dot, squared_norm
-from certreg.objective.quartics import MONOMIALS, PAIRS
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -34,9 +33,11 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-SQUARE = tuple((1 + (a < c)) * (a == b and c == d) for a, b, c, d in MONOMIALS)  # of |q|^4
+QUARTICS: tuple[tuple[int, ...], ...] = tuple(combinations_with_replacement(range(4), 4))
+PRODUCTS = tuple(combinations_with_replacement(range(4), 2))
+SQUARE = tuple((1 + (a < c)) * (a == b and c == d) for a, b, c, d in QUARTICS)  # of |q|^4
 TIMES = tuple(
-    24 // math.prod(math.factorial(m.count(i)) for i in range(4)) for m in MONOMIALS
+    24 // math.prod(math.factorial(m.count(i)) for i in range(4)) for m in QUARTICS
 )  # of (u.q)^4
 ROUNDING = 70  # two parts of each coefficient are rounded down, and |q_i q_j q_k q_l| <= 1
 BOUND_BITS = 32  # mantissa of what is claimed: short numbers, at most 2^-31 wasted
@@ -192,7 +193,9 @@ class _Scaled:
             quartic=tuple(c * over.numerator // over.denominator for c in objective.quartic),
             quaternion=quaternion,
             value=math.floor(objective.value(quaternion) * over / norm**2),
-            products=tuple((quaternion[i] * quaternion[j] << RANGE_BITS) // norm for i, j in PAIRS),
+            products=tuple(
+                (quaternion[i] * quaternion[j] << RANGE_BITS) // norm for i, j in PRODUCTS
+            ),
         )
 
     def integers_of(self, objective: Springs, found: Found) -> list[int]:
@@ -216,20 +219,20 @@ class _Scaled:
         q, norm = self.quaternion, squared_norm(self.quaternion) ** 2
         return [
             c + (times * mu * q[a] * q[b] * q[i] * q[j]) // norm
-            for c, times, (a, b, i, j) in zip(self.quartic, TIMES, MONOMIALS, strict=True)
+            for c, times, (a, b, i, j) in zip(self.quartic, TIMES, QUARTICS, strict=True)
         ]
 
     def matrix(self, free: Sequence[int], mu: int, delta: int = 0) -> list[list[int]]:
         """2 G, 10x10, with these free entries; (level + mu) |q|^4 is on the diagonal."""
         places = _places()
-        left: dict[tuple[int, ...], int] = dict(zip(MONOMIALS, self.coefficients(mu), strict=True))
+        left = dict(zip(QUARTICS, self.coefficients(mu), strict=True))
         rows = [[0] * 10 for _ in range(10)]
         for (i, j), monomial, entry in zip(places.free, places.monomials, free, strict=True):
             rows[i][j] = rows[j][i] = entry
             left[monomial] -= entry
         for monomial, (i, j) in places.first.items():
             rows[i][j] = rows[j][i] = left[monomial]
-        for k, (i, j) in enumerate(PAIRS):
+        for k, (i, j) in enumerate(PRODUCTS):
             rows[k][k] = 2 * (rows[k][k] - (1 + (i < j)) * (self.value - delta + mu))
         return rows
 
@@ -256,7 +259,7 @@ class _Scaled:
 
     def with_growth(self, free: Sequence[int], mu: int) -> list[int]:
         """The free entries and those of mu (u.q)^4, as the square of a linear form."""
-        p = [(1 + (i < j)) * entry for (i, j), entry in zip(PAIRS, self.products, strict=True)]
+        p = [(1 + (i < j)) * entry for (i, j), entry in zip(PRODUCTS, self.products, strict=True)]
         return [
             entry + (mu * p[i] * p[j] * (1 + (i < j)) >> 2 * RANGE_BITS)
             for (i, j), entry in zip(_places().free, free, strict=True)
@@ -282,7 +285,7 @@ def _places() -> _Places:
     free: list[tuple[int, int]] = []
     monomials: list[tuple[int, ...]] = []
     for i, j in combinations_with_replacement(range(10), 2):
-        monomial = tuple(sorted(PAIRS[i] + PAIRS[j]))
+        monomial = tuple(sorted(PRODUCTS[i] + PRODUCTS[j]))
         if first.setdefault(monomial, (i, j)) != (i, j):
             free.append((i, j))
             monomials.append(monomial)
@@ -290,7 +293,7 @@ def _places() -> _Places:
         free=tuple(free),
         monomials=tuple(monomials),
         first=first,
-        lengths=np.array([1.0 + (i < j) for i, j in PAIRS]),
+        lengths=np.array([1.0 + (i < j) for i, j in PRODUCTS]),
     )
 
 

@@ -63,7 +63,6 @@ from certreg.errors import InvalidProblemError
 from certreg.native.library import MANY, library_for
 from certreg.native.stationary import ManyClouds
 from certreg.objective.isotropic import Isotropic
-from certreg.problem.arrays import many_numbers
 from certreg.problem.budget import checked_threads
 from certreg.problem.moments import exact_moments
 from certreg.problem.motion import DEFAULT_DAMPING, checked_damping
@@ -295,7 +294,19 @@ def _weights(given: ArrayLike, points: int) -> Array:
 
 
 def _doubles(given: ArrayLike, name: str) -> Array:
-    return np.ascontiguousarray(many_numbers(given, name), dtype=np.float64)
+    try:
+        array = np.asarray(given)
+    except (ValueError, TypeError) as error:
+        raise InvalidProblemError(
+            f"{name} are not an array of numbers: {error}", array=name
+        ) from error
+    if array.dtype.kind not in "fiu":
+        raise InvalidProblemError(
+            f"{name} have entries of type {array.dtype}: give real numbers",
+            array=name,
+            value=array.dtype,
+        )
+    return np.ascontiguousarray(array, dtype=np.float64)
 
 
 def _write(solutions: Solutions, found: StationaryPoses, some: ManyClouds, damping: float) -> None:

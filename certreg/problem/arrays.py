@@ -119,23 +119,6 @@ def real_numbers(values: Any, name: str) -> NDArray[Any]:
     return array
 
 
-def many_numbers(rows: Any, name: str) -> NDArray[Any]:
-    """The rows of many problems as an array of real numbers. Raises InvalidProblemError."""
-    try:
-        array = np.asarray(rows)
-    except (ValueError, TypeError) as error:
-        raise InvalidProblemError(
-            f"{name} are not an array of numbers: {error}", array=name
-        ) from error
-    if array.dtype.kind not in "fiu":
-        raise InvalidProblemError(
-            f"{name} have entries of type {array.dtype}: give real numbers",
-            array=name,
-            value=array.dtype,
-        )
-    return array
-
-
 def _remedy(values: Any, name: str) -> str:
     """What to type for an array that does not let NumPy read it: on a GPU, or with gradients."""
     if hasattr(values, "detach"):  # of PyTorch; .double(), for NumPy has no bfloat16

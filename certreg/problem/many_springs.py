@@ -14,7 +14,6 @@ import numpy as np
 from certreg._loading import cached_property
 from certreg.errors import InvalidProblemError
 from certreg.native.library import MANY, library_for
-from certreg.problem.arrays import many_numbers
 from certreg.problem.floating_stiffness import (
     LEAST_STIFFNESS,
     FloatingSpringMoments,
@@ -133,7 +132,7 @@ def stated_many(
     Raises InvalidProblemError, which names the row and the instance.
     """
     n = sources.shape[1]
-    kinds = {name: many_numbers(rows, name) for name, rows in given.rows.items()}
+    kinds = {name: _numbers(rows, name) for name, rows in given.rows.items()}
     if not kinds:
         raise InvalidProblemError(
             "no springs were given: give normals, directions, covariances, information or factors "
@@ -142,7 +141,7 @@ def stated_many(
         )
     several = {name: _has_problems(rows, name, n) for name, rows in kinds.items()}
     extra = {"sigma": sigma, "weights": weights}
-    numbers = {k: many_numbers(a, k).astype(float) for k, a in extra.items() if a is not None}
+    numbers = {k: _numbers(a, k).astype(float) for k, a in extra.items() if a is not None}
     own = [rows for name, rows in kinds.items() if several[name]]
     own += [array for array in numbers.values() if array.ndim == 2]
     leading = {len(array) for array in own}
@@ -212,6 +211,22 @@ def _sums(given: ManySprings, origins: Array) -> Array:
     sizes = (ctypes.c_int64(given.count), ctypes.c_int64(given.points))
     library_for(MANY).handle.certreg_many_springs(*sizes, *pointers)
     return found.sum(axis=2)
+
+
+def _numbers(rows: Any, name: str) -> Array:
+    try:
+        array = np.asarray(rows)
+    except (ValueError, TypeError) as error:
+        raise InvalidProblemError(
+            f"{name} are not an array of numbers: {error}", array=name
+        ) from error
+    if array.dtype.kind not in "fiu":
+        raise InvalidProblemError(
+            f"{name} have entries of type {array.dtype}: give real numbers",
+            array=name,
+            value=array.dtype,
+        )
+    return array
 
 
 def _has_problems(array: Array, name: str, n: int) -> bool:
