@@ -23,8 +23,11 @@ from certreg.native.loops import (
 from certreg.native.runs import FLAT, Array, BodyRun, turned_by
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from certreg.native.loops import Batch, Log, Rules
     from certreg.native.stationary import ManyClouds, StationaryPoses
+    from certreg.native.tape import Tape
 
 SPRING_SWEEPS = 16  # of six rows
 NO_PULL = 1e-12  # of the largest curvature: less is rounding, and must not choose a side
@@ -97,6 +100,14 @@ class SpringRun(BodyRun):
         return Ending.PERTURBED, moved
 
 
+def of_arrays(tape: Tape, arguments: Sequence[Array]) -> tuple[Array, ...]:
+    """The results for arguments (size, ...), as (size, ...) each."""
+    several = np.shape(arguments[0])[1:]
+    with np.errstate(all="ignore"):
+        results = tape.run(arguments)
+    return tuple(np.array([np.broadcast_to(x, several) for x in result]) for result in results)
+
+
 class Reference(Evaluator):
     """The tapes of all generated functions, and a run on general springs."""
 
@@ -110,7 +121,7 @@ class Reference(Evaluator):
         bodies = np.zeros(len(quaternions), dtype=BODY)
         states["q"], bodies["cross"] = quaternions, cross.reshape(-1, 3, 3)
         arguments = plain(states).T, plain(bodies).T
-        hessians, _ = self.calls["certreg_quaternion_curvature"].of_arrays(arguments)
+        hessians, _ = of_arrays(self.calls["certreg_quaternion_curvature"].tape, arguments)
         return hessians.T.reshape(-1, 3, 3)
 
     def run(self, batch: Batch, rules: Rules, log: Log | None = None) -> None:

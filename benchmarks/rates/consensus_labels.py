@@ -24,6 +24,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from benchmarks.rates.consensus_poses import graduated_nonconvexity
 from certreg.certificate.producing_consensus import ConsensusProver
 from certreg.errors import InvalidProblemError
 from certreg.geometry.so3 import rotation_matrix
@@ -31,10 +32,10 @@ from certreg.problem.bounds import bounded
 from certreg.problem.problem import RegistrationProblem
 from certreg.registration.consensus import PROVER, proved_consensus
 from certreg.registration.pipeline import Asked, Work
-from certreg.relaxation.truncated_squares import graduated_nonconvexity
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
+
 
 checker = import_module("certreg.verify")
 ROOT = Path(__file__).resolve().parents[2]

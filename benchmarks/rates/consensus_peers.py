@@ -23,14 +23,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.rates.consensus_labels import Cell
+from benchmarks.rates.consensus_poses import graduated_nonconvexity
 from certreg.certificate.producing_consensus import ConsensusProver
 from certreg.geometry.so3 import rotation_matrix
 from certreg.problem.problem import RegistrationProblem
 from certreg.registration.consensus import proved_consensus
-from certreg.relaxation.truncated_squares import graduated_nonconvexity
 
 if TYPE_CHECKING:
     from benchmarks.rates.consensus_labels import OutlierInstance
+
 
 Array = NDArray[np.float64]
 Answer = tuple[Array, Array, bool]  # rotation, translation, whether it says that it is right

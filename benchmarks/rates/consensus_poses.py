@@ -19,8 +19,8 @@ from wrong_pairs import wrong_pairs
 
 from certreg.relaxation.consensus_search import candidates
 from certreg.relaxation.edge_rows import grown, held, widened
-from certreg.relaxation.paired_rows import fitted, paired_rows
-from certreg.relaxation.truncated_squares import graduated_nonconvexity
+from certreg.relaxation.paired_rows import fitted, paired_rows, squared_ratios
+from certreg.relaxation.truncated_squares import candidate_of, truncated_fit
 
 COUNT = 100
 CELLS = (
@@ -31,6 +31,13 @@ CELLS = (
     *((1000, wrong) for wrong in (0.5, 0.8, 0.9, 0.95)),
 )
 LEAST = 0.99  # of the instances of a cell
+
+
+def graduated_nonconvexity(source, target, bounds):
+    """The pose that graduated non-convexity finds for points (N, 3), (N, 3) and bounds (N,)."""
+    pairs = paired_rows(source, target, bounds)
+    pose = truncated_fit(pairs)
+    return candidate_of(pairs, pose, squared_ratios(pairs, pose))
 
 
 def most_beside(pairs):

@@ -174,9 +174,9 @@ def faults(seed: int) -> Iterator[str]:
     assuming, parting = Assuming(thinning), Parting(thinning)
     while (parting.run() if seed % 2 else assuming.run()) or parting.run(assuming.given_up):
         thinning.run()
-    if mine & ~thinning.alive:
+    if mine & ~thinning.left.alive:
         yield f"{seed}: a planted pair is struck of {K}"
-    if any(mine & ~(thinning.near[i] | 1 << i) for i in case.rows):
+    if any(mine & ~(thinning.left.near[i] | 1 << i) for i in case.rows):
         yield f"{seed}: two planted pairs are struck together of {K}"
     if seed % CHECKED == 0:
         yield from checked(seed, case, near, thinning, K)
@@ -193,7 +193,7 @@ def checked(
         yield f"{seed}: the graphs differ"
     steps, looks = [strike.to_fields() for strike in thinning.strikes], [checker.LOOKS_MAX]
     again = checker.Thinning(rows, [*near], (1 << n) - 1, K, looks, rigid=True)
-    if again.after(steps) != thinning.alive or again.near != [*thinning.near]:
+    if again.after(steps) != thinning.left.alive or again.near != [*thinning.left.near]:
         yield f"{seed}: the checker leaves other rows"
     if seed % PROVED == 0:
         yield from proved(seed, case)

@@ -42,7 +42,7 @@ class Assuming:
         for e in thinning.open_rows():
             if thinning.closed:
                 break
-            if thinning.alive >> e & 1 and not self._is_met(e):
+            if thinning.left.alive >> e & 1 and not self._is_met(e):
                 groups = self._groups(e)
                 if groups is not None:
                     thinning.strike(Strike(struck=e, groups=groups))
@@ -51,18 +51,18 @@ class Assuming:
 
     def _is_met(self, e: int) -> bool:
         """Whether a clique that was not refuted with the row is still one of its neighbours."""
-        clique, near = self._met.get(e), self._thinning.near
-        if clique is None or clique & ~self._thinning.beside(e):
+        clique, near = self._met.get(e), self._thinning.left.near
+        if clique is None or clique & ~self._thinning.left.beside(e):
             return False
         return all(clique & ~(near[i] | 1 << i) == 0 for i in rows_of(clique))
 
     def _groups(self, e: int) -> tuple[Group, ...] | None:
         """The groups with which the row falls; None where it stays."""
         thinning, groups, sets = self._thinning, list[Group](), list[int]()
-        search = CliqueAvoiding(thinning.near.integers, self._choices)
+        search = CliqueAvoiding(thinning.left.near.integers, self._choices)
         most = min(MOST_GROUPS, MOST_IN_ALL - self._made)
         while len(groups) <= most and search.choices:
-            clique = search.clique(thinning.beside(e), sets, thinning.least - 1)
+            clique = search.clique(thinning.left.beside(e), sets, thinning.least - 1)
             self._choices = search.choices
             if clique is None:
                 if not search.choices:

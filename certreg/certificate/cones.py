@@ -40,7 +40,7 @@ from certreg.geometry.so3 import body_frame, dot, squared_norm
 from certreg.native.cones import ConesEnding, search_cones
 from certreg.native.kernels import MissingLibraryError
 from certreg.objective.normalisation import levelled_exactly
-from certreg.objective.quartics import MONOMIALS
+from certreg.objective.quartics import MONOMIALS, PLACE
 from certreg.relaxation.refining import refined
 from certreg.results import Brief
 from certreg.verify import CAPS_MAX
@@ -78,7 +78,6 @@ TIED_WORDS = "Cones prove that nothing is below the best minima, which are too c
 CONSTANT_WORDS = "The energy is the same at every rotation."
 NOTHING_WORDS = f"{BUDGET} cones did not suffice to bound the gap by 1e-6 of the range."
 
-PLACES: dict[tuple[int, ...], int] = {monomial: k for k, monomial in enumerate(MONOMIALS)}
 RANGES: dict[tuple[int, ...], Fraction] = {  # of monomials on the unit quaternions, by powers
     (4, 0, 0, 0): Fraction(1),
     (2, 2, 0, 0): Fraction(1, 4),
@@ -356,7 +355,7 @@ class ConeProof:
         form = [entry * over for entry in self.objective.quartic]
         base, along = int((level + growth * squared_norm(u)) * over), int(growth * over)
         for i, j, k in product(range(4), repeat=3):
-            place = PLACES[tuple(sorted((i, j, k, k)))]
+            place = PLACE[tuple(sorted((i, j, k, k)))]
             form[place] += along * u[i] * u[j] - base * (i == j)
         return form
 

@@ -47,7 +47,7 @@ class Parting:
         for e, f in self._pairs(rows):
             if self._struck == MOST_STRUCK:
                 break
-            if proof(e, f, thinning.beside(e) & thinning.beside(f)):
+            if proof(e, f, thinning.left.beside(e) & thinning.left.beside(f)):
                 self._struck += 1
                 thinning.strike(Strike(struck=(e, f)))
                 struck = True
@@ -57,10 +57,10 @@ class Parting:
         """Neighbours, those of rows with few of them first, while a row is open."""
         thinning = self._thinning
         for e in [e for e in thinning.open_rows() if rows >> e & 1]:
-            for f in rows_of(thinning.beside(e)):
+            for f in rows_of(thinning.left.beside(e)):
                 if thinning.closed:
                     return
-                if thinning.alive >> e & 1 and thinning.beside(e) >> f & 1:
+                if thinning.left.alive >> e & 1 and thinning.left.beside(e) >> f & 1:
                     yield e, f
 
     def _few_colours(self, _e: int, _f: int, beside: int) -> bool:
@@ -86,7 +86,7 @@ class Parting:
         most = thinning.least - 3
         if (rows & thinning.clique).bit_count() > most:
             return False
-        return thinning.colours(rows, most) <= most
+        return thinning.left.colours(rows, most) <= most
 
 
 # The checker's turns and frames: cosines and sines of 2 arctan(k / QUARTER) in each quarter.

@@ -58,7 +58,9 @@ class Stager:
             alive, len(self.met), mask_of(self.met) if clique is None else clique
         )
         stages.append(self._kept(thinning))
-        return thinning.alive, replace(self, graph=replace(self.graph, near=thinning.near))
+        return thinning.left.alive, replace(
+            self, graph=replace(self.graph, near=thinning.left.near)
+        )
 
     def stage(
         self,
@@ -75,9 +77,9 @@ class Stager:
         thinning = self._thinned(alive, least, clique)
         if length_of(stages) + sum(map(_length, thinning.strikes)) > self.most:
             return alive
-        if thinning.alive.bit_count() < least:
+        if thinning.left.alive.bit_count() < least:
             stages.append(self._kept(thinning, without))
-        return thinning.alive
+        return thinning.left.alive
 
     def _kept(self, thinning: GraphThinning, without: int | None = None) -> Stage:
         left_out = self.count if without is None else without
@@ -87,7 +89,7 @@ class Stager:
         thinning = GraphThinning(self.graph, alive, least, clique)
         thinning.run()
         assuming, parting = Assuming(thinning), Parting(thinning)
-        if self.whole or (thinning.alive & ~thinning.clique).bit_count() <= len(self.met):
+        if self.whole or (thinning.left.alive & ~thinning.clique).bit_count() <= len(self.met):
             while assuming.run() or parting.run(assuming.given_up):
                 thinning.run()
         return thinning

@@ -39,51 +39,34 @@ class GraphThinning:
     """What is left of `alive` that a motion that meets at least `least` of it can meet.
 
     clique: rows that are consistent with each other, of which the groups are. None of them is
-    tried: they fall by themselves where the others have fallen and they are too few.
+    tried: they fall by themselves where the others have fallen and they are too few. left: the
+    graph that is left, without the pairs that are struck together.
     """
 
     def __init__(self, graph: Graph, alive: int, least: int, clique: int) -> None:
         self.graph, self.least, self.clique = graph, least, clique
         self._failed: dict[int, tuple[int, int]] = {}
-        self._left = Thinned(graph.near, alive, least, clique)
+        self.left = Thinned(graph.near, alive, least, clique)
         self.strikes: list[Strike] = []
-
-    @property
-    def alive(self) -> int:
-        """The rows left, as bits."""
-        return self._left.alive
-
-    @property
-    def near(self) -> BitRows:
-        """The neighbours of each row, without those that are struck together."""
-        return self._left.near
 
     @property
     def closed(self) -> bool:
         """Whether no row is open, or too few are left for any motion."""
-        alive = self.alive
+        alive = self.left.alive
         return not alive & ~self.clique or alive.bit_count() < self.least
 
     def open_rows(self) -> list[int]:
         """Those left that are not of the clique, those with few neighbours first."""
-        rows = rows_of(self.alive & ~self.clique)
-        return sorted(rows, key=lambda e: self.beside(e).bit_count())
-
-    def beside(self, row: int) -> int:
-        """Its neighbours that are left, as bits."""
-        return self._left.beside(row)
-
-    def colours(self, rows: int, most: int) -> int:
-        """How many colours rows take, as neighbours have different ones; or one more than most."""
-        return self._left.colours(rows, most)
+        rows = rows_of(self.left.alive & ~self.clique)
+        return sorted(rows, key=lambda e: self.left.beside(e).bit_count())
 
     def strike(self, strike: Strike) -> None:
         """Strikes a row, or two neighbours together; and then what has too few neighbours."""
         self.strikes.append(strike)
         if isinstance(strike.struck, int):
-            self._left.strike(strike.struck)
+            self.left.strike(strike.struck)
         else:
-            self._left.cut(*strike.struck)
+            self.left.cut(*strike.struck)
 
     def run(self) -> None:
         """Strikes rows until none falls."""
@@ -91,14 +74,14 @@ class GraphThinning:
             pass
 
     def _strike_by_colours(self) -> bool:
-        struck = self._left.strike_by_colours()
+        struck = self.left.strike_by_colours()
         self.strikes += [Strike(struck=row) for row in struck]
         return bool(struck)
 
     def _strike_by_groups(self) -> bool:
         """Tries all rows once, those with few neighbours first; whether one fell."""
         before = len(self.strikes)
-        for tried in self._left.open_rows():
+        for tried in self.left.open_rows():
             groups = self._groups(tried.row, tried.spare)
             if groups is not None:
                 self.strike(Strike(struck=tried.row, groups=groups))
@@ -109,7 +92,7 @@ class GraphThinning:
 
         Every motion that meets e leaves out one of each group. None if they are not found.
         """
-        rows = self._left.beside(e) & self.clique
+        rows = self.left.beside(e) & self.clique
         if self._failed.get(e) == (rows, most):
             return None
         family = self._apart(e, rows, most)

@@ -196,7 +196,7 @@ def integrate(batch: Batch, settings: SimulationSettings, log: Log | None = None
         lost = np.asarray(unfinished & np.isfinite(plain(starts)).all(axis=1), dtype=np.bool_)
         if not lost.any():
             return
-        again = batch.chosen(lost)
+        again = batch.part(lost)
         again.states[:] = starts[lost]
         again.steps[:] = _halved(again.steps)
         if log is not None:

@@ -22,7 +22,6 @@ from certreg.native.signatures import generated
 from certreg.native.tape import Tape, tapes_of
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
     from pathlib import Path
 
     from numpy.typing import NDArray
@@ -31,7 +30,6 @@ if TYPE_CHECKING:
     from certreg.native.loops import Batch, Engine, Log, Rules
     from certreg.native.signatures import Signature
 
-Array = Any  # NDArray[np.float64]
 LOG = logging.getLogger(__name__)
 
 
@@ -69,15 +67,9 @@ class _Call:
         try:  # Python's own numbers are four times as fast as NumPy's, one by one
             results = self.tape.run([array.tolist() for array in given])
         except (ZeroDivisionError, ValueError):  # infinity, or none: a result like any other in C
-            return self.of_arrays(given)
+            with np.errstate(all="ignore"):
+                results = self.tape.run([list(array) for array in given])
         return tuple(np.array(result) for result in results)
-
-    def of_arrays(self, arguments: Sequence[Array]) -> tuple[Array, ...]:
-        """The results for arguments (size, ...), as (size, ...) each."""
-        several = np.shape(arguments[0])[1:]
-        with np.errstate(all="ignore"):
-            results = self.tape.run(arguments)
-        return tuple(np.array([np.broadcast_to(x, several) for x in result]) for result in results)
 
 
 @cache

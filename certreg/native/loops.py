@@ -186,22 +186,15 @@ class Batch:
             times=np.zeros(1),
         )
 
-    def part(self, which: slice) -> Batch:
-        """Some of the bodies; what the loops write there, they write here."""
-        return self._of(which)
-
-    def chosen(self, which: NDArray[np.bool_]) -> Batch:
-        """A copy of some of the bodies."""
-        return self._of(which)
+    def part(self, which: slice | NDArray[np.bool_]) -> Batch:
+        """Some of the bodies; by a slice what the loops write there is written here, too."""
+        arrays = {name: getattr(self, name)[which] for name in _ARRAYS}
+        return Batch(integrator=self.integrator, **arrays)
 
     def put(self, which: NDArray[np.bool_], others: Batch) -> None:
         """Put others in the place of some of the bodies."""
         for name in _ARRAYS:
             getattr(self, name)[which] = getattr(others, name)
-
-    def _of(self, which: Any) -> Batch:
-        arrays = {name: getattr(self, name)[which] for name in _ARRAYS}
-        return Batch(integrator=self.integrator, **arrays)
 
 
 def _copied(count: int, given: Mapping[str, tuple[Records, RecordType]]) -> dict[str, Records]:

@@ -115,7 +115,7 @@ def springs_by_limbs(library: Library, *points: NDArray[np.float64]) -> IntegerS
     memory = _POINTER(digits.ctypes.data)
     if _is_refused(library.handle.certreg_limb_springs(*_passed(arrays), memory, about)):
         return None
-    integers = tuple([_joined(row) for row in digits.tolist()])
+    integers = tuple([joined(row, LIMB_BITS) for row in digits.tolist()])
     return _of_springs(integers, about[:6], LIMB_BITS * (LIMB_PLACES - 1))
 
 
@@ -180,9 +180,9 @@ def _exponents(lowest: Iterable[int]) -> tuple[int | None, ...]:
     return tuple([None if bit == NOWHERE else bit + LEAST_PLACE for bit in lowest])
 
 
-def _joined(digits: Sequence[int]) -> int:
-    """One number of digits with sign, the highest first."""
+def joined(digits: Sequence[int], bits: int) -> int:
+    """One number of digits with sign of so many bits each, the highest first."""
     value = 0
     for digit in digits:
-        value = (value << LIMB_BITS) + digit
+        value = (value << bits) + digit
     return value

@@ -26,7 +26,7 @@ import numpy as np
 from certreg._loading import found_late
 from certreg.native.kernels import MissingLibraryError
 from certreg.native.library import loaded_library
-from certreg.native.sums import fixed_point_fits, sums_by_exponent, sums_in_fixed_point
+from certreg.native.sums import fixed_point_fits, joined, sums_by_exponent, sums_in_fixed_point
 from certreg.problem.arrays import row_blocks
 from certreg.problem.lifting import lift
 
@@ -394,19 +394,12 @@ def _table(left: NDArray[np.float64], right: _Limbs) -> list[list[int]]:
     by_place = np.zeros((rows, parts.shape[2], many + few - 1), dtype=np.int64)
     for k in range(few):
         by_place[:, :, k : k + many] += parts[:, :, :, k].swapaxes(1, 2)
-    return [[_joined(places) for places in row] for row in by_place.tolist()]
+    return [[joined(places, LIMB_BITS) for places in row] for row in by_place.tolist()]
 
 
 def _total(rows: NDArray[np.float64]) -> list[int]:
     """The sum of each row."""
-    return [_joined(places) for places in rows.sum(axis=2).astype(np.int64).tolist()]
-
-
-def _joined(places: list[int]) -> int:
-    value = 0
-    for place in places:
-        value = (value << LIMB_BITS) + place
-    return value
+    return [joined(places, LIMB_BITS) for places in rows.sum(axis=2).astype(np.int64).tolist()]
 
 
 def _least(one: int | None, other: int | None) -> int | None:

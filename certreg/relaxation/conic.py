@@ -17,9 +17,13 @@ import numpy as np
 
 from certreg._loading import library
 from certreg.errors import MissingToolError
+from certreg.geometry.so3 import canonical
 from certreg.relaxation.cones import NEED, cones_of
+from certreg.results import Brief
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from numpy.typing import NDArray
 
     from certreg.relaxation.cones import Cones
@@ -29,6 +33,7 @@ SOLVER = "Clarabel"
 GAP_TOLERANCE = 1e-8  # Clarabel's own default
 FEASIBILITY_TOLERANCE = 1e-8  # as above
 MAX_ITERATIONS = 100  # seven are usual
+RANK_THRESHOLD = 1e-4  # of the largest eigenvalue of the optimal matrix
 
 
 class RelaxationStatus(enum.Enum):
@@ -61,6 +66,42 @@ class ConicSolution:
     multiplier: float | None = None
     matrix: NDArray[np.float64] | None = None
     dual: NDArray[np.float64] | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class SolvedRelaxation(Brief):
+    """What a solver found. The numbers are None where the status says that there are none.
+
+    solver: name and version. solver_word: its own status; where it is missing, what to install.
+    value: of the relaxation; not a bound.
+    rank: number of eigenvalues of the optimal matrix above RANK_THRESHOLD times the largest.
+    quaternion_wxyz: (4,), unit, canonical sign: the rotation read off that matrix.
+    """
+
+    solver: str
+    solver_word: str
+    status: RelaxationStatus
+    value: float | None
+    rank: int | None
+    quaternion_wxyz: NDArray[np.float64] | None
+
+    @property
+    def reason(self) -> str:
+        """Why there are no numbers, where there are none; else what became of the solver."""
+        unavailable = self.status is RelaxationStatus.UNAVAILABLE
+        return self.solver_word if unavailable else self.status.value
+
+
+def rank_and_quaternion(
+    matrix: NDArray[np.float64] | None,
+    quaternion_of: Callable[[NDArray[np.float64]], NDArray[np.float64]],
+) -> tuple[int | None, NDArray[np.float64] | None]:
+    """The rank of an optimal matrix, and the quaternion of its top eigenvector; None of none."""
+    if matrix is None:
+        return None, None
+    values, vectors = np.linalg.eigh(matrix)
+    rank = int((values > RANK_THRESHOLD * values[-1]).sum())
+    return rank, canonical(quaternion_of(vectors[:, -1]))
 
 
 def solver_name() -> str:

@@ -9,16 +9,23 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from certreg.exact.dyadic import power_of_two
-from certreg.geometry.so3 import canonical, quaternion_from_matrix
-from certreg.relaxation.conic import ConicSolution, RelaxationStatus, solve, solver_name
+from certreg.geometry.so3 import quaternion_from_matrix
+from certreg.relaxation.conic import (
+    ConicSolution,
+    RelaxationStatus,
+    SolvedRelaxation,
+    rank_and_quaternion,
+    solve,
+    solver_name,
+)
 from certreg.relaxation.cvxpy_models import solve_stated, stated_name, statement
 from certreg.relaxation.qcqp import RelaxationForm
-from certreg.results import Brief
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -27,41 +34,23 @@ if TYPE_CHECKING:
     from certreg.objective.isotropic import Isotropic
 
 
-RANK_THRESHOLD = 1e-4  # of the largest eigenvalue of Z; the solver's tolerance is 1e-8
-
-
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Relaxation(Brief):
-    """A solved relaxation. The numbers are None where the status says that there are none.
+class Relaxation(SolvedRelaxation):
+    """A solved relaxation.
 
-    solver: name and version. solver_word: its own status; where it is missing, what to install.
     unit: what 1 is worth, in units of tr(R^T C): exact, so that no scale is out of range. Where C
         is zero, the spread of the clouds: the solver's rounding must be small beside something.
     value: of the relaxation, times unit; not a bound.
     multiplier: the least nu with nu I - K >= 0 as the solver sees it, times unit; not a bound
         either. None in the rotation form.
-    rank: number of eigenvalues of the optimal Z above RANK_THRESHOLD times the largest. With m the
-        multiplicity of the largest eigenvalue of K, the optima span m dimensions in the quaternion
-        form and m (m + 1) / 2 in the rotation form, and that is the rank of Z: 1 iff the optimum is
-        unique, as far as the solver can tell.
-    quaternion_wxyz: (4,), unit, first nonzero entry positive: the rotation read off Z.
+    rank: of the optimal Z. With m the multiplicity of the largest eigenvalue of K, the optima span
+        m dimensions in the quaternion form and m (m + 1) / 2 in the rotation form, and that is the
+        rank of Z: 1 iff the optimum is unique, as far as the solver can tell.
     """
 
     form: RelaxationForm
-    solver: str
-    solver_word: str
-    status: RelaxationStatus
     unit: Fraction
-    value: float | None
     multiplier: float | None
-    rank: int | None
-    quaternion_wxyz: NDArray[np.float64] | None
-
-    @property
-    def reason(self) -> str:
-        """Why there are no numbers, where there are none; else what became of the solver."""
-        unavailable = self.status is RelaxationStatus.UNAVAILABLE
-        return self.solver_word if unavailable else self.status.value
 
     @property
     def proposal(self) -> Fraction | None:
@@ -91,7 +80,7 @@ def relax(
     if shift == 0:
         unit = moments.spread or unit
         status = RelaxationStatus.DEGENERATE if status is RelaxationStatus.SOLVED else status
-    rank, quaternion = _rank_and_quaternion(solution, form)
+    rank, quaternion = rank_and_quaternion(solution.matrix, partial(_quaternion, solution, form))
     return Relaxation(
         form=form,
         solver=solver_name() if solver is None else stated_name(solver),
@@ -116,17 +105,10 @@ def _normalised(cross: Matrix3[int], shift: int) -> NDArray[np.float64]:
     return np.array([[entry / (1 << shift) for entry in row] for row in cross])
 
 
-def _rank_and_quaternion(
-    solution: ConicSolution, form: RelaxationForm
-) -> tuple[int | None, NDArray[np.float64] | None]:
-    """The rank, and the top eigenvector of Z; or the rotation nearest to the R of its first column.
-
-    None where there is no Z.
-    """
-    if solution.matrix is None:
-        return None, None
-    values, vectors = np.linalg.eigh(solution.matrix)
-    rank = int((values > RANK_THRESHOLD * values[-1]).sum())
-    if form is RelaxationForm.QUATERNION:
-        return rank, canonical(vectors[:, -1])
-    return rank, quaternion_from_matrix(solution.matrix[1:, 0].reshape(3, 3).T)
+def _quaternion(
+    solution: ConicSolution, form: RelaxationForm, top: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """The top eigenvector of Z; or of the rotation nearest to the R of its first column."""
+    if form is RelaxationForm.QUATERNION or solution.matrix is None:
+        return top
+    return quaternion_from_matrix(solution.matrix[1:, 0].reshape(3, 3).T)

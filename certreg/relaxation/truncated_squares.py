@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
-from certreg.relaxation.paired_rows import fitted, paired_rows, squared_ratios
+from certreg.relaxation.paired_rows import fitted, squared_ratios
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -39,15 +39,6 @@ class Candidate:
     translation: NDArray[np.float64]
     inliers: NDArray[np.int64]
     scale: float = 1.0
-
-
-def graduated_nonconvexity(
-    source: NDArray[np.float64], target: NDArray[np.float64], bounds: NDArray[np.float64]
-) -> Candidate:
-    """The pose that graduated non-convexity finds for points (N, 3), (N, 3) and bounds (N,)."""
-    pairs = paired_rows(source, target, bounds)
-    pose = truncated_fit(pairs)
-    return candidate_of(pairs, pose, squared_ratios(pairs, pose))
 
 
 def candidate_of(pairs: PairedRows, pose: Poses, ratios: Reals) -> Candidate:

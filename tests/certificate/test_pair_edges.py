@@ -163,7 +163,8 @@ def test_a_transversal_is_found_where_there_is_one():
 
 def test_a_thinning_is_closed_without_open_rows_or_with_too_few():
     for alive, clique, least in product(range(8), range(8), range(4)):
-        of: Any = SimpleNamespace(alive=alive, clique=clique, least=least)
+        left = SimpleNamespace(alive=alive)
+        of: Any = SimpleNamespace(left=left, clique=clique, least=least)
         flag: Any = GraphThinning.closed
         closed = flag.fget(of)
 

@@ -95,13 +95,13 @@ def test_mirror_images_are_struck_that_no_single_row_is():
     prover, everything, within = ConsensusProver(problem), (1 << 18) - 1, (1 << 9) - 1
     thinning = GraphThinning(prover.graph, everything, 9, within)
     thinning.run()
-    before, one = thinning.alive, Parting(thinning)
+    before, one = thinning.left.alive, Parting(thinning)
     while one.run():
         thinning.run()
     found = prover.prove(np.eye(3), np.zeros(3))
 
     assert before == everything
-    assert thinning.alive == within
+    assert thinning.left.alive == within
     assert all(isinstance(strike.struck, tuple) for strike in thinning.strikes)
     assert found is not None
     assert found.labels == "i" * 9 + "o" * 9
@@ -120,9 +120,9 @@ def test_no_pair_is_struck_where_two_motions_meet_as_many():
     while Parting(thinning).run():
         thinning.run()
 
-    assert thinning.alive == (1 << 16) - 1
-    assert all(thinning.near[i] & 255 == near[i] & 255 for i in range(8))
-    assert all(thinning.near[i] >> 8 == near[i] >> 8 for i in range(8, 16))
+    assert thinning.left.alive == (1 << 16) - 1
+    assert all(thinning.left.near[i] & 255 == near[i] & 255 for i in range(8))
+    assert all(thinning.left.near[i] >> 8 == near[i] >> 8 for i in range(8, 16))
 
 
 @pytest.fixture(scope="module")
@@ -149,8 +149,8 @@ def test_where_few_pairs_are_right_rows_fall_that_stayed(few):
         parted.run()
 
     assert sum(isinstance(strike.struck, tuple) for strike in parted.strikes) > 50
-    assert 2 * parted.alive.bit_count() < alone.alive.bit_count()
-    assert found.labels.count("?") <= (parted.alive & ~mask_of(found.met)).bit_count()
+    assert 2 * parted.left.alive.bit_count() < alone.left.alive.bit_count()
+    assert found.labels.count("?") <= (parted.left.alive & ~mask_of(found.met)).bit_count()
     assert checker.check(consensus_certificate(problem, found, None).to_json()).verified
 
 
@@ -172,7 +172,7 @@ def test_a_row_falls_where_each_clique_of_its_neighbours_is_refuted(few):
 
     groups = [k for k, step in enumerate(steps) if k >= before and len(step) > 2]
     assert groups
-    assert left(steps) == thinning.alive
+    assert left(steps) == thinning.left.alive
     assert one.given_up == 0
     with pytest.raises(checker.RefusalError):
         left([*steps[: groups[0]], steps[groups[0]][:-1], *steps[groups[0] + 1 :]])
@@ -202,7 +202,7 @@ def test_turns_are_not_tried_without_end(few):
     )  # not rigid: without turns
 
     left = used.after([strike.to_fields() for strike in thinning.strikes])
-    assert left == thinning.alive
+    assert left == thinning.left.alive
     assert set(rows_of(left)) >= {k for k, label in enumerate(found.labels) if label != "o"}
 
 
@@ -257,12 +257,14 @@ def test_a_row_falls_only_where_no_clique_is_left_however_soon_the_search_is_giv
         points = SimpleNamespace(refutation=refutation)
         thinning: Any = SimpleNamespace(
             graph=SimpleNamespace(effort=choices / clique_refutation.MOST_CHOICES, points=points),
-            near=SimpleNamespace(integers=[0b111111 & ~(1 << i) for i in range(6)]),
-            alive=0b111111,
+            left=SimpleNamespace(
+                near=SimpleNamespace(integers=[0b111111 & ~(1 << i) for i in range(6)]),
+                alive=0b111111,
+                beside=lambda _: 0b11111,
+            ),
             closed=False,
             least=4,
             open_rows=lambda: [5],
-            beside=lambda _: 0b11111,
             strike=strike,
         )
         struck.clear()

@@ -483,7 +483,7 @@ def test_batches_escape_from_saddles_as_single_instances_do(few, integrator):
         elif k % 4:
             together.states["q"][k] = q
     together.states["c"] = 0.0
-    alone = together.part(slice(None)).chosen(np.ones(len(few.records), dtype=np.bool_))
+    alone = together.part(slice(None)).part(np.ones(len(few.records), dtype=np.bool_))
     current_engine().run(together, SimulationSettings().rules)
     for k in range(len(few.records)):
         current_engine().run(alone.part(slice(k, k + 1)), SimulationSettings().rules)

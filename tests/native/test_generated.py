@@ -12,7 +12,7 @@ import pytest
 import sympy
 from engines import c_compiler
 from engines import engine as either
-from reference_engine import reference
+from reference_engine import of_arrays, reference
 
 from certreg.dynamics.rigid import rigid_body
 from certreg.dynamics.simulation import simulate
@@ -85,7 +85,7 @@ def test_python_gives_the_bits_of_casadi(name, definitions):
     function, call = casadi_function(definition), reference().calls[name]
     rng = np.random.default_rng(6)
     many = [rng.normal(size=(len(port.entries), 5)) for port in definition.arguments]
-    together = call.of_arrays(many)
+    together = of_arrays(call.tape, many)
     for k in range(5):
         numbers = [argument[:, k] for argument in many]
         expected = [value.elements() for value in function.call([n.tolist() for n in numbers])]

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from wrong_pairs import WrongPairs, wrong_pairs
 
+from benchmarks.rates.consensus_poses import graduated_nonconvexity
 from certreg.geometry.so3 import is_reflection
 from certreg.native.bitset_graph import BitRows
 from certreg.relaxation import consensus_search
@@ -16,7 +17,6 @@ from certreg.relaxation.cliques import consistency
 from certreg.relaxation.consensus_search import candidates
 from certreg.relaxation.edge_rows import grown, held, widened
 from certreg.relaxation.paired_rows import fitted, paired_rows
-from certreg.relaxation.truncated_squares import graduated_nonconvexity
 
 GNC_FAILS = (5, 6, 10)  # seeds of clouds where graduated non-convexity ends at other rows
 EPSILON = 1e-9  # of a bound: what other roundings may add
