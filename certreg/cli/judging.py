@@ -15,9 +15,8 @@ from certreg.cli.progress import note
 from certreg.cli.writing import WritingCommand, require_apart
 from certreg.cli.wrong_pairs import consensus_options
 from certreg.errors import InvalidFileError
-from certreg.geometry.given import GivenPose
+from certreg.geometry.given import given_pose
 from certreg.geometry.pose_matrix import why_no_rotation
-from certreg.geometry.similarity import Similarity
 from certreg.io.atomic import write_atomically
 from certreg.io.clouds import read_cloud
 from certreg.io.poses import read_result_pose
@@ -25,13 +24,11 @@ from certreg.io.row_values import read_inliers
 from certreg.io.written_clouds import write_cloud
 from certreg.problem.bounds import bounded
 from certreg.problem.support import Loss
-from certreg.registration.assessment import judged
+from certreg.registration.assessment import JUDGES, judged
 from certreg.registration.certification import certify
 from certreg.registration.exit_codes import DONE, NOT_CERTIFIED, REFUSED
 from certreg.registration.findings import GOOD
 from certreg.registration.headlines import NO_ROTATION
-from certreg.registration.label_assessment import judged_labels
-from certreg.registration.truncated_labels import judged_truncated_labels
 from certreg.report.document import dumps
 from certreg.report.file_names import REPORT
 from certreg.report.judged_pose import assessment_document, assessment_summary
@@ -45,6 +42,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from certreg.cli.wrong_pairs import WrongPairs
+    from certreg.geometry.given import GivenPose
     from certreg.io.pairing import Pair
     from certreg.problem.problem import RegistrationProblem
     from certreg.verify import Clouds
@@ -144,9 +142,10 @@ def _told_of_labels(
 ) -> int:
     bounds = wrong.bounds(pair)
     labels = read_inliers(file, pair)
-    pairs = bounded(problem, bounds, Loss.of(wrong.objective, bounds))
-    judge = judged_truncated_labels if wrong.objective == Loss.TRUNCATED else judged_labels
-    kept = judge(pairs, labels, effort=wrong.effort, about=pair.about)
+    loss = Loss.of(wrong.objective, bounds)
+    kept = JUDGES[loss](
+        bounded(problem, bounds, loss), labels, effort=wrong.effort, about=pair.about
+    )
     click.echo(dumps(kept.to_dict()) if as_json else str(kept))
     return kept.exit_code
 
@@ -192,10 +191,8 @@ def _pose_to_apply(result: Path, line: int | None) -> tuple[GivenPose, str]:
     if pose.translation is not None:
         told = CHECKED_BESIDE if pose.of_some else "certreg assess judges it"
         return pose, f"The pose is as {printable(result)} has it, unchecked: {told}."
-    found = certified_pose(result)
-    scale = found.scale if isinstance(found, Similarity) else None
-    given = GivenPose(turn=found.quaternion_wxyz, translation=found.translation, scale=scale)
-    return given, f"The pose is computed anew from {printable(result)}, which the checker accepts."
+    found = given_pose(certified_pose(result))
+    return found, f"The pose is computed anew from {printable(result)}, which the checker accepts."
 
 
 def _header_words(out: Path, *, labelled: bool) -> str:

@@ -131,7 +131,7 @@ def _rounded_covariance(objective: Isotropic) -> NDArray[np.float64]:
 def _closed_form_angle(problem: RegistrationProblem, objective: Isotropic) -> float:
     """The larger angle of the rotations of both closed forms, from sums in doubles."""
     found = None
-    if not problem.rotation_only:  # that is of a pose with a translation
+    if problem.motion.translations:  # that is of a pose with a translation
         found = floating_pose(problem.source, problem.target, problem.weights)
     if found is None:
         sums = floating_moments(problem).cross_covariance

@@ -10,7 +10,6 @@ from certreg.geometry.given import given_pose
 from certreg.geometry.pose_matrix import why_no_rotation
 from certreg.objective.structure import Structure
 from certreg.problem.bounds import bounded
-from certreg.problem.problem import RegistrationProblem
 from certreg.problem.support import Loss
 from certreg.registration.assessed import Assessment
 from certreg.registration.assessment_words import WORDS, headline_of_pose, words_of_pose
@@ -29,6 +28,7 @@ from certreg.registration.label_assessment import judged_labels
 from certreg.registration.landscape import AssessmentSettings, landscape_of, optimum_worth
 from certreg.registration.problem_arguments import (
     ProblemOptions,
+    is_problem,
     stated_in_clouds,
     stated_problem_of,
 )
@@ -59,6 +59,10 @@ NUMBERS = (
         "sigma_distance",
     ),
 )
+JUDGES: Mapping[Loss, Callable[..., KeptPairs | TruncatedLabels]] = {  # of labels
+    Loss.CONSENSUS: judged_labels,
+    Loss.TRUNCATED: judged_truncated_labels,
+}
 NO_SLIP = Absent(
     "no single slip of those that are tried leads to it from a pose within 0.001 radians, and a "
     "millionth of the range of energies, of the optimum; two at once are not tried"
@@ -146,8 +150,8 @@ def assess(  # noqa: PLR0913 - each is one question, and has its usual answer
         sought = {"objective": objective, "effort": effort}
         judged_pairs = _judged_pairs(problem, pose, translation, given, sought, statement)
         return cast("Assessment", judged_pairs)
-    if not isinstance(problem, RegistrationProblem | Registration):
-        if translation is None or isinstance(pose, RegistrationProblem | Registration):
+    if not _is_stated(problem):
+        if translation is None or _is_stated(pose):
             raise InvalidProblemError(_unstated(problem, pose), array="problem")
         stated, _ = stated_in_clouds(problem, pose, statement, depth=3)
         problem, pose, translation = stated, translation, None
@@ -155,12 +159,12 @@ def assess(  # noqa: PLR0913 - each is one question, and has its usual answer
         raise InvalidProblemError(
             f"{', '.join(statement)} beside a problem, which states it itself", array="problem"
         )
-    if isinstance(pose, RegistrationProblem):
+    if is_problem(pose):
         raise InvalidProblemError(
             "pose is a RegistrationProblem: that comes first, and then the pose", array="pose"
         )
     given = given_pose(pose, translation)
-    if isinstance(problem, RegistrationProblem):
+    if is_problem(problem):
         problem = certify(problem, relaxation=False, simulation=False)
     return judged(cast("Registration", problem), given, settings)
 
@@ -182,14 +186,17 @@ def _judged_pairs(
     loss = Loss.of(sought["objective"], given["max_residual"])
     stated, about = stated_problem_of(problem, target, statement, loss)
     asked: dict[str, Any] = {"effort": sought["effort"], "about": about}
-    judge = judged_truncated_labels if loss is Loss.TRUNCATED else judged_labels
-    return judge(bounded(stated, given["max_residual"], loss), given["labels"], **asked)
+    return JUDGES[loss](bounded(stated, given["max_residual"], loss), given["labels"], **asked)
+
+
+def _is_stated(value: Any) -> bool:
+    """Whether it is a problem, or was certified."""
+    return is_problem(value) or isinstance(value, Registration)
 
 
 def _unstated(problem: Any, pose: Any) -> str:
     """What was given where a problem is expected, in words."""
-    swapped = isinstance(pose, RegistrationProblem | Registration)
-    found = "the two the other way round" if swapped else f"a {type(problem).__name__}"
+    found = "the two the other way round" if _is_stated(pose) else f"a {type(problem).__name__}"
     return (
         "assess takes a RegistrationProblem, or what certify returned, and then the pose: "
         "assess(RegistrationProblem(source, target), pose), or assess(source, target, pose); found "

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from certreg.objective.structure import Structure
 from certreg.problem.bounds import LEAST_PAIRS
 from certreg.registration.consensus_words import against_pose, bound_share, bound_words
 from certreg.registration.headlines import reason_of_fit
@@ -60,10 +59,8 @@ def wide_warning(problem: RegistrationProblem) -> FitWarning | None:
 
 def poor_warning(fit: Registration) -> FitWarning | None:
     """Of a fit that explains little and that no test is for; None of others."""
-    if fit.structure is Structure.QUARTIC or fit.fit.untested is None:
-        return None
-    share = fit.fit.explained
-    if share is None or share >= LEAST_EXPLAINED:
+    share = fit.fit.explained  # of springs there is none
+    if fit.fit.untested is None or share is None or share >= LEAST_EXPLAINED:
         return None
     return FitWarning(
         code=FitCode.POOR_FIT,

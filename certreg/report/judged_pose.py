@@ -11,9 +11,10 @@ from certreg.registration.findings import FIT_WARNED
 from certreg.registration.headlines import interval_words
 from certreg.registration.loose_turns import TooLarge
 from certreg.report.encoding import Document, encoded
-from certreg.report.fields import degrees, finite, fit_fields, scale_of, upper_degrees
+from certreg.report.fields import degrees, finite, fit_fields, upper_degrees
 from certreg.report.lines import exact_number, unit_words
 from certreg.report.remedies import ADVICE
+from certreg.report.scale import scale_of
 from certreg.results import OUT_OF_RANGE, Absent, PoseVerdict
 
 if TYPE_CHECKING:

@@ -7,10 +7,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from certreg._loading import late
-from certreg.geometry.similarity import Similarity
 from certreg.report.parts import listed
 from certreg.report.pose_words import motion_words, turn_of
-from certreg.report.scale import BIAS, SCALE_ZERO
+from certreg.report.scale import BIAS, SCALE_ZERO, scale_of
 from certreg.report.uncertainty import (
     centre_words,
     rotation_words,
@@ -23,12 +22,13 @@ from certreg.report.uncertainty import (
     two_digits,
     uncertainty_rows,
 )
-from certreg.results import Absent
+from certreg.results import Absent, present
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from certreg.geometry.pose import Pose
+    from certreg.geometry.similarity import Similarity
     from certreg.registration import scaled_poses
     from certreg.registration.covariance import PoseCovariance
     from certreg.registration.result import Registration
@@ -75,15 +75,15 @@ class PoseFacts:
 def pose_of(registration: Registration) -> PoseFacts:
     """The pose, rounded beside its deviations, and with all digits."""
     pose, bias = registration.pose, BIAS.get(registration.problem.scale)
-    exact, scaled = pose.T_target_source.tolist(), isinstance(pose, Similarity)
+    exact, scale = pose.T_target_source.tolist(), present(scale_of(pose))
     about_scale = [] if bias is None else [f"Of the scale: {bias}."]
     return PoseFacts(
-        rows=aligned(exact, scaled=scaled),
+        rows=aligned(exact, scaled=scale is not None),
         facts=(*_scale_facts(registration), *_place_facts(registration)),
         uncertainty=" ".join([_basis_words(registration), *about_scale]),
         matrix="\n".join(" ".join(map(repr, row)) for row in exact),
         quaternion=" ".join(map(repr, pose.quaternion_wxyz.tolist())),
-        scale=repr(pose.scale) if isinstance(pose, Similarity) else None,
+        scale=None if scale is None else repr(scale),
         motion=motion_words(registration),
     )
 
@@ -100,12 +100,12 @@ def _basis_words(registration: Registration) -> str:
 
 
 def _scale_facts(registration: Registration) -> Iterator[Fact]:
-    pose, own = registration.pose, listed(registration)
-    if not isinstance(pose, Similarity) or own is None:
+    scale, own = present(scale_of(registration.pose)), listed(registration)
+    if scale is None or own is None:
         return
     kind = f"{registration.problem.scale.value}: target over source"
-    yield Fact(name="Scale", value=f"{pose.scale:.9g}", words=kind)
-    if pose.scale == 0.0:
+    yield Fact(name="Scale", value=f"{scale:.9g}", words=kind)
+    if scale == 0.0:
         yield Fact(name="", value="", words=SCALE_ZERO)
     if (unit := scaled_poses.unit_of(own)) is not None:
         yield Fact(name="Unit", value="", words=unit)

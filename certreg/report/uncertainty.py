@@ -13,16 +13,17 @@ import numpy as np
 
 from certreg.exact.decimals import as_given, at_most
 from certreg.exact.dyadic import nearest_or_zero, sigma_of_weight
-from certreg.geometry.similarity import Similarity
 from certreg.registration.covariance import NO_RESIDUALS
 from certreg.registration.loose_turns import axis_words, beyond_first_order
 from certreg.registration.misfits import FitCode
-from certreg.results import Absent
+from certreg.report.scale import scale_of
+from certreg.results import Absent, present
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.geometry.pose import Pose
+    from certreg.geometry.similarity import Similarity
     from certreg.registration.covariance import PoseCovariance
     from certreg.registration.fit import Fit
     from certreg.registration.result import Registration
@@ -82,8 +83,8 @@ def _centre_row(registration: Registration, covariance: PoseCovariance) -> list[
 
 def scale_words(pose: Pose | Similarity, sigma: float) -> str:
     """The deviation of a scale, and its share of the scale."""
-    scale = pose.scale if isinstance(pose, Similarity) else 1.0
-    share = f"  ({_two_digits(100.0 * sigma / scale)} % of it)" if scale > 0.0 else ""
+    scale = present(scale_of(pose))
+    share = f"  ({_two_digits(100.0 * sigma / scale)} % of it)" if scale else ""
     return f"{_two_digits(sigma)}{share}"
 
 
