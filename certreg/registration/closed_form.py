@@ -170,11 +170,10 @@ def _by_moments(moments: Moments, best: BestScale | None) -> Pose | Similarity:
     rigid = Pose(rotation=rotation, translation=there - rotation @ here, quaternion_wxyz=quaternion)
     if best is None:
         return rigid
-    alignment = float(np.sum(rotation * moments.cross_covariance))
     spreads = float(np.trace(moments.source_scatter)), moments.target_spread
     # sums are over 2^b for the target, 2^a for the source, so their quotients over 2^(b - a)
     exponent = moments.target_exponent - moments.source_exponent
-    quotient = best(alignment, *spreads)
+    quotient = best(float(np.sum(rotation * moments.cross_covariance)), *spreads)
     with np.errstate(over="ignore"):
         scale = float(np.ldexp(quotient, exponent))
     if math.isinf(scale) or scale == 0.0 < quotient:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 from certreg.exact.decimals import at_most
 from certreg.exact.dyadic import degrees_above, rational_root_above
@@ -18,10 +18,14 @@ from certreg.report.scale import scale_of
 from certreg.results import OUT_OF_RANGE, Absent, PoseVerdict
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from certreg.registration.assessed import Assessment
     from certreg.registration.findings import JudgedEnergies, SigmaDistance
+    from certreg.registration.scaled_poses import GapParts
 
 
+T = TypeVar("T")
 ASSESSMENT_SCHEMA = "certreg-assessment/1"
 TURN = 3  # degrees of freedom of a rotation alone
 
@@ -107,62 +111,61 @@ def _proved_angle(assessment: Assessment) -> str:
 
 def assessment_document(assessment: Assessment) -> Document:
     """An assessment as `certreg-assessment/1`."""
-    nearest = assessment.stated("nearest_index")
-    if not isinstance(nearest, Absent):
-        nearest = {
-            "morse_index": nearest,
-            "angle_deg": degrees(assessment.stated("nearest_angle")),
-        }
+    stated = assessment.stated
     return encoded(
         {
             "schema": ASSESSMENT_SCHEMA,
-            "objective": assessment.stated("objective"),
-            "rmse": assessment.stated("rmse"),
-            "gap_lower": assessment.stated("gap_lower"),
-            "gap_upper": finite(assessment.stated("gap_upper")),
-            "gap_share": finite(assessment.stated("gap_share")),
-            "gap_parts": _gap_parts(assessment),
-            "rounding_cost": finite(assessment.stated("rounding_cost")),
-            "angle_upper_deg": upper_degrees(assessment.stated("angle_upper")),
-            "shift_upper": finite(assessment.stated("shift_upper")),
-            "angle_to_optimum_deg": degrees(assessment.stated("angle_to_optimum")),
-            "nearest": nearest,
-            "sigma_distance": _sigma_distance(assessment),
+            "objective": stated("objective"),
+            "rmse": stated("rmse"),
+            "gap_lower": stated("gap_lower"),
+            "gap_upper": finite(stated("gap_upper")),
+            "gap_share": finite(stated("gap_share")),
+            "gap_parts": _fields(stated("gap_parts"), _gap_parts),
+            "rounding_cost": finite(stated("rounding_cost")),
+            "angle_upper_deg": upper_degrees(stated("angle_upper")),
+            "shift_upper": finite(stated("shift_upper")),
+            "angle_to_optimum_deg": degrees(stated("angle_to_optimum")),
+            "nearest": _fields(
+                stated("nearest_index"),
+                lambda index: {
+                    "morse_index": index,
+                    "angle_deg": degrees(stated("nearest_angle")),
+                },
+            ),
+            "sigma_distance": _fields(
+                stated("sigma_distance"),
+                lambda distance: {"value": distance.value, "dof": distance.dof, "p": distance.p},
+            ),
             "verdict": assessment.verdict.value,
             "headline": assessment.headline,
             "words": assessment.words,
-            "hint": assessment.stated("slip") if assessment.slip is None else assessment.hint,
-            "slip": _slip(assessment),
+            "hint": stated("slip") if assessment.slip is None else assessment.hint,
+            "slip": _fields(
+                stated("slip"),
+                lambda slip: {
+                    "code": slip.code.value,
+                    "verdict": slip.verdict.value,
+                    "words": slip.words,
+                },
+            ),
             "optimum": {
                 "rotation": assessment.optimum.rotation,
                 "translation": assessment.optimum.translation,
                 "quaternion_wxyz": assessment.optimum.quaternion_wxyz,
                 "scale": scale_of(assessment.optimum),
-                "objective": assessment.stated("optimum_objective"),
-                "rmse": assessment.stated("optimum_rmse"),
+                "objective": stated("optimum_objective"),
+                "rmse": stated("optimum_rmse"),
             },
             "fit": fit_fields(assessment.fit),
         }
     )
 
 
-def _gap_parts(assessment: Assessment) -> Document | Absent:
-    parts = assessment.stated("gap_parts")
-    if isinstance(parts, Absent):
-        return parts
+def _fields(value: T | Absent, fields: Callable[[T], Document]) -> Document | Absent:
+    """The fields of a part, or why there is none."""
+    return value if isinstance(value, Absent) else fields(value)
+
+
+def _gap_parts(parts: GapParts) -> Document:
     rotation, scale, translation = map(finite, parts.doubles)
     return {"scale": scale, "rotation": rotation, "translation": translation}
-
-
-def _sigma_distance(assessment: Assessment) -> Document | Absent:
-    distance = assessment.stated("sigma_distance")
-    if isinstance(distance, Absent):
-        return distance
-    return {"value": distance.value, "dof": distance.dof, "p": distance.p}
-
-
-def _slip(assessment: Assessment) -> Document | Absent:
-    slip = assessment.stated("slip")
-    if isinstance(slip, Absent):
-        return slip
-    return {"code": slip.code.value, "verdict": slip.verdict.value, "words": slip.words}

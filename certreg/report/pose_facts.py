@@ -17,6 +17,7 @@ from certreg.report.uncertainty import (
     shift_sigmas,
     shift_words,
     sigma_words,
+    told_covariance,
     told_to,
     turn_sigmas,
     two_digits,
@@ -114,9 +115,7 @@ def _scale_facts(registration: Registration) -> Iterator[Fact]:
 def _place_facts(registration: Registration) -> Iterator[Fact]:
     """Rotation, centre and translation; each deviation that is known in the next line."""
     pose, moves = registration.pose, registration.problem.motion.translations
-    covariance = registration.covariance
-    if BASIS not in dict(uncertainty_rows(registration)):
-        covariance = None
+    covariance = present(told_covariance(registration))
     yield rotation_fact(pose, covariance)
     yield from axis_facts(pose)
     if covariance is None:

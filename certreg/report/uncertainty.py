@@ -50,13 +50,10 @@ def uncertainty_rows(registration: Registration) -> list[tuple[str, str]]:
     source's origin goes, which in map coordinates lies far from them. Where there is no uncertainty
     to tell: one row that says why.
     """
-    covariance, chi2 = covariance_of(registration), chi2_words(registration)
+    covariance, chi2 = told_covariance(registration), chi2_words(registration)
     tested = [] if chi2 is None else [("chi-squared", chi2)]
     if isinstance(covariance, Absent):
         return [("uncertainty", f"not known: {covariance.reason}"), *tested]
-    doubt = more_than_noise(registration.fit)
-    if doubt is not None:
-        return [("uncertainty", f"not known: {doubt}"), *tested]
     turned = rotation_words(covariance, "  (a small turn about the source's axes)")
     shifted = [("translation ±", shift_words(covariance, f"  ({OF_ORIGIN})"))]
     moves = registration.problem.motion.translations
@@ -127,6 +124,13 @@ def covariance_of(registration: Registration) -> PoseCovariance | Absent:
     if isinstance(covariance, Absent):
         return covariance
     return NO_RESIDUALS if covariance.estimated and registration.fit.rounded else covariance
+
+
+def told_covariance(registration: Registration) -> PoseCovariance | Absent:
+    """The covariance that ± is of, or why none is told."""
+    doubt = more_than_noise(registration.fit)
+    covariance = covariance_of(registration)
+    return covariance if doubt is None or isinstance(covariance, Absent) else Absent(doubt)
 
 
 def more_than_noise(fit: Fit) -> str | None:
