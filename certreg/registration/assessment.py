@@ -45,6 +45,7 @@ if TYPE_CHECKING:
     from certreg.registration.convention_errors import Slip
     from certreg.registration.findings import Findings
     from certreg.registration.label_assessment import KeptPairs
+    from certreg.registration.result import PoseWorth
     from certreg.registration.truncated_labels import TruncatedLabels
 
 
@@ -218,12 +219,13 @@ def judged(
         return _no_rotation(registration, given, fault, settings)
     exact = exact_pose(objective, given, landscape.centre(registration.solution))
     facts = findings(registration, exact, landscape.rounding_cost(registration, given), settings)
-    verdict, distance = verdict_of(facts, settings), sigma_distance(facts, given)
-    best = optimum_worth(registration)
+    verdict, best = verdict_of(facts, settings), optimum_worth(registration)
+    distance = sigma_distance(facts, given, best.energy)
     headline, line = headline_of_pose(facts, verdict, distance)
     slip = SLIPS[objective.structure](registration, given, settings, verdict)
     return _assessment(
         registration,
+        best,
         {
             "verdict": verdict,
             "headline": line,
@@ -272,16 +274,16 @@ def _no_rotation(
     slip = SLIPS[registration.structure](registration, given, settings, verdict)
     return _assessment(
         registration,
+        optimum_worth(registration),
         {"verdict": verdict, "headline": NO_ROTATION.said(fault=fault), "words": fault},
         {**dict.fromkeys(NUMBERS, Absent(fault)), "slip": slip},
     )
 
 
 def _assessment(
-    registration: Registration, said: dict[str, Any], numbers: dict[str, Any]
+    registration: Registration, best: PoseWorth, said: dict[str, Any], numbers: dict[str, Any]
 ) -> Assessment:
     """With the optimum beside the pose that is judged: what it costs itself, not rounded."""
-    best = optimum_worth(registration)
     stated: dict[str, Any] = {
         **numbers,
         "optimum_objective": _double(best.energy, nearest_double),
