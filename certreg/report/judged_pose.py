@@ -6,15 +6,16 @@ import math
 from typing import TYPE_CHECKING, TypeVar
 
 from certreg.exact.decimals import at_most
-from certreg.exact.dyadic import degrees_above, rational_root_above
+from certreg.exact.dyadic import rational_root_above
 from certreg.registration.findings import FIT_WARNED
-from certreg.registration.headlines import interval_words
+from certreg.registration.headlines import degrees_words, interval_words
 from certreg.registration.loose_turns import TooLarge
 from certreg.report.encoding import Document, encoded
 from certreg.report.fields import degrees, finite, fit_fields, upper_degrees
 from certreg.report.lines import exact_number, unit_words
 from certreg.report.remedies import ADVICE
 from certreg.report.scale import scale_of
+from certreg.report.uncertainty import known
 from certreg.results import OUT_OF_RANGE, Absent, PoseVerdict
 
 if TYPE_CHECKING:
@@ -49,11 +50,15 @@ def assessment_summary(assessment: Assessment) -> str:
 
 def _judged_lines(assessment: Assessment, energies: JudgedEnergies) -> list[str]:
     """Numbers of a pose that is a rotation, beside those of the optimum."""
-    optimum = assessment.optimum
-    cost = at_most(energies.rounding_cost)
+    optimum, cost = assessment.optimum, at_most(energies.rounding_cost)
+    proved = degrees_words(energies.bounds)
+    within = "" if proved is None else f", within {proved} (proved)"
     rmse, of_optimum = (
         OUT_OF_RANGE.reason if square is None else exact_number(rational_root_above(square))
         for square in (energies.mean_square, energies.least_square)
+    )
+    angle = known(
+        assessment.stated("angle_to_optimum"), lambda a: f"{math.degrees(a):.4g} degrees{within}"
     )
     return [
         f"  RMSE               {rmse}  ({energies.of_what}, {unit_words(assessment.fit)})",
@@ -61,8 +66,8 @@ def _judged_lines(assessment: Assessment, energies: JudgedEnergies) -> list[str]
         f"  objective          {exact_number(energies.objective)}",
         f"  of the optimum     {exact_number(energies.optimum)}",
         f"  above the minimum  {interval_words(energies.bounds)} (proved)",
-        f"  angle to optimum   {_angle_words(assessment)}",
-        f"  centre to optimum  {_shift_words(assessment)}",
+        f"  angle to optimum   {angle}",
+        f"  centre to optimum  {known(assessment.stated('shift_upper'), within_words)}",
         *_sigma_lines(assessment.stated("sigma_distance")),
         f"  rounding can cost  {cost}  (of the optimal pose, to doubles)",
         f"  the optimum: wxyz  {' '.join(map(repr, optimum.quaternion_wxyz.tolist()))}",
@@ -70,19 +75,8 @@ def _judged_lines(assessment: Assessment, energies: JudgedEnergies) -> list[str]
     ]
 
 
-def _angle_words(assessment: Assessment) -> str:
-    """How far the rotation is from the optimum; of several optima why that is not known."""
-    angle = assessment.stated("angle_to_optimum")
-    if isinstance(angle, Absent):
-        return f"not known: {angle.reason}"
-    return f"{math.degrees(angle):.4g} degrees{_proved_angle(assessment)}"
-
-
-def _shift_words(assessment: Assessment) -> str:
-    """How far the source's centre is at most from where the optimum puts it, or why not."""
-    shift = assessment.stated("shift_upper")
-    if isinstance(shift, Absent):
-        return f"not known: {shift.reason}"
+def within_words(shift: float) -> str:
+    """How far the source's centre is at most from where the optimum puts it."""
     return f"within {at_most(shift)} (proved)"
 
 
@@ -99,14 +93,6 @@ def _sigma_lines(distance: SigmaDistance | Absent) -> list[str]:
         "                     Gaussian and of this sigma, the true pose is as far with probability",
         f"                     {p})",
     ]
-
-
-def _proved_angle(assessment: Assessment) -> str:
-    """The proved bound on the angle, where there is one."""
-    angle = assessment.angle_upper
-    if angle is None or angle >= math.pi:
-        return ""
-    return f", within {at_most(degrees_above(angle))} (proved)"
 
 
 def assessment_document(assessment: Assessment) -> Document:

@@ -7,7 +7,7 @@ derivations.
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
@@ -20,6 +20,8 @@ from certreg.report.scale import scale_of
 from certreg.results import Absent, present
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from numpy.typing import NDArray
 
     from certreg.geometry.pose import Pose
@@ -29,6 +31,7 @@ if TYPE_CHECKING:
     from certreg.registration.result import Registration
 
 
+T = TypeVar("T")
 FINE = math.radians(0.01)  # below it arc seconds: 36 of them
 FIRST_ORDER = 0.2  # radians, 11 degrees: turns scatter 2 % more there, 4 to 8 % at 0.3, measured;
 # and of a translation's deviation: a second order of that share adds 2 % to it, too
@@ -53,7 +56,7 @@ def uncertainty_rows(registration: Registration) -> list[tuple[str, str]]:
     covariance, chi2 = told_covariance(registration), chi2_words(registration)
     tested = [] if chi2 is None else [("chi-squared", chi2)]
     if isinstance(covariance, Absent):
-        return [("uncertainty", f"not known: {covariance.reason}"), *tested]
+        return [("uncertainty", known(covariance, str)), *tested]
     turned = rotation_words(covariance, "  (a small turn about the source's axes)")
     shifted = [("translation ±", shift_words(covariance, f"  ({OF_ORIGIN})"))]
     moves = registration.problem.motion.translations
@@ -66,6 +69,11 @@ def uncertainty_rows(registration: Registration) -> list[tuple[str, str]]:
         ("± is", _basis_words(registration, covariance)),
         *tested,
     ]
+
+
+def known(value: T | Absent, words: Callable[[T], str]) -> str:
+    """A value in words, or why it is not known."""
+    return f"not known: {value.reason}" if isinstance(value, Absent) else words(value)
 
 
 def _centre_row(registration: Registration, covariance: PoseCovariance) -> list[tuple[str, str]]:
@@ -144,7 +152,7 @@ def rotation_words(covariance: PoseCovariance, axes: str) -> str:
     """Three standard deviations of a small turn, its axes, and a word where it is not small."""
     sigma = turn_sigmas(covariance)
     if isinstance(sigma, Absent):
-        return f"not known: {sigma.reason}"
+        return known(sigma, str)
     fine = float(sigma.max()) < FINE
     unit, factor = ("arc seconds", 3600.0) if fine else ("degrees", 1.0)
     told = f"{two_digits(np.degrees(sigma) * factor)} {unit}{axes}"
@@ -156,10 +164,7 @@ def rotation_words(covariance: PoseCovariance, axes: str) -> str:
 
 def shift_words(covariance: PoseCovariance, whose: str) -> str:
     """Three standard deviations of the translation, or why there are none."""
-    sigma = shift_sigmas(covariance)
-    if isinstance(sigma, Absent):
-        return f"not known: {sigma.reason}"
-    return f"{two_digits(sigma)}{whose}"
+    return known(shift_sigmas(covariance), lambda sigma: f"{two_digits(sigma)}{whose}")
 
 
 def turn_sigmas(covariance: PoseCovariance) -> NDArray[np.float64] | Absent:
