@@ -22,8 +22,6 @@ from certreg.registration.closed_form import arun, horn
 from certreg.results import Absent, Explained
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from certreg.certificate.isotropic import SimilarityBody
     from certreg.dynamics.trajectory import Trajectory
     from certreg.equilibrium import breathing
@@ -121,12 +119,6 @@ def _squares(objective: Isotropic, trajectory: Trajectory) -> Fraction:
     return spread
 
 
-def _rounded_covariance(objective: Isotropic) -> NDArray[np.float64]:
-    """The exact cross-covariance, each entry rounded once, in some unit."""
-    shift = objective.shift
-    return np.array([[entry / (1 << shift) for entry in row] for row in objective.moments.cross])
-
-
 def _closed_form_angle(problem: RegistrationProblem, objective: Isotropic) -> float:
     """The larger angle of the rotations of both closed forms, from sums in doubles."""
     found = None
@@ -143,8 +135,11 @@ def _closed_form_angle(problem: RegistrationProblem, objective: Isotropic) -> fl
         if objective.relative_loss(q) <= CLOSED_FORM_LOSS:
             angles.append(objective.angle_to_optimum(q))
             continue
-        # weights or lengths more than 300 decades apart vanish from sums of doubles
-        q = lift(form(_rounded_covariance(objective))).integers
+        # weights or lengths more than 300 decades apart vanish from sums of doubles: of the exact
+        # sums, each entry is rounded once, in some unit
+        unit = 1 << objective.shift
+        rounded = np.array([[entry / unit for entry in row] for row in objective.moments.cross])
+        q = lift(form(rounded)).integers
         angles.append(_angle(objective, f"{method}'s closed form", q, CLOSED_FORM_LOSS))
     return max(angles)
 
