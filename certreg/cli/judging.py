@@ -24,11 +24,13 @@ from certreg.io.row_values import read_inliers
 from certreg.io.written_clouds import write_cloud
 from certreg.problem.bounds import bounded
 from certreg.problem.support import Loss
-from certreg.registration.assessment import JUDGES, judged
+from certreg.registration.assessment import judged
 from certreg.registration.certification import certify
 from certreg.registration.exit_codes import DONE, NOT_CERTIFIED, REFUSED
 from certreg.registration.findings import GOOD
 from certreg.registration.headlines import NO_ROTATION
+from certreg.registration.label_assessment import judged_labels
+from certreg.registration.truncated_labels import judged_truncated_labels
 from certreg.report.document import dumps
 from certreg.report.file_names import REPORT
 from certreg.report.judged_pose import assessment_document, assessment_summary
@@ -142,10 +144,9 @@ def _told_of_labels(
 ) -> int:
     bounds = wrong.bounds(pair)
     labels = read_inliers(file, pair)
-    loss = Loss.of(wrong.objective, bounds)
-    kept = JUDGES[loss](
-        bounded(problem, bounds, loss), labels, effort=wrong.effort, about=pair.about
-    )
+    pairs = bounded(problem, bounds, Loss.of(wrong.objective, bounds))
+    judge = judged_truncated_labels if wrong.objective == Loss.TRUNCATED else judged_labels
+    kept = judge(pairs, labels, effort=wrong.effort, about=pair.about)
     click.echo(dumps(kept.to_dict()) if as_json else str(kept))
     return kept.exit_code
 

@@ -60,10 +60,6 @@ NUMBERS = (
         "sigma_distance",
     ),
 )
-JUDGES: Mapping[Loss, Callable[..., KeptPairs | TruncatedLabels]] = {  # of labels
-    Loss.CONSENSUS: judged_labels,
-    Loss.TRUNCATED: judged_truncated_labels,
-}
 NO_SLIP = Absent(
     "no single slip of those that are tried leads to it from a pose within 0.001 radians, and a "
     "millionth of the range of energies, of the optimum; two at once are not tried"
@@ -187,7 +183,8 @@ def _judged_pairs(
     loss = Loss.of(sought["objective"], given["max_residual"])
     stated, about = stated_problem_of(problem, target, statement, loss)
     asked: dict[str, Any] = {"effort": sought["effort"], "about": about}
-    return JUDGES[loss](bounded(stated, given["max_residual"], loss), given["labels"], **asked)
+    judge = judged_truncated_labels if loss is Loss.TRUNCATED else judged_labels
+    return judge(bounded(stated, given["max_residual"], loss), given["labels"], **asked)
 
 
 def _is_stated(value: Any) -> bool:

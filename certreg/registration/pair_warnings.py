@@ -59,7 +59,7 @@ def wide_warning(problem: RegistrationProblem) -> FitWarning | None:
 
 def poor_warning(fit: Registration) -> FitWarning | None:
     """Of a fit that explains little and that no test is for; None of others."""
-    share = fit.fit.explained  # of springs there is none
+    share = fit.fit.explained
     if fit.fit.untested is None or share is None or share >= LEAST_EXPLAINED:
         return None
     return FitWarning(

@@ -58,7 +58,8 @@ def _judged_lines(assessment: Assessment, energies: JudgedEnergies) -> list[str]
         for square in (energies.mean_square, energies.least_square)
     )
     angle = known(
-        assessment.stated("angle_to_optimum"), lambda a: f"{math.degrees(a):.4g} degrees{within}"
+        assessment.stated("angle_to_optimum"),
+        lambda angle: f"{math.degrees(angle):.4g} degrees{within}",
     )
     return [
         f"  RMSE               {rmse}  ({energies.of_what}, {unit_words(assessment.fit)})",

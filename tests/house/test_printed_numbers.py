@@ -66,7 +66,7 @@ ALLOWED = {  # what the last digit of a number to the nearest is worth, and wher
         registration/valley.py {run.excess:.2g}
         registration/truncated.py {self.cost:.6g}
         report/consensus_reach.py {width:.2g}
-        report/judged_pose.py {math.degrees(a):.4g}
+        report/judged_pose.py {math.degrees(angle):.4g}
         report/overview.py {ratio:.3g}
         report/viewer.py {away:.3g}
         report/viewer.py {away:.4g}
