@@ -288,7 +288,7 @@ PROVED = (
     ),
     _of(
         "registration/scaled_poses",
-        "GapParts.doubles scaled_rounding_cost _percent",
+        "GapParts.doubles _percent",
         "registration/test_exact_ends",
     ),
     _of(

@@ -15,9 +15,8 @@ from certreg.cli.progress import note
 from certreg.cli.writing import WritingCommand, require_apart
 from certreg.cli.wrong_pairs import consensus_options
 from certreg.errors import InvalidFileError
-from certreg.geometry.given import GivenPose
+from certreg.geometry.given import given_pose
 from certreg.geometry.pose_matrix import why_no_rotation
-from certreg.geometry.similarity import Similarity
 from certreg.io.atomic import write_atomically
 from certreg.io.clouds import read_cloud
 from certreg.io.poses import read_result_pose
@@ -44,6 +43,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from certreg.cli.wrong_pairs import WrongPairs
+    from certreg.geometry.given import GivenPose
     from certreg.io.pairing import Pair
     from certreg.problem.problem import RegistrationProblem
     from certreg.verify import Clouds
@@ -190,10 +190,8 @@ def _pose_to_apply(result: Path, line: int | None) -> tuple[GivenPose, str]:
     if pose.translation is not None:
         told = CHECKED_BESIDE if pose.of_some else "certreg assess judges it"
         return pose, f"The pose is as {printable(result)} has it, unchecked: {told}."
-    found = certified_pose(result)
-    scale = found.scale if isinstance(found, Similarity) else None
-    given = GivenPose(turn=found.quaternion_wxyz, translation=found.translation, scale=scale)
-    return given, f"The pose is computed anew from {printable(result)}, which the checker accepts."
+    found = given_pose(certified_pose(result))
+    return found, f"The pose is computed anew from {printable(result)}, which the checker accepts."
 
 
 def _header_words(out: Path, *, labelled: bool) -> str:

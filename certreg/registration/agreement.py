@@ -22,8 +22,6 @@ from certreg.registration.closed_form import arun, horn
 from certreg.results import Absent, Explained
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from certreg.certificate.isotropic import SimilarityBody
     from certreg.dynamics.trajectory import Trajectory
     from certreg.equilibrium import breathing
@@ -62,15 +60,14 @@ def agreement(
     trajectory: Trajectory | Absent,
 ) -> Agreement:
     """How well the methods agree. Raises ContradictionError if one ends where it must not."""
-    relaxed = None
+    relaxed = simulated = None
     if not isinstance(relaxation, Absent) and relaxation.quaternion_wxyz is not None:
-        name, place = "the semidefinite relaxation", relaxation.quaternion_wxyz
-        relaxed = _angle(objective, name, _placed(objective, place), RELAXATION_LOSS)
-    simulated = None
+        name, q = "the semidefinite relaxation", lift(relaxation.quaternion_wxyz).integers
+        relaxed = _angle(objective, name, q, RELAXATION_LOSS)
     if not isinstance(trajectory, Absent):
         allowed = SIMULATION_LOSS if trajectory.converged else math.inf
-        place = _placed(objective, trajectory.quaternion)
-        simulated = _angle(objective, "the simulation", place, allowed)
+        q = lift(trajectory.quaternion).integers
+        simulated = _angle(objective, "the simulation", q, allowed)
     not_taken = {"relaxation": relaxation, "simulation": trajectory}
     return Agreement(
         closed_form=_closed_form_angle(problem, objective),
@@ -122,16 +119,10 @@ def _squares(objective: Isotropic, trajectory: Trajectory) -> Fraction:
     return spread
 
 
-def _rounded_covariance(objective: Isotropic) -> NDArray[np.float64]:
-    """The exact cross-covariance, each entry rounded once, in some unit."""
-    shift = objective.shift
-    return np.array([[entry / (1 << shift) for entry in row] for row in objective.moments.cross])
-
-
 def _closed_form_angle(problem: RegistrationProblem, objective: Isotropic) -> float:
     """The larger angle of the rotations of both closed forms, from sums in doubles."""
     found = None
-    if not problem.rotation_only:  # that is of a pose with a translation
+    if problem.motion.translations:  # that is of a pose with a translation
         found = floating_pose(problem.source, problem.target, problem.weights)
     if found is None:
         sums = floating_moments(problem).cross_covariance
@@ -140,35 +131,27 @@ def _closed_form_angle(problem: RegistrationProblem, objective: Isotropic) -> fl
         sums, proposed = found.cross_covariance, found.pose.quaternion_wxyz
     angles: list[float] = []
     for method, form, quaternion in (("Horn", horn, proposed), ("Arun", arun, arun(sums))):
-        place = _placed(objective, quaternion)
-        if place.loss > CLOSED_FORM_LOSS:
-            # weights or lengths more than 300 decades apart vanish from sums of doubles
-            place = _placed(objective, form(_rounded_covariance(objective)))
-        angles.append(_angle(objective, f"{method}'s closed form", place, CLOSED_FORM_LOSS))
+        q = lift(quaternion).integers
+        if objective.relative_loss(q) <= CLOSED_FORM_LOSS:
+            angles.append(objective.angle_to_optimum(q))
+            continue
+        # weights or lengths more than 300 decades apart vanish from sums of doubles: of the exact
+        # sums, each entry is rounded once, in some unit
+        unit = 1 << objective.shift
+        rounded = np.array([[entry / unit for entry in row] for row in objective.moments.cross])
+        q = lift(form(rounded)).integers
+        angles.append(_angle(objective, f"{method}'s closed form", q, CLOSED_FORM_LOSS))
     return max(angles)
 
 
-@dataclass(frozen=True, slots=True)
-class _Place:
-    """A rotation that some method proposes: an integer quaternion, and how much it loses."""
-
-    quaternion: list[int]
-    loss: float
-
-
-def _placed(objective: Isotropic, quaternion: NDArray[np.float64]) -> _Place:
-    q = lift(quaternion).integers
-    return _Place(q, float(objective.relative_loss(q)))
-
-
-def _angle(objective: Isotropic, method: str, place: _Place, allowed: float) -> float:
-    angle = objective.angle_to_optimum(place.quaternion)
-    if place.loss > allowed:
+def _angle(objective: Isotropic, method: str, q: list[int], allowed: float) -> float:
+    angle, loss = objective.angle_to_optimum(q), float(objective.relative_loss(q))
+    if loss > allowed:
         raise ContradictionError(
             f"{method} contradicts the certified pose: it is {math.degrees(angle):.3g} degrees "
             "away; please report this problem",
             methods=(method, "certificate"),
-            value=place.loss,
+            value=loss,
             limit=allowed,
         )
     return angle

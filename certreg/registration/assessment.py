@@ -10,7 +10,6 @@ from certreg.geometry.given import given_pose
 from certreg.geometry.pose_matrix import why_no_rotation
 from certreg.objective.structure import Structure
 from certreg.problem.bounds import bounded
-from certreg.problem.problem import RegistrationProblem
 from certreg.problem.support import Loss
 from certreg.registration.assessed import Assessment
 from certreg.registration.assessment_words import WORDS, headline_of_pose, words_of_pose
@@ -29,6 +28,7 @@ from certreg.registration.label_assessment import judged_labels
 from certreg.registration.landscape import AssessmentSettings, landscape_of, optimum_worth
 from certreg.registration.problem_arguments import (
     ProblemOptions,
+    is_problem,
     stated_in_clouds,
     stated_problem_of,
 )
@@ -44,6 +44,7 @@ if TYPE_CHECKING:
     from certreg.registration.convention_errors import Slip
     from certreg.registration.findings import Findings
     from certreg.registration.label_assessment import LabelAssessment
+    from certreg.registration.result import PoseWorth
 
 
 NUMBERS = (
@@ -144,8 +145,8 @@ def assess(  # noqa: PLR0913 - each is one question, and has its usual answer
         sought = {"objective": objective, "effort": effort}
         judged_pairs = _judged_pairs(problem, pose, translation, given, sought, statement)
         return cast("Assessment", judged_pairs)
-    if not isinstance(problem, RegistrationProblem | Registration):
-        if translation is None or isinstance(pose, RegistrationProblem | Registration):
+    if not _is_stated(problem):
+        if translation is None or _is_stated(pose):
             raise InvalidProblemError(_unstated(problem, pose), array="problem")
         stated, _ = stated_in_clouds(problem, pose, statement, depth=3)
         problem, pose, translation = stated, translation, None
@@ -153,12 +154,12 @@ def assess(  # noqa: PLR0913 - each is one question, and has its usual answer
         raise InvalidProblemError(
             f"{', '.join(statement)} beside a problem, which states it itself", array="problem"
         )
-    if isinstance(pose, RegistrationProblem):
+    if is_problem(pose):
         raise InvalidProblemError(
             "pose is a RegistrationProblem: that comes first, and then the pose", array="pose"
         )
     given = given_pose(pose, translation)
-    if isinstance(problem, RegistrationProblem):
+    if is_problem(problem):
         problem = certify(problem, relaxation=False, simulation=False)
     return judged(cast("Registration", problem), given, settings)
 
@@ -183,10 +184,14 @@ def _judged_pairs(
     return judged_labels(pairs, given["labels"], effort=sought["effort"], about=about)
 
 
+def _is_stated(value: Any) -> bool:
+    """Whether it is a problem, or was certified."""
+    return is_problem(value) or isinstance(value, Registration)
+
+
 def _unstated(problem: Any, pose: Any) -> str:
     """What was given where a problem is expected, in words."""
-    swapped = isinstance(pose, RegistrationProblem | Registration)
-    found = "the two the other way round" if swapped else f"a {type(problem).__name__}"
+    found = "the two the other way round" if _is_stated(pose) else f"a {type(problem).__name__}"
     return (
         "assess takes a RegistrationProblem, or what certify returned, and then the pose: "
         "assess(RegistrationProblem(source, target), pose), or assess(source, target, pose); found "
@@ -208,12 +213,13 @@ def judged(
         return _no_rotation(registration, given, fault, settings)
     exact = exact_pose(objective, given, landscape.centre(registration.solution))
     facts = findings(registration, exact, landscape.rounding_cost(registration, given), settings)
-    verdict, distance = verdict_of(facts, settings), sigma_distance(facts, given)
-    best = optimum_worth(registration)
+    verdict, best = verdict_of(facts, settings), optimum_worth(registration)
+    distance = sigma_distance(facts, given, best.energy)
     headline, line = headline_of_pose(facts, verdict, distance)
     slip = SLIPS[objective.structure](registration, given, settings, verdict)
     return _assessment(
         registration,
+        best,
         {
             "verdict": verdict,
             "headline": line,
@@ -262,16 +268,16 @@ def _no_rotation(
     slip = SLIPS[registration.structure](registration, given, settings, verdict)
     return _assessment(
         registration,
+        optimum_worth(registration),
         {"verdict": verdict, "headline": NO_ROTATION.said(fault=fault), "words": fault},
         {**dict.fromkeys(NUMBERS, Absent(fault)), "slip": slip},
     )
 
 
 def _assessment(
-    registration: Registration, said: dict[str, Any], numbers: dict[str, Any]
+    registration: Registration, best: PoseWorth, said: dict[str, Any], numbers: dict[str, Any]
 ) -> Assessment:
     """With the optimum beside the pose that is judged: what it costs itself, not rounded."""
-    best = optimum_worth(registration)
     stated: dict[str, Any] = {
         **numbers,
         "optimum_objective": _double(best.energy, nearest_double),

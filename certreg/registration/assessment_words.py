@@ -216,10 +216,8 @@ def _good_words(facts: Findings, verdict: PoseVerdict) -> str:
         return words
     if listed.classification.ambiguity is not None:
         return f"{words} The optimum is not the only one: {listed.classification.ambiguity.value}."
-    if tie := _tie_words(facts):
-        return f"{words} {tie}"
-    narrow = narrow_words(listed)
-    return words if narrow is None else f"{words} {narrow[0].upper()}{narrow[1:]}."
+    doubt = ambiguous_words(listed) or narrow_words(listed)
+    return words if doubt is None else f"{words} {doubt[0].upper()}{doubt[1:].removesuffix('.')}."
 
 
 def _spurious_words(facts: Findings, rest: Rest) -> str:

@@ -34,11 +34,15 @@ from certreg.problem.spring_rows import warn_of_unused
 from certreg.problem.support import Cell, require_supported
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
     from numpy.typing import ArrayLike, NDArray
 
     from certreg.problem.fast_pose import FloatingPose
     from certreg.problem.moments import Moments
     from certreg.registration import spring_equilibria
+
+    BestScale = Callable[[float, float, float], float]
 else:
     spring_equilibria = late("certreg.registration.spring_equilibria")
 
@@ -53,6 +57,12 @@ class SpringArguments(TypedDict, total=False):
     factors: Any
 
 
+# Of tr(R^T C), Sxx and Syy: tr(R^T C) / Sxx [Umeyama1991], or sqrt(Syy / Sxx) [Horn1987]. The
+# rotation is the same.
+BEST_SCALES: Mapping[Scale, BestScale] = {
+    Scale.ASYMMETRIC: lambda alignment, source, _: max(0.0, alignment) / source,
+    Scale.SYMMETRIC: lambda _, source, target: math.sqrt(target / source),
+}
 LARGEST_TURN = 1e-3  # radians by which rounding may turn a pose before it is refused
 
 
@@ -145,25 +155,25 @@ def register(
             value=w.shape,
             limit=(len(x),),
         )
+    best = BEST_SCALES.get(kind)
     found = floating_pose(x, y, w, about_origin=about_origin)
     if found is not None and _is_told(found.gap, found.error):
-        return found.pose if kind is Scale.NONE else _scaled_by_sums(found, kind)
+        return found.pose if best is None else _scaled_by_sums(found, best)
     moments = moments_of_clouds(x, y, w, threads=threads, about_origin=about_origin)
-    return _by_moments(moments, kind)
+    return _by_moments(moments, best)
 
 
-def _by_moments(moments: Moments, kind: Scale) -> Pose | Similarity:
+def _by_moments(moments: Moments, best: BestScale | None) -> Pose | Similarity:
     quaternion = _optimal_quaternion(moments)
     rotation = np.array(rotation_matrix(tuple(quaternion.tolist())))
     here, there = moments.source_centroid, moments.target_centroid
     rigid = Pose(rotation=rotation, translation=there - rotation @ here, quaternion_wxyz=quaternion)
-    if kind is Scale.NONE:
+    if best is None:
         return rigid
-    alignment = float(np.sum(rotation * moments.cross_covariance))
     spreads = float(np.trace(moments.source_scatter)), moments.target_spread
     # sums are over 2^b for the target, 2^a for the source, so their quotients over 2^(b - a)
     exponent = moments.target_exponent - moments.source_exponent
-    quotient = _best_scale(kind, alignment, *spreads)
+    quotient = best(float(np.sum(rotation * moments.cross_covariance)), *spreads)
     with np.errstate(over="ignore"):
         scale = float(np.ldexp(quotient, exponent))
     if math.isinf(scale) or scale == 0.0 < quotient:
@@ -174,17 +184,9 @@ def _by_moments(moments: Moments, kind: Scale) -> Pose | Similarity:
     return _similarity(rigid, scale, here, there)
 
 
-def _scaled_by_sums(found: FloatingPose, kind: Scale) -> Similarity:
+def _scaled_by_sums(found: FloatingPose, best: BestScale) -> Similarity:
     alignment = float(np.sum(found.pose.rotation * found.cross_covariance))
-    scale = _best_scale(kind, alignment, *found.spreads)
-    return _similarity(found.pose, scale, *found.means)
-
-
-def _best_scale(kind: Scale, alignment: float, source: float, target: float) -> float:
-    """tr(R^T C) / Sxx [Umeyama1991], or sqrt(Syy / Sxx) [Horn1987]: the rotation is the same."""
-    if kind is Scale.ASYMMETRIC:
-        return max(0.0, alignment) / source
-    return math.sqrt(target / source)
+    return _similarity(found.pose, best(alignment, *found.spreads), *found.means)
 
 
 def _similarity(

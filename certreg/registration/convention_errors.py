@@ -104,10 +104,10 @@ def slip_of(
     if why_no_rotation(given.turn, settings.rotation_tolerance) is None:
         slipped = Slipped.of(registration, given)
         tries: list[Iterator[Mended]] = [
-            chain.from_iterable(undo(slipped) for undo in UNDOING),
-            _moved(slipped),
+            chain.from_iterable(undo(slipped) for undo in UNDOING[slipped.alone]),
+            iter(()) if slipped.alone else _moved(slipped),
         ]
-        if _lever_words(slipped):  # the plainer explanation: no slip at all
+        if not slipped.alone and _lever_words(slipped):  # the plainer explanation: no slip at all
             tries.reverse()
         return _named(slipped, tries[0], settings) or _named(slipped, tries[1], settings)
     scale = _scale(given.turn)
@@ -146,8 +146,8 @@ class Slipped:
     """What the slips are undone with.
 
     q: the integer quaternion of the rotation, the nearest one; cost: of rounding the optimal pose.
-    x, y: the centroids. shift: the translation; image: where the pose takes x. Both None where only
-    a rotation was given.
+    x, y: the centroids. shift: the translation; image: where the pose takes x. alone: whether only
+    a rotation was given, and the translation is the best one for it.
     """
 
     registration: Registration
@@ -156,39 +156,39 @@ class Slipped:
     q: tuple[int, ...]
     x: list[Fraction]
     y: list[Fraction]
-    shift: list[Fraction] | None
-    image: list[Fraction] | None
+    shift: list[Fraction]
+    image: list[Fraction]
+    alone: bool
 
     @classmethod
     def of(cls, registration: Registration, given: GivenPose) -> Slipped:
         """Of a pose as it was given."""
-        moments, shift = registration.solution.moments, None
+        moments, alone = registration.solution.moments, given.translation is None
+        x, y = list(moments.source_centroid), list(moments.target_centroid)
+        moved = turned(given.turn, x)
+        shift = [b - a for a, b in zip(moved, y, strict=True)]
         if given.translation is not None:
             shift = [Fraction(entry) for entry in given.translation.tolist()]
-        x = list(moments.source_centroid)
         return cls(
             registration=registration,
             given=given,
             cost=linear_rounding_cost(registration, _normalised(given)),
             q=nearest_quaternion(given.turn),
             x=x,
-            y=list(moments.target_centroid),
+            y=y,
             shift=shift,
-            image=None if shift is None else added(turned(given.turn, x), shift),
+            image=added(moved, shift),
+            alone=alone,
         )
 
     @property
-    def off(self) -> list[Fraction] | None:
+    def off(self) -> list[Fraction]:
         """How far the image of the source's centroid is from the target's, along each axis."""
-        if self.image is None:
-            return None
         return [a - b for a, b in zip(self.image, self.y, strict=True)]
 
     @property
     def is_settled(self) -> bool:
         """Whether the translation is the best one for the rotation, as it was given."""
-        if self.image is None:
-            return True
         objective = self.registration.solution.objective
         pose = pose_through(self.q, self.x, self.image)
         energy = objective.translation_energy(self.q, pose.translation)
@@ -197,6 +197,13 @@ class Slipped:
     def mended(self, code: SlipCode, pose: ExactPose, subject: str, why: str) -> Mended:
         """A pose that is written as the optimal one."""
         return Mended(code=code, pose=pose, cost=self.cost, subject=subject, why=why)
+
+    def written(self, pose: ExactPose) -> list[tuple[str, ExactPose]]:
+        """A pose, and its rotation with the best translation, where the given one is the best."""
+        best = self.at_best(pose.quaternion)
+        if self.alone:
+            return [("", best)]
+        return [("", pose), *([(BEST, best)] if self.is_settled else [])]
 
     def at_best(self, q: Sequence[int]) -> ExactPose:
         """A rotation with its best translation: it takes one centroid to the other."""
@@ -207,24 +214,17 @@ def _inverse(slipped: Slipped) -> Iterator[Mended]:
     """The pose x = R^T (y - t)."""
     back = _conjugate(slipped.q)
     why = "does it take the target to the source, or are the clouds swapped?"
-    if slipped.shift is None:
-        pose = slipped.at_best(back)
-    else:
-        start = added(turned(slipped.given.turn, slipped.y), slipped.shift)
-        pose = pose_through(back, start, slipped.y)
+    start = added(turned(slipped.given.turn, slipped.y), slipped.shift)
+    pose = slipped.at_best(back) if slipped.alone else pose_through(back, start, slipped.y)
     cost = linear_rounding_cost(slipped.registration, slipped.given, inverse=True)
     yield Mended(code=SlipCode.INVERSE, pose=pose, cost=cost, subject="Its inverse", why=why)
 
 
 def _transposed(slipped: Slipped) -> Iterator[Mended]:
-    if slipped.shift is None:  # that is the inverse
-        return
     back, turn = _conjugate(slipped.q), slipped.given.turn
     moved = turned(turn.T, slipped.x) if slipped.given.is_matrix else rotated(back, slipped.x)
-    poses = [("", pose_through(back, slipped.x, added(moved, slipped.shift)))]
-    if slipped.is_settled:
-        poses.append((BEST, slipped.at_best(back)))
-    for more, pose in poses:
+    transposed = pose_through(back, slipped.x, added(moved, slipped.shift))
+    for more, pose in slipped.written(transposed):
         yield slipped.mended(
             SlipCode.TRANSPOSED,
             pose,
@@ -240,19 +240,13 @@ def _reordered(slipped: Slipped) -> Iterator[Mended]:
         ((b, c, d, a), "w x y z", "was it written with the scalar first, and read as x y z w?"),
     )
     for q, order, why in orders:
-        poses = list[tuple[str, ExactPose]]()
-        if slipped.shift is not None:
-            poses.append(("", ExactPose(quaternion=q, translation=tuple(slipped.shift))))
-        if slipped.is_settled:
-            poses.append((BEST if poses else "", slipped.at_best(q)))
-        for more, pose in poses:
+        reordered = ExactPose(quaternion=q, translation=tuple(slipped.shift))
+        for more, pose in slipped.written(reordered):
             subject = f"The pose with its quaternion read as {order}{more}"
             yield slipped.mended(SlipCode.QUATERNION_ORDER, pose, subject, why)
 
 
 def _centred(slipped: Slipped) -> Iterator[Mended]:
-    if slipped.shift is None or slipped.image is None:
-        return
     images = (
         (added(slipped.shift, slipped.y), "both centroids", "clouds moved to their centroids"),
         (slipped.shift, "the source's centroid", "a source moved to its centroid"),
@@ -272,7 +266,7 @@ def _centred(slipped: Slipped) -> Iterator[Mended]:
 
 
 def _in_other_units(slipped: Slipped) -> Iterator[Mended]:
-    if slipped.shift is None or slipped.image is None or not any(slipped.shift):
+    if not any(slipped.shift):
         return
     start = [a - b for a, b in zip(slipped.image, slipped.shift, strict=True)]
     for number, units in UNITS.items():
@@ -293,7 +287,7 @@ def _unscaled(slipped: Slipped, scale: float) -> Iterator[Mended]:
     if abs(scale - 1.0) <= ROTATION_TOLERANCE:
         subject, why = "The rotation nearest to it", "digits may be missing."
     images = [slipped.y]
-    if slipped.shift is not None and slipped.image is not None:
+    if not slipped.alone:
         start = rotated(slipped.q, slipped.x)
         divided = [entry / Fraction(scale) for entry in slipped.shift]
         images = [slipped.image, added(start, slipped.shift), added(start, divided)]
@@ -307,8 +301,6 @@ def _unscaled(slipped: Slipped, scale: float) -> Iterator[Mended]:
 
 
 def _moved(slipped: Slipped) -> Iterator[Mended]:
-    if slipped.off is None:
-        return
     objective = slipped.registration.solution.objective
     degrees = math.degrees(objective.angle_to_optimum(slipped.q))
     shift = nearest_root(sum((entry * entry for entry in slipped.off), start=Fraction(0)))
@@ -328,7 +320,7 @@ def _lever_words(slipped: Slipped) -> str:
     With d decimals every entry of the rotation is at most half a unit of the last off, and a
     coordinate of the image of x at most that times |x1| + |x2| + |x3|.
     """
-    if not slipped.given.is_matrix or slipped.off is None:
+    if not slipped.given.is_matrix:
         return ""
     turn = slipped.given.turn
     decimals = next((d for d in FEW_DECIMALS if np.array_equal(turn.round(d), turn)), None)
@@ -342,7 +334,10 @@ def _lever_words(slipped: Slipped) -> str:
     )
 
 
-UNDOING = (_inverse, _transposed, _reordered, _centred, _in_other_units)
+UNDOING = {  # by whether a rotation alone was given: its transpose is the inverse
+    False: (_inverse, _transposed, _reordered, _centred, _in_other_units),
+    True: (_inverse, _reordered),
+}
 
 
 def _conjugate(q: Sequence[int]) -> tuple[int, ...]:

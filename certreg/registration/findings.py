@@ -11,9 +11,9 @@ from certreg.certificate.bounds import ExactPose
 from certreg.errors import UndecidedError
 from certreg.exact.dyadic import nearest_double, nearest_root
 from certreg.exact.eigenbasis import integer_eigenbasis
-from certreg.geometry.so3 import davenport_matrix, rotation_matrix, squared_norm
+from certreg.geometry.so3 import davenport_matrix, dot, rotation_matrix, squared_norm
 from certreg.problem.lifting import lift
-from certreg.registration.landscape import landscape_of, optimum_worth
+from certreg.registration.landscape import landscape_of
 from certreg.registration.loose_turns import LOOSE_SIGMA, TURNED_FAR, beyond_first_order
 from certreg.registration.misfits import LEVEL
 from certreg.registration.scaled_poses import gap_parts
@@ -165,8 +165,10 @@ def verdict_of(facts: Findings, settings: AssessmentSettings) -> PoseVerdict:
     return PoseVerdict.NOT_AN_EQUILIBRIUM
 
 
-def sigma_distance(facts: Findings, given: GivenPose) -> SigmaDistance | Absent:
+def sigma_distance(facts: Findings, given: GivenPose, least: Fraction) -> SigmaDistance | Absent:
     """The distance of a pose from the optimum in standard deviations; Absent without a sigma.
+
+    least: the energy of the optimum.
 
     The objective is twice the negative log-likelihood: to first order its rise is the square. A
     rotation by a vector phi costs phi^T (G / 2) phi, G half the Hessian, and the energy of a large
@@ -183,7 +185,7 @@ def sigma_distance(facts: Findings, given: GivenPose) -> SigmaDistance | Absent:
         return why
     if away is None or away > LOOSE_SIGMA:
         return TURNED_FAR
-    shifted, least = facts.place.translation_energy, optimum_worth(registration).energy
+    shifted = facts.place.translation_energy
     square = facts.place.stretch * max(Fraction(0), facts.worth.energy - shifted - least) + shifted
     value, squared = nearest_root(square), nearest_double(square)
     if value is None:
@@ -241,8 +243,8 @@ def exact_pose(
         image = added(moved, [Fraction(t) for t in given.translation.tolist()])
     if given.is_matrix and given.scale is not None:
         rows = zip(rotation_matrix(q), given.turn.tolist(), strict=True)
-        held = sum((_sum_of_products(a, list(map(Fraction, b))) for a, b in rows), Fraction(0))
-        scale *= held / (3 * squared_norm(q))
+        held = sum(dot(a, [Fraction(entry) for entry in b]) for a, b in rows)
+        scale *= held * Fraction(1, 3 * squared_norm(q))
     return replace(pose_through(q, [scale * entry for entry in centre], image), scale=scale)
 
 
@@ -269,21 +271,17 @@ def pose_through(
 
 def rotated(q: Sequence[int], point: Sequence[Fraction]) -> list[Fraction]:
     """R(q) x, for an integer quaternion, normalised."""
-    norm = squared_norm(q)
-    return [_sum_of_products(row, point) / norm for row in rotation_matrix(q)]
+    share = Fraction(1, squared_norm(q))
+    return [dot(row, point) * share for row in rotation_matrix(q)]
 
 
 def turned(turn: NDArray[np.float64], point: Sequence[Fraction]) -> list[Fraction]:
     """A x exactly: of a matrix (3, 3) as it is, of a quaternion (4,) normalised."""
     if turn.shape == (4,):
         return rotated(nearest_quaternion(turn), point)
-    return [_sum_of_products([Fraction(a) for a in row], point) for row in turn.tolist()]
+    return [dot([Fraction(a) for a in row], point) for row in turn.tolist()]
 
 
 def added(a: Sequence[Fraction], b: Sequence[Fraction]) -> list[Fraction]:
     """The sum of two vectors."""
     return [x + y for x, y in zip(a, b, strict=True)]
-
-
-def _sum_of_products(row: Sequence[Fraction | int], point: Sequence[Fraction]) -> Fraction:
-    return sum((a * x for a, x in zip(row, point, strict=True)), start=Fraction(0))

@@ -20,7 +20,6 @@ from certreg.objective.structure import Structure
 from certreg.registration.nearby_equilibrium import equilibrium_near
 from certreg.registration.optimum import exact_pose
 from certreg.registration.rounding import rounding_cost, rounding_errors
-from certreg.registration.scaled_poses import scaled_rounding_cost
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -186,9 +185,7 @@ def linear_rounding_cost(
     if objective.classification.unique:
         turn = pose.rotation if given.is_matrix else pose.quaternion_wxyz
         shift = None if shift is None else pose.translation
-    if objective.scaling is not None:
-        return scaled_rounding_cost(objective, exact_pose(pose).scale, turn, shift)
-    return rounding_cost(objective, turn, shift, centre)
+    return rounding_cost(objective, turn, shift, centre, scale=exact_pose(pose).scale)
 
 
 def quartic_place(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeGuard
 
 from certreg.errors import InvalidProblemError
 from certreg.io.objects import stated_problem
@@ -35,7 +35,7 @@ def stated_problem_of(
     problem: Any, target: Any, statement: ProblemOptions, loss: Loss
 ) -> tuple[RegistrationProblem, dict[str, Any]]:
     """The problem, and what its certificate may say of the clouds that it was made of."""
-    if isinstance(problem, RegistrationProblem):
+    if is_problem(problem):
         if target is not None or statement:
             given = ", ".join(["target"] * (target is not None) + list(statement))
             raise InvalidProblemError(
@@ -54,9 +54,14 @@ def stated_problem_of(
     return stated_in_clouds(problem, target, statement)
 
 
+def is_problem(value: Any) -> TypeGuard[RegistrationProblem]:
+    """Whether it is a problem that is stated."""
+    return isinstance(value, RegistrationProblem)
+
+
 def require_problem(problem: Any, name: str) -> None:
     """Nothing for a problem; InvalidProblemError for what else the function of this name gets."""
-    if not isinstance(problem, RegistrationProblem):
+    if not is_problem(problem):
         raise InvalidProblemError(
             f"{name} takes a RegistrationProblem, not {type(problem).__name__}: of two clouds "
             "RegistrationProblem(source, target) makes one",

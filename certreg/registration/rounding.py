@@ -27,6 +27,8 @@ if TYPE_CHECKING:
     from certreg.problem.moments import ExactMoments
 
 MATRIX = (3, 3)
+UNIT = Fraction(1, 2**50)  # of a scale that is read from a matrix, or rounded once
+RANGE = 9  # the range over its lower bound: l1^2 <= 3/4 F^2 over F^2 / 12; symmetric: sqrt(2)
 SMALLEST_HALF = -1075  # exponent of half the smallest double
 LEAST_COST = Fraction(1, 2**200)  # two roundings of 2^-53, squared, and 2^12 for many points
 
@@ -36,17 +38,28 @@ def rounding_cost(
     turn: NDArray[np.float64],
     shift: NDArray[np.float64] | None,
     centre: Sequence[Fraction] | None = None,
+    *,
+    scale: Fraction = Fraction(1),
 ) -> Fraction:
     """A bound on objective - minimum of the optimal pose, each of its numbers rounded once.
 
     turn: the rotation as it was written, (3, 3) or a quaternion (4,), near the optimal one; shift:
     the translation (3,); None where it is not written, but the best one. In the clouds' unit.
     centre: of the cloud that the pose moves, where it is written as the inverse, for the target.
+    scale: of the pose, where it is free. An entry of s R is rounded twice, R and the product: so
+    all is counted twice, its square four times. A scale off by s u costs Sxx (s u)^2, or that over
+    s.
     """
-    centre = objective.moments.source_centroid if centre is None else centre
-    sine, away = rounding_errors(turn, shift, centre)
-    most = rational_root_above(2 * objective.least_range_squared)  # of the range of energies
-    return most * sine + objective.moments.total_weight * away
+    scaling, centre = objective.scaling, centre or objective.moments.source_centroid
+    sine, away = rounding_errors(turn, shift, [scale * entry for entry in centre])
+    shifted = objective.moments.total_weight * away
+    if scaling is None:  # the range of energies, of the root of twice its square's lower bound
+        return rational_root_above(2 * objective.least_range_squared) * sine + shifted
+    if not scale:
+        return Fraction(0)
+    shifted += scaling.source * (scale * UNIT) ** 2
+    most = rational_root_above(objective.least_range_squared) * RANGE
+    return 4 * (most * sine + shifted / (scale if scaling.symmetric else 1))
 
 
 def rounding_errors(

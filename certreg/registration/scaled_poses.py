@@ -17,16 +17,12 @@ from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from certreg.errors import InvalidProblemError
-from certreg.exact.dyadic import double_above, rational_root_above
+from certreg.exact.dyadic import double_above
 from certreg.registration.outlying import independent_rows
-from certreg.registration.rounding import rounding_errors
 from certreg.registration.units import unit_words
 from certreg.results import Absent, Brief
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
     from certreg.certificate.bounds import ExactPose
     from certreg.geometry.given import GivenPose
     from certreg.objective.isotropic import Isotropic
@@ -34,8 +30,6 @@ if TYPE_CHECKING:
     from certreg.registration.result import Registration
 
 
-UNIT = Fraction(1, 2**50)  # of a scale that is read from a matrix, or rounded once
-RANGE = 9  # the range over its lower bound: l1^2 <= 3/4 F^2 over F^2 / 12; symmetric: sqrt(2)
 UNSCALED = 1e-12  # off 1: what the rounding of a rotation makes of its scale
 RIGID = " It has no scale of its own and was judged with scale 1."
 NOT_SCALED = Absent("the scale is not free")
@@ -126,28 +120,6 @@ def scale_note(motion: Motion, given: GivenPose) -> str:
     if given.scale is None:
         return BEST_SCALE.format("scale and translation" if motion.translations else "scale")
     return "" if is_scaled(given) else RIGID
-
-
-def scaled_rounding_cost(
-    objective: Isotropic,
-    scale: Fraction,
-    turn: NDArray[np.float64],
-    shift: NDArray[np.float64] | None,
-) -> Fraction:
-    """What writing the optimal pose in doubles can cost: as `rounding_cost`, and for the scale.
-
-    scale: that of the pose. turn, shift: the rotation, as a matrix or a quaternion, and the
-    translation that are written. An entry of s R is rounded twice, R and the product: so all is
-    counted twice, its square four times. A scale off by s u costs Sxx (s u)^2, or that over s.
-    """
-    scaling = objective.scaling
-    if scaling is None or scale == 0:
-        return Fraction(0)
-    centre = [scale * entry for entry in objective.moments.source_centroid]
-    sine, away = rounding_errors(turn, shift, centre)
-    most = rational_root_above(objective.least_range_squared) * RANGE
-    shifted = objective.moments.total_weight * away + scaling.source * (scale * UNIT) ** 2
-    return 4 * (most * sine + shifted / (scale if scaling.symmetric else 1))
 
 
 def _percent(share: Fraction) -> str:

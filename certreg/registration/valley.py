@@ -62,13 +62,9 @@ class SimulatedSprings(SimulatedMotion):
         """The best rotation that was found."""
         return find_optimum(self.objective)
 
-    @property
-    def notes(self) -> tuple[str, ...]:
-        """What no spring resists, or hardly one, and what the body does there."""
-        return self._coasting
-
     @cached_property
-    def _coasting(self) -> tuple[str, ...]:
+    def notes(self) -> tuple[str, ...]:  # pyright: ignore[reportIncompatibleMethodOverride]
+        """What no spring resists, or hardly one, and what the body does there."""
         freedom = Freedom.of(self.objective)
         free = filter(None, (freedom.shift_words(), freedom.turn_words()))
         weak = weak_shift_words(weak_shifts(self.objective))

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from certreg.exact.dyadic import degrees_above, double_above, double_below
-from certreg.geometry.similarity import Similarity
 from certreg.registration.headlines import is_loose
 from certreg.registration.result import UNDECIDED
 from certreg.report.encoding import Noted
+from certreg.report.scale import scale_of
 from certreg.report.uncertainty import covariance_of, more_than_noise, shift_sigmas, turn_sigmas
 from certreg.results import OUT_OF_RANGE, Absent
 
@@ -19,14 +19,12 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from certreg.certificate.isotropic import SimilarityClaims
-    from certreg.geometry.pose import Pose
     from certreg.registration.fit import Fit, FitRow
     from certreg.registration.misfits import FitWarning
     from certreg.registration.result import Registration
     from certreg.report.encoding import Document
 
 
-NO_SCALE = Absent("the scale was not asked for")
 TURNED = Absent("without a translation the source's mean goes where the rotation takes it")
 UNBOUNDED_SCALE = Absent("points that move so far may leave no size to the source, nor a bound")
 
@@ -48,11 +46,6 @@ def _scale(registration: Registration) -> Document:
     scale = scale_of(registration.pose)
     interval = scale if isinstance(scale, Absent) else scale_interval(registration)
     return {"scale": scale, "scale_interval": interval}
-
-
-def scale_of(pose: Pose | Similarity) -> float | Absent:
-    """Of a similarity, or why a pose has none."""
-    return pose.scale if isinstance(pose, Similarity) else NO_SCALE
 
 
 def scale_interval(registration: Registration) -> tuple[float, float] | Absent:

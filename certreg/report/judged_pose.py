@@ -3,24 +3,30 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 from certreg.exact.decimals import at_most
-from certreg.exact.dyadic import degrees_above, rational_root_above
+from certreg.exact.dyadic import rational_root_above
 from certreg.registration.findings import FIT_WARNED
-from certreg.registration.headlines import interval_words
+from certreg.registration.headlines import degrees_words, interval_words
 from certreg.registration.loose_turns import TooLarge
 from certreg.report.encoding import Document, encoded
-from certreg.report.fields import degrees, finite, fit_fields, scale_of, upper_degrees
+from certreg.report.fields import degrees, finite, fit_fields, upper_degrees
 from certreg.report.lines import exact_number, unit_words
 from certreg.report.remedies import ADVICE
+from certreg.report.scale import scale_of
+from certreg.report.uncertainty import known
 from certreg.results import OUT_OF_RANGE, Absent, PoseVerdict
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from certreg.registration.assessed import Assessment
     from certreg.registration.findings import JudgedEnergies, SigmaDistance
+    from certreg.registration.scaled_poses import GapParts
 
 
+T = TypeVar("T")
 ASSESSMENT_SCHEMA = "certreg-assessment/1"
 TURN = 3  # degrees of freedom of a rotation alone
 
@@ -44,11 +50,16 @@ def assessment_summary(assessment: Assessment) -> str:
 
 def _judged_lines(assessment: Assessment, energies: JudgedEnergies) -> list[str]:
     """Numbers of a pose that is a rotation, beside those of the optimum."""
-    optimum = assessment.optimum
-    cost = at_most(energies.rounding_cost)
+    optimum, cost = assessment.optimum, at_most(energies.rounding_cost)
+    proved = degrees_words(energies.bounds)
+    within = "" if proved is None else f", within {proved} (proved)"
     rmse, of_optimum = (
         OUT_OF_RANGE.reason if square is None else exact_number(rational_root_above(square))
         for square in (energies.mean_square, energies.least_square)
+    )
+    angle = known(
+        assessment.stated("angle_to_optimum"),
+        lambda angle: f"{math.degrees(angle):.4g} degrees{within}",
     )
     return [
         f"  RMSE               {rmse}  ({energies.of_what}, {unit_words(assessment.fit)})",
@@ -56,8 +67,8 @@ def _judged_lines(assessment: Assessment, energies: JudgedEnergies) -> list[str]
         f"  objective          {exact_number(energies.objective)}",
         f"  of the optimum     {exact_number(energies.optimum)}",
         f"  above the minimum  {interval_words(energies.bounds)} (proved)",
-        f"  angle to optimum   {_angle_words(assessment)}",
-        f"  centre to optimum  {_shift_words(assessment)}",
+        f"  angle to optimum   {angle}",
+        f"  centre to optimum  {known(assessment.stated('shift_upper'), within_words)}",
         *_sigma_lines(assessment.stated("sigma_distance")),
         f"  rounding can cost  {cost}  (of the optimal pose, to doubles)",
         f"  the optimum: wxyz  {' '.join(map(repr, optimum.quaternion_wxyz.tolist()))}",
@@ -65,19 +76,8 @@ def _judged_lines(assessment: Assessment, energies: JudgedEnergies) -> list[str]
     ]
 
 
-def _angle_words(assessment: Assessment) -> str:
-    """How far the rotation is from the optimum; of several optima why that is not known."""
-    angle = assessment.stated("angle_to_optimum")
-    if isinstance(angle, Absent):
-        return f"not known: {angle.reason}"
-    return f"{math.degrees(angle):.4g} degrees{_proved_angle(assessment)}"
-
-
-def _shift_words(assessment: Assessment) -> str:
-    """How far the source's centre is at most from where the optimum puts it, or why not."""
-    shift = assessment.stated("shift_upper")
-    if isinstance(shift, Absent):
-        return f"not known: {shift.reason}"
+def within_words(shift: float) -> str:
+    """How far the source's centre is at most from where the optimum puts it."""
     return f"within {at_most(shift)} (proved)"
 
 
@@ -96,72 +96,63 @@ def _sigma_lines(distance: SigmaDistance | Absent) -> list[str]:
     ]
 
 
-def _proved_angle(assessment: Assessment) -> str:
-    """The proved bound on the angle, where there is one."""
-    angle = assessment.angle_upper
-    if angle is None or angle >= math.pi:
-        return ""
-    return f", within {at_most(degrees_above(angle))} (proved)"
-
-
 def assessment_document(assessment: Assessment) -> Document:
     """An assessment as `certreg-assessment/1`."""
-    nearest = assessment.stated("nearest_index")
-    if not isinstance(nearest, Absent):
-        nearest = {
-            "morse_index": nearest,
-            "angle_deg": degrees(assessment.stated("nearest_angle")),
-        }
+    stated = assessment.stated
     return encoded(
         {
             "schema": ASSESSMENT_SCHEMA,
-            "objective": assessment.stated("objective"),
-            "rmse": assessment.stated("rmse"),
-            "gap_lower": assessment.stated("gap_lower"),
-            "gap_upper": finite(assessment.stated("gap_upper")),
-            "gap_share": finite(assessment.stated("gap_share")),
-            "gap_parts": _gap_parts(assessment),
-            "rounding_cost": finite(assessment.stated("rounding_cost")),
-            "angle_upper_deg": upper_degrees(assessment.stated("angle_upper")),
-            "shift_upper": finite(assessment.stated("shift_upper")),
-            "angle_to_optimum_deg": degrees(assessment.stated("angle_to_optimum")),
-            "nearest": nearest,
-            "sigma_distance": _sigma_distance(assessment),
+            "objective": stated("objective"),
+            "rmse": stated("rmse"),
+            "gap_lower": stated("gap_lower"),
+            "gap_upper": finite(stated("gap_upper")),
+            "gap_share": finite(stated("gap_share")),
+            "gap_parts": _fields(stated("gap_parts"), _gap_parts),
+            "rounding_cost": finite(stated("rounding_cost")),
+            "angle_upper_deg": upper_degrees(stated("angle_upper")),
+            "shift_upper": finite(stated("shift_upper")),
+            "angle_to_optimum_deg": degrees(stated("angle_to_optimum")),
+            "nearest": _fields(
+                stated("nearest_index"),
+                lambda index: {
+                    "morse_index": index,
+                    "angle_deg": degrees(stated("nearest_angle")),
+                },
+            ),
+            "sigma_distance": _fields(
+                stated("sigma_distance"),
+                lambda distance: {"value": distance.value, "dof": distance.dof, "p": distance.p},
+            ),
             "verdict": assessment.verdict.value,
             "headline": assessment.headline,
             "words": assessment.words,
-            "hint": assessment.stated("slip") if assessment.slip is None else assessment.hint,
-            "slip": _slip(assessment),
+            "hint": stated("slip") if assessment.slip is None else assessment.hint,
+            "slip": _fields(
+                stated("slip"),
+                lambda slip: {
+                    "code": slip.code.value,
+                    "verdict": slip.verdict.value,
+                    "words": slip.words,
+                },
+            ),
             "optimum": {
                 "rotation": assessment.optimum.rotation,
                 "translation": assessment.optimum.translation,
                 "quaternion_wxyz": assessment.optimum.quaternion_wxyz,
                 "scale": scale_of(assessment.optimum),
-                "objective": assessment.stated("optimum_objective"),
-                "rmse": assessment.stated("optimum_rmse"),
+                "objective": stated("optimum_objective"),
+                "rmse": stated("optimum_rmse"),
             },
             "fit": fit_fields(assessment.fit),
         }
     )
 
 
-def _gap_parts(assessment: Assessment) -> Document | Absent:
-    parts = assessment.stated("gap_parts")
-    if isinstance(parts, Absent):
-        return parts
+def _fields(value: T | Absent, fields: Callable[[T], Document]) -> Document | Absent:
+    """The fields of a part, or why there is none."""
+    return value if isinstance(value, Absent) else fields(value)
+
+
+def _gap_parts(parts: GapParts) -> Document:
     rotation, scale, translation = map(finite, parts.doubles)
     return {"scale": scale, "rotation": rotation, "translation": translation}
-
-
-def _sigma_distance(assessment: Assessment) -> Document | Absent:
-    distance = assessment.stated("sigma_distance")
-    if isinstance(distance, Absent):
-        return distance
-    return {"value": distance.value, "dof": distance.dof, "p": distance.p}
-
-
-def _slip(assessment: Assessment) -> Document | Absent:
-    slip = assessment.stated("slip")
-    if isinstance(slip, Absent):
-        return slip
-    return {"code": slip.code.value, "verdict": slip.verdict.value, "words": slip.words}

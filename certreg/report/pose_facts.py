@@ -7,10 +7,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from certreg._loading import late
-from certreg.geometry.similarity import Similarity
 from certreg.report.parts import listed
 from certreg.report.pose_words import motion_words, turn_of
-from certreg.report.scale import BIAS, SCALE_ZERO
+from certreg.report.scale import BIAS, SCALE_ZERO, scale_of
 from certreg.report.uncertainty import (
     centre_words,
     rotation_words,
@@ -18,17 +17,17 @@ from certreg.report.uncertainty import (
     shift_sigmas,
     shift_words,
     sigma_words,
+    told_covariance,
     told_to,
     turn_sigmas,
     two_digits,
     uncertainty_rows,
 )
-from certreg.results import Absent
+from certreg.results import Absent, present
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from certreg.geometry.pose import Pose
     from certreg.registration import scaled_poses
     from certreg.registration.covariance import PoseCovariance
     from certreg.registration.result import Registration
@@ -75,15 +74,21 @@ class PoseFacts:
 def pose_of(registration: Registration) -> PoseFacts:
     """The pose, rounded beside its deviations, and with all digits."""
     pose, bias = registration.pose, BIAS.get(registration.problem.scale)
-    exact, scaled = pose.T_target_source.tolist(), isinstance(pose, Similarity)
+    exact, scale = pose.T_target_source.tolist(), present(scale_of(pose))
     about_scale = [] if bias is None else [f"Of the scale: {bias}."]
+    covariance = present(told_covariance(registration))
+    moves = registration.problem.motion.translations
     return PoseFacts(
-        rows=aligned(exact, scaled=scaled),
-        facts=(*_scale_facts(registration), *_place_facts(registration)),
+        rows=aligned(exact, scaled=scale is not None),
+        facts=(
+            *_scale_facts(registration),
+            *_turn_facts(registration, covariance),
+            *(_shift_facts(registration, covariance) if moves else ()),
+        ),
         uncertainty=" ".join([_basis_words(registration), *about_scale]),
         matrix="\n".join(" ".join(map(repr, row)) for row in exact),
         quaternion=" ".join(map(repr, pose.quaternion_wxyz.tolist())),
-        scale=repr(pose.scale) if isinstance(pose, Similarity) else None,
+        scale=None if scale is None else repr(scale),
         motion=motion_words(registration),
     )
 
@@ -100,45 +105,51 @@ def _basis_words(registration: Registration) -> str:
 
 
 def _scale_facts(registration: Registration) -> Iterator[Fact]:
-    pose, own = registration.pose, listed(registration)
-    if not isinstance(pose, Similarity) or own is None:
+    scale, own = present(scale_of(registration.pose)), listed(registration)
+    if scale is None or own is None:
         return
     kind = f"{registration.problem.scale.value}: target over source"
-    yield Fact(name="Scale", value=f"{pose.scale:.9g}", words=kind)
-    if pose.scale == 0.0:
+    yield Fact(name="Scale", value=f"{scale:.9g}", words=kind)
+    if scale == 0.0:
         yield Fact(name="", value="", words=SCALE_ZERO)
     if (unit := scaled_poses.unit_of(own)) is not None:
         yield Fact(name="Unit", value="", words=unit)
 
 
-def _place_facts(registration: Registration) -> Iterator[Fact]:
-    """Rotation, centre and translation; each deviation that is known in the next line."""
-    pose, moves = registration.pose, registration.problem.motion.translations
-    covariance = registration.covariance
-    if BASIS not in dict(uncertainty_rows(registration)):
-        covariance = None
-    yield rotation_fact(pose, covariance)
-    yield from axis_facts(pose)
+def _turn_facts(registration: Registration, covariance: PoseCovariance | None) -> Iterator[Fact]:
+    """Rotation and scale, as their deviations allow; these in the next lines, where known."""
+    pose, sigma = registration.pose, 0.0
+    degrees, axis = turn_of(pose)
+    if covariance is not None and not isinstance(turn_sigmas(covariance), Absent):
+        sigma = math.degrees(covariance.loosest_sigma)
+    about = "" if axis is None else "about the axis"
+    yield Fact(name="Rotation", value=f"{told_to(degrees, sigma)}°", words=about)
+    if axis is not None:  # on a line of its own, which holds it
+        yield Fact(name="Axis", value=f"({', '.join(f'{entry:.4f}' for entry in axis)})")
     if covariance is None:
-        yield from [translation_fact(pose, None)] * bool(moves)
         return
-    turn, shift = rotation_words(covariance, ""), shift_words(covariance, "")
-    yield Fact(name="Rotation ±", value="", words=turn)
+    yield Fact(name="Rotation ±", value="", words=rotation_words(covariance, ""))
     if covariance.scale_sigma is not None:
         yield Fact(name="Scale ±", value="", words=scale_words(pose, covariance.scale_sigma))
-    if moves:
-        yield from _centre_facts(registration, covariance)
-        yield translation_fact(pose, covariance)
-        yield Fact(name="Translation ±", value="", words=SAME if shift == turn else shift)
 
 
-def _centre_facts(registration: Registration, covariance: PoseCovariance) -> Iterator[Fact]:
-    own = listed(registration)
+def _shift_facts(registration: Registration, covariance: PoseCovariance | None) -> Iterator[Fact]:
+    """Centre and translation, likewise."""
+    own, shift = listed(registration), registration.pose.translation.tolist()
+    sigmas = None if covariance is None else present(shift_sigmas(covariance))
+    told = map(told_to, shift, [0.0] * 3 if sigmas is None else sigmas.tolist())
+    translation = Fact(name="Translation", value=f"({', '.join(told)})")
+    if covariance is None:
+        yield translation
+        return
     if own is None:  # as sure as along its least sure axis
         yield Fact(name="Centre ±", value="", words=two_digits([covariance.centre_sigma]))
-        return
-    yield Fact(name="Centre", value=f"({', '.join(centre_words(own, covariance))})")
-    yield Fact(name="Centre ±", value="", words=sigma_words(covariance))
+    else:
+        yield Fact(name="Centre", value=f"({', '.join(centre_words(own, covariance))})")
+        yield Fact(name="Centre ±", value="", words=sigma_words(covariance))
+    yield translation
+    turn, moved = rotation_words(covariance, ""), shift_words(covariance, "")
+    yield Fact(name="Translation ±", value="", words=SAME if moved == turn else moved)
 
 
 def aligned(matrix: list[list[float]], *, scaled: bool = False) -> tuple[str, ...]:
@@ -156,29 +167,3 @@ def aligned(matrix: list[list[float]], *, scaled: bool = False) -> tuple[str, ..
 def _short(value: float) -> str:
     """A length in so few characters that the matrix fits its place."""
     return f"{value:.9g}" if 1e-4 <= abs(value) < WIDE or not value else f"{value:.5e}"
-
-
-def rotation_fact(pose: Pose | Similarity, covariance: PoseCovariance | None) -> Fact:
-    """The angle that the pose turns by, as its deviation allows."""
-    degrees, axis = turn_of(pose)
-    told = covariance is not None and not isinstance(turn_sigmas(covariance), Absent)
-    sigma = math.degrees(covariance.loosest_sigma) if covariance is not None and told else 0.0
-    about = "" if axis is None else "about the axis"
-    return Fact(name="Rotation", value=f"{told_to(degrees, sigma)}°", words=about)
-
-
-def axis_facts(pose: Pose | Similarity) -> list[Fact]:
-    """On a line of its own, which holds it; none where nothing is turned."""
-    _, axis = turn_of(pose)
-    if axis is None:
-        return []
-    return [Fact(name="Axis", value=f"({', '.join(f'{entry:.4f}' for entry in axis)})")]
-
-
-def translation_fact(pose: Pose | Similarity, covariance: PoseCovariance | None) -> Fact:
-    """The translation of the pose, as its deviation allows."""
-    told = Absent("") if covariance is None else shift_sigmas(covariance)
-    sigmas = [0.0] * 3 if isinstance(told, Absent) else told.tolist()
-    shift = pose.translation.tolist()
-    values = ", ".join(told_to(t, s) for t, s in zip(shift, sigmas, strict=True))
-    return Fact(name="Translation", value=f"({values})")

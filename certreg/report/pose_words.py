@@ -6,13 +6,14 @@ import math
 from typing import TYPE_CHECKING
 
 from certreg.exact.decimals import at_most
-from certreg.geometry.similarity import Similarity
-from certreg.results import Optimality
+from certreg.report.scale import scale_of
+from certreg.results import Absent, Optimality
 
 if TYPE_CHECKING:
     from fractions import Fraction
 
     from certreg.geometry.pose import Pose
+    from certreg.geometry.similarity import Similarity
     from certreg.problem.motion import Motion
     from certreg.registration.result import Registration
 
@@ -28,9 +29,9 @@ def motion_words(registration: Registration) -> str:
     if direction is not None:
         axis = ", ".join(f"{entry:.3f}" for entry in direction)
         done, whom = [f"turns the source by {degrees:.4g}° about the axis ({axis})"], "it"
-    if isinstance(pose, Similarity):
-        done, whom = [*done, f"scales {whom} by {pose.scale:.6g}"], "it"
-    if not registration.problem.rotation_only:
+    if not isinstance(scale := scale_of(pose), Absent):
+        done, whom = [*done, f"scales {whom} by {scale:.6g}"], "it"
+    if registration.problem.motion.translations:
         done.append(f"shifts {whom} by ({shift})")
     *first, last = done
     return f"{which} {', '.join(first)} and {last}." if first else f"{which} {last}."
@@ -38,9 +39,9 @@ def motion_words(registration: Registration) -> str:
 
 def gap_words(motion: Motion, what: str, gap: Fraction) -> str:
     """That what is minimised, at the pose, is no more than this above its minimum."""
-    moves = motion.translations > 0
-    over = ["rotations", *["translations"] * moves, *["scales"] * motion.scaled]
-    by = ["its quaternion", *["its translation"] * moves, *["its scale"] * motion.scaled]
+    moves, scales = motion.translations > 0, motion.scaled
+    over = ["rotations", *["translations"] * moves, *["scales"] * scales]
+    by = ["its quaternion", *["its translation"] * moves, *["its scale"] * scales]
     place = "" if moves else ", about the origin"
     return (
         f"Over all {_listed(over)}{place}: {what} at the pose given below with all digits, by "

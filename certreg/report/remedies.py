@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from certreg.registration.ambiguity import ambiguous_words, narrow_words
 from certreg.registration.headlines import is_loose
 from certreg.registration.misfits import FitCode
+from certreg.report.sentences import begun
 
 if TYPE_CHECKING:
     from certreg.registration.fit import Fit
@@ -42,12 +43,11 @@ def causes(registration: Registration) -> list[str]:
     equilibria = registration.equilibria
     if equilibria is None:
         return []
-    words = None if is_loose(registration) else narrow_words(equilibria)
     if (ambiguity := equilibria.classification.ambiguity) is not None:
-        words = f"not unique: {ambiguity.value}"
-    elif (tie := ambiguous_words(equilibria)) is not None:
-        words = tie.removesuffix(".")
-    return [] if words is None else [f"{words[0].upper()}{words[1:]}."]
+        return [f"Not unique: {ambiguity.value}."]
+    narrow = None if is_loose(registration) else narrow_words(equilibria)
+    words = ambiguous_words(equilibria) or narrow
+    return [] if words is None else [f"{begun(words).removesuffix('.')}."]
 
 
 def remedies(registration: Registration) -> list[str]:

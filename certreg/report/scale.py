@@ -8,9 +8,12 @@ from certreg._loading import late
 from certreg.exact.decimals import at_least, at_most
 from certreg.geometry.similarity import Similarity
 from certreg.problem.motion import Scale
+from certreg.registration.covariance import NO_SCALE
 from certreg.report.parts import listed
+from certreg.results import Absent
 
 if TYPE_CHECKING:
+    from certreg.geometry.pose import Pose
     from certreg.registration import breathing, scaled_poses
     from certreg.registration.breathing import ScaledEquilibria
     from certreg.registration.result import Registration
@@ -31,12 +34,16 @@ BIAS = {
 ALL_DIGITS = 17  # of a double
 
 
+def scale_of(pose: Pose | Similarity) -> float | Absent:
+    """Of a similarity, or why a pose has none."""
+    return pose.scale if isinstance(pose, Similarity) else NO_SCALE
+
+
 def scale_lines(registration: Registration) -> list[str]:
     """In the terminal; none where the scale is not free."""
-    pose, kind, own = registration.pose, registration.problem.scale, listed(registration)
-    if kind not in BIAS or own is None:
+    kind, scale, own = registration.problem.scale, scale_of(registration.pose), listed(registration)
+    if isinstance(scale, Absent) or own is None:
         return []
-    scale = pose.scale if isinstance(pose, Similarity) else 1.0
     unit = scaled_poses.unit_of(own)
     return [
         f"  scale             {scale!r}  ({kind.value}; target over source)",

@@ -7,27 +7,31 @@ derivations.
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
 from certreg.exact.decimals import as_given, at_most
 from certreg.exact.dyadic import nearest_or_zero, sigma_of_weight
-from certreg.geometry.similarity import Similarity
 from certreg.registration.covariance import NO_RESIDUALS
 from certreg.registration.loose_turns import axis_words, beyond_first_order
 from certreg.registration.misfits import FitCode
-from certreg.results import Absent
+from certreg.report.scale import scale_of
+from certreg.results import Absent, present
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from numpy.typing import NDArray
 
     from certreg.geometry.pose import Pose
+    from certreg.geometry.similarity import Similarity
     from certreg.registration.covariance import PoseCovariance
     from certreg.registration.fit import Fit
     from certreg.registration.result import Registration
 
 
+T = TypeVar("T")
 FINE = math.radians(0.01)  # below it arc seconds: 36 of them
 FIRST_ORDER = 0.2  # radians, 11 degrees: turns scatter 2 % more there, 4 to 8 % at 0.3, measured;
 # and of a translation's deviation: a second order of that share adds 2 % to it, too
@@ -49,13 +53,10 @@ def uncertainty_rows(registration: Registration) -> list[tuple[str, str]]:
     source's origin goes, which in map coordinates lies far from them. Where there is no uncertainty
     to tell: one row that says why.
     """
-    covariance, chi2 = covariance_of(registration), chi2_words(registration)
+    covariance, chi2 = told_covariance(registration), chi2_words(registration)
     tested = [] if chi2 is None else [("chi-squared", chi2)]
     if isinstance(covariance, Absent):
-        return [("uncertainty", f"not known: {covariance.reason}"), *tested]
-    doubt = more_than_noise(registration.fit)
-    if doubt is not None:
-        return [("uncertainty", f"not known: {doubt}"), *tested]
+        return [("uncertainty", known(covariance, str)), *tested]
     turned = rotation_words(covariance, "  (a small turn about the source's axes)")
     shifted = [("translation ±", shift_words(covariance, f"  ({OF_ORIGIN})"))]
     moves = registration.problem.motion.translations
@@ -70,6 +71,11 @@ def uncertainty_rows(registration: Registration) -> list[tuple[str, str]]:
     ]
 
 
+def known(value: T | Absent, words: Callable[[T], str]) -> str:
+    """A value in words, or why it is not known."""
+    return f"not known: {value.reason}" if isinstance(value, Absent) else words(value)
+
+
 def _centre_row(registration: Registration, covariance: PoseCovariance) -> list[tuple[str, str]]:
     """How sure the place of the source's centre is; on springs not alike along every axis."""
     if registration.problem.springs is not None:
@@ -82,8 +88,8 @@ def _centre_row(registration: Registration, covariance: PoseCovariance) -> list[
 
 def scale_words(pose: Pose | Similarity, sigma: float) -> str:
     """The deviation of a scale, and its share of the scale."""
-    scale = pose.scale if isinstance(pose, Similarity) else 1.0
-    share = f"  ({_two_digits(100.0 * sigma / scale)} % of it)" if scale > 0.0 else ""
+    scale = present(scale_of(pose))
+    share = f"  ({_two_digits(100.0 * sigma / scale)} % of it)" if scale else ""
     return f"{_two_digits(sigma)}{share}"
 
 
@@ -128,6 +134,13 @@ def covariance_of(registration: Registration) -> PoseCovariance | Absent:
     return NO_RESIDUALS if covariance.estimated and registration.fit.rounded else covariance
 
 
+def told_covariance(registration: Registration) -> PoseCovariance | Absent:
+    """The covariance that ± is of, or why none is told."""
+    doubt = more_than_noise(registration.fit)
+    covariance = covariance_of(registration)
+    return covariance if doubt is None or isinstance(covariance, Absent) else Absent(doubt)
+
+
 def more_than_noise(fit: Fit) -> str | None:
     """Why ± would say too little of a pose whose fit is warned of; None where it is not."""
     if not fit.warnings:
@@ -139,7 +152,7 @@ def rotation_words(covariance: PoseCovariance, axes: str) -> str:
     """Three standard deviations of a small turn, its axes, and a word where it is not small."""
     sigma = turn_sigmas(covariance)
     if isinstance(sigma, Absent):
-        return f"not known: {sigma.reason}"
+        return known(sigma, str)
     fine = float(sigma.max()) < FINE
     unit, factor = ("arc seconds", 3600.0) if fine else ("degrees", 1.0)
     told = f"{two_digits(np.degrees(sigma) * factor)} {unit}{axes}"
@@ -151,10 +164,7 @@ def rotation_words(covariance: PoseCovariance, axes: str) -> str:
 
 def shift_words(covariance: PoseCovariance, whose: str) -> str:
     """Three standard deviations of the translation, or why there are none."""
-    sigma = shift_sigmas(covariance)
-    if isinstance(sigma, Absent):
-        return f"not known: {sigma.reason}"
-    return f"{two_digits(sigma)}{whose}"
+    return known(shift_sigmas(covariance), lambda sigma: f"{two_digits(sigma)}{whose}")
 
 
 def turn_sigmas(covariance: PoseCovariance) -> NDArray[np.float64] | Absent:

@@ -132,8 +132,8 @@ ALLOWED = {  # what the last digit of a number to the nearest is worth, and wher
         report/pose_words.py {degrees:.4g}
         report/pose_words.py {entry:.3f}
         report/pose_words.py {entry:.6g}
-        report/pose_words.py {pose.scale:.6g}
-        report/pose_facts.py {pose.scale:.9g}
+        report/pose_words.py {scale:.6g}
+        report/pose_facts.py {scale:.9g}
         cli/judging.py {pose.scale:.15g}
     """,
     "a value to try, or beside which the user's is held": """

@@ -14,13 +14,13 @@ from certreg.certificate.radius import Radius
 from certreg.exact.dyadic import Dyadic
 from certreg.registration import scale_range
 from certreg.registration.robustness import Robustness
-from certreg.registration.rounding import rounding_cost, rounding_errors
+from certreg.registration.rounding import RANGE, UNIT, rounding_cost, rounding_errors
 from certreg.registration.scale_range import (
     moved_scale,
     moved_symmetric_scale,
     proved_scales,
 )
-from certreg.registration.scaled_poses import RANGE, UNIT, GapParts, _percent, scaled_rounding_cost
+from certreg.registration.scaled_poses import GapParts, _percent
 
 LITTLE = Fraction(1, 10**30)
 PLACES = 10**60
@@ -171,11 +171,10 @@ def test_the_cost_of_rounding_a_scale_is_that_of_half_a_unit(symmetric):
     sine, away = rounding_errors(TURN, SHIFT, [scale * c for c in CENTRE])
     shifted = 7 * away + 11 * (scale * UNIT) ** 2
 
-    assert scaled_rounding_cost(objective, scale, TURN, SHIFT) == 4 * (
+    assert rounding_cost(objective, TURN, SHIFT, scale=scale) == 4 * (
         4 * RANGE * sine + (shifted / scale if symmetric else shifted)
     )
-    assert scaled_rounding_cost(fake(), scale, TURN, SHIFT) == 0
-    assert scaled_rounding_cost(objective, Fraction(0), TURN, SHIFT) == 0
+    assert rounding_cost(objective, TURN, SHIFT, scale=Fraction(0)) == 0
 
 
 @pytest.mark.parametrize("beside", [-LITTLE, Fraction(0), LITTLE])

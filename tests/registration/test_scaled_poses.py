@@ -19,6 +19,7 @@ from certreg.errors import InvalidProblemError
 from certreg.geometry.given import given_pose
 from certreg.objective.isotropic import Isotropic
 from certreg.registration.scaled_poses import gap_parts
+from certreg.report.judged_pose import assessment_summary
 from certreg.results import Optimality, PoseVerdict
 
 if TYPE_CHECKING:
@@ -49,6 +50,16 @@ def test_clouds_that_fit_exactly_are_certified_with_an_energy_of_zero(scale: str
         assert found.status is Optimality.CERTIFIED
         assert found.equilibria.components[0].energy <= 1e-60
         assert np.isclose(found.pose.scale, factor, rtol=1e-15, atol=0.0)
+
+
+@pytest.mark.parametrize("scale", SCALES)
+def test_the_text_has_the_rmse_of_the_document_though_the_symmetric_objective_is_over_s(scale: str):
+    judged = assess(certified(scale), TRUE)
+    rows = [line.split() for line in assessment_summary(judged).splitlines()]
+    text = [float(row[1]) for row in rows if row[:1] == ["RMSE"]]
+    text += [float(row[3]) for row in rows if row[:3] == ["of", "the", "optimum"]][:1]
+
+    assert text == pytest.approx([judged.rmse, judged.optimum_rmse], rel=1e-5)
 
 
 FORMS: dict[str, Callable[[Any], Any]] = {

@@ -12,7 +12,13 @@ import pytest
 
 from certreg.registration import landscape, valley
 from certreg.registration.findings import FINE_PROOF, verdict_of
-from certreg.registration.landscape import SLACK, quartic_rounding_cost
+from certreg.registration.landscape import (
+    BALANCED,
+    SLACK,
+    AssessmentSettings,
+    quartic_place,
+    quartic_rounding_cost,
+)
 from certreg.registration.quartic import QuarticSolution
 from certreg.registration.valley import LEVEL, NEAR, TIE, SimulatedSprings
 from certreg.results import PoseVerdict
@@ -164,3 +170,24 @@ def test_beyond_the_doubles_no_cost_of_a_rounding_is_allowed(monkeypatch: Any, b
     half[4, 4] = beyond
 
     assert cost_of(monkeypatch, half, Fraction(1, 4), Fraction(4)) == 0
+
+
+@pytest.mark.parametrize("slope", [BALANCED, math.nextafter(BALANCED, 1.0)])
+@pytest.mark.parametrize("angle", [1e-3, math.nextafter(1e-3, 1.0)])
+@pytest.mark.parametrize("shifted", [Fraction(1, 2**20), Fraction(1, 2**20) + LITTLE])
+def test_a_pose_is_at_an_equilibrium_within_the_angle_the_shift_and_the_slope(
+    monkeypatch: Any, slope: float, angle: float, shifted: Fraction
+):
+    near = SimpleNamespace(angle=angle, slope=slope, index=1, is_worse=True)
+    monkeypatch.setattr(landscape, "equilibrium_near", lambda *_: near)
+    objective = SimpleNamespace(oscillation=1, translation_energy=lambda *_: shifted)
+    found = SimpleNamespace(levelled=None)
+    solution: Any = SimpleNamespace(
+        objective=objective, found=found, least=0, unique_rotation=None, quaternion=None
+    )
+    pose: Any = SimpleNamespace(quaternion=None, translation=None)
+    bounds: Any = SimpleNamespace(least_range_squared=Fraction(1))
+    settings = AssessmentSettings(equilibrium_shift=2.0**-10)
+
+    rest = quartic_place(solution, pose, bounds, None, settings).rest
+    assert (rest is None) == (slope > BALANCED or angle > 1e-3 or shifted > Fraction(1, 2**20))

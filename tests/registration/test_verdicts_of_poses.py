@@ -106,6 +106,16 @@ def test_a_pose_on_general_springs_is_optimal_up_to_its_rounding_the_proof_and_t
     assert verdict_of(judged, SETTINGS) is expected
 
 
+def test_the_optimum_is_no_spurious_equilibrium_however_little_is_called_near(registration: Any):
+    """Turned by 2e-4 radians, within the angle of an equilibrium, and no gap is small enough."""
+    pose = replace(exact_pose(registration.pose), quaternion=(10**4, 1, 0, 0))
+    strict = AssessmentSettings(near_optimal_gap=0.0)
+
+    judged = findings(registration, pose, NONE, strict)
+    assert judged.bounds.least_gap > 0
+    assert verdict_of(judged, strict) is PoseVerdict.NOT_AN_EQUILIBRIUM
+
+
 @pytest.mark.parametrize(
     ("gap", "angle", "usual"),
     [

@@ -14,12 +14,13 @@ from flint import arb, ctx
 
 from certreg.geometry.pose import Pose
 from certreg.problem.motion import Motion, Scale
+from certreg.registration.headlines import degrees_words
 from certreg.registration.result import Method
 from certreg.registration.robustness import Robustness
 from certreg.report import document, lines
 from certreg.report import words as page_words
 from certreg.report.consensus_reach import degrees_from
-from certreg.report.judged_pose import _proved_angle, _shift_words
+from certreg.report.judged_pose import within_words
 from certreg.report.lines import step_words
 from certreg.report.overview import bound_facts, robustness_facts
 from certreg.report.pairs import optimum_degrees
@@ -54,7 +55,7 @@ def test_the_degrees_of_reach_are_no_fewer_than_the_proved_angle():
 @pytest.mark.parametrize("angle", [1e-9, 0.1, math.radians(1.0), 1.0, math.nextafter(math.pi, 0.0)])
 def test_a_proved_angle_in_degrees_is_no_fewer_than_it_is(angle: float):
     judged: Any = SimpleNamespace(angle_upper=angle)
-    number = Fraction(_proved_angle(judged).removeprefix(", within ").removesuffix(" (proved)"))
+    number = Fraction(degrees_words(judged) or "")
 
     with ctx.workprec(200):
         assert arb(angle) * 180 / arb.pi() <= arb(number.numerator) / number.denominator
@@ -64,7 +65,7 @@ def test_a_proved_angle_in_degrees_is_no_fewer_than_it_is(angle: float):
 def test_where_no_angle_is_proved_none_is_printed():
     for angle in (None, math.pi):
         judged: Any = SimpleNamespace(angle_upper=angle)
-        assert _proved_angle(judged) == ""
+        assert degrees_words(judged) is None
     bare = SimpleNamespace(body=SimpleNamespace(claims=SimpleNamespace(sin2_half_angle=None)))
     for certificate in (None, bare):
         truncated: Any = SimpleNamespace(certificate=certificate)
@@ -157,8 +158,7 @@ def test_the_growth_of_the_document_is_no_more_than_the_proved_one(apart: Fracti
 
 @pytest.mark.parametrize("shift", [math.nextafter(0.5, 0.0), 0.5, math.nextafter(0.5, 1.0)])
 def test_a_centre_is_no_farther_off_than_printed(shift: float):
-    judged: Any = SimpleNamespace(stated=lambda _: shift)
-    number = Fraction(_shift_words(judged).removeprefix("within ").removesuffix(" (proved)"))
+    number = Fraction(within_words(shift).removeprefix("within ").removesuffix(" (proved)"))
 
     assert Fraction(shift) <= number <= Fraction(501, 1000)
 

@@ -146,10 +146,10 @@ def test_an_assessment_is_told_with_its_own_numbers():
     found = assess(RegistrationProblem(AXES, AXES), [0.8, 0.6, 0.0, 0.0], np.zeros(3))
     energies = checked(found.energies)
     bounds = replace(energies.bounds, least_gap=Fraction(0), greatest_gap=Fraction(1, 3))
+    bounds = replace(bounds, angle_upper=math.radians(25.0))
     given = replace(
         found,
         angle_to_optimum=math.radians(20.0),
-        angle_upper=math.radians(25.0),
         energies=replace(
             energies,
             objective=Fraction(12),
@@ -171,7 +171,8 @@ def test_an_assessment_is_told_with_its_own_numbers():
     assert "  of the optimum     1.000000\n" in assessment_summary(given)
     assert "  of the optimum     3.000000\n" in assessment_summary(given)
     for wide in (None, math.pi):
-        assert "20 degrees\n" in assessment_summary(replace(given, angle_upper=wide))
+        open_ = replace(checked(given.energies), bounds=replace(bounds, angle_upper=wide))
+        assert "20 degrees\n" in assessment_summary(replace(given, energies=open_))
 
 
 def test_no_bound_is_said_to_bound_nothing_where_there_is_none(axes: Registration):
