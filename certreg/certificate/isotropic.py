@@ -196,7 +196,7 @@ def produce(
         gap=delta.shifted(1),
         unstable=shape.unstable,
         basin=True if inside else None,
-        sdp_gap=None if multiplier is None else _sdp_gap(objective, multiplier),
+        sdp_gap=multiplier and dyadic_above(multiplier_gap(objective, q, multiplier), BOUND_BITS),
         **claims,
     )
     basin = state if inside else None
@@ -316,10 +316,6 @@ def multiplier_gap(objective: Isotropic, q: Sequence[int], nu: Dyadic) -> Fracti
     The objective at the best translation is spread - 2 v, and the minimum exceeds spread - 2 nu.
     """
     return 2 * (nu.value - objective.alignment(q))
-
-
-def _sdp_gap(objective: Isotropic, nu: Dyadic) -> Dyadic:
-    return dyadic_above(multiplier_gap(objective, objective.optimum, nu), BOUND_BITS)
 
 
 def _optimality(objective: Isotropic) -> tuple[Dyadic, Dyadic] | None:

@@ -100,13 +100,6 @@ class ProvedConsensus:
         return ranges(self.pieces, self.states, OPEN)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class ScalePart(Part):
-    """Motions whose scale is in a range."""
-
-    scales: ScaleRange
-
-
 class ConsensusProver:
     """Proves as much as it can of one problem; what holds for all motions is found once."""
 
@@ -144,7 +137,7 @@ class ConsensusProver:
         states = "".join(part.state for part in parts)
         return ProvedConsensus(witness, tuple(met), labels, upper, pieces, states)
 
-    def _parts(self, met: list[int], scale: Fraction, *, whole: bool) -> list[ScalePart]:
+    def _parts(self, met: list[int], scale: Fraction, *, whole: bool) -> list[Part]:
         """Of all scales, in order: the widest of those that are open is cut, again and again.
 
         Until so many are open at once that cutting will not end, or the certificate is full.
@@ -152,10 +145,10 @@ class ConsensusProver:
         near = dyadic_below(scale, END_BITS).value
         below, beside = ScaleRange(Fraction(0), near / 2), ScaleRange(near / 2, near * 2)
         begun = [RIGID] if self.pairs.rigid else [below, beside, ScaleRange(near * 2, None)]
-        found: list[ScalePart] = []
-        queue: list[tuple[float, Fraction, ScalePart]] = []
+        found: list[Part] = []
+        queue: list[tuple[float, Fraction, Part]] = []
 
-        def add(part: ScalePart) -> None:
+        def add(part: Part) -> None:
             width = self._width(part.scales) if part.state == OPEN else 0.0
             if width > 0.0:
                 heapq.heappush(queue, (-width, part.scales.low, part))
@@ -199,11 +192,11 @@ class ConsensusProver:
         finite = self.pairs.scales.most[np.isfinite(self.pairs.scales.most)]
         return bool((finite >= low).any())
 
-    def _thinned(self, scales: ScaleRange, met: list[int], *, whole: bool) -> ScalePart:
+    def _thinned(self, scales: ScaleRange, met: list[int], *, whole: bool) -> Part:
         rigid = scales is RIGID
         graph = self.graph if rigid else self._graph(scales)
         stager = Stager(graph, met, whole or not rigid, MOST)
-        return ScalePart.of(stager, _clique(graph.near, met), scales=scales)
+        return Part.of(stager, _clique(graph.near, met), scales)
 
     @cached_property
     def graph(self) -> Graph:
