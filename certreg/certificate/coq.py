@@ -109,7 +109,7 @@ def export(certificate: bytes, clouds: Clouds | None = None) -> CoqProblem:
         raise InvalidFileError(
             f"{what}: leave out --coq", column="kind", value=stated.kind, limit="isotropic"
         )
-    if stated.rotation_only:
+    if stated.model:
         message = "a certificate of a rotation alone, and Coq decides where there is a translation"
         raise InvalidFileError(f"{message}: leave out --coq", column="rotation_only", value=True)
     content, n = bytes(bound_doubles(stated, clouds)), stated.n
