@@ -22,7 +22,7 @@ from certreg.exact.dyadic import (
 )
 from certreg.geometry.so3 import body_frame, dot, rotation_matrix, squared_norm
 from certreg.problem.lifting import lift
-from certreg.results import Absent, Explained, present
+from certreg.results import Absent, Explained, Limits, present
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -34,7 +34,6 @@ if TYPE_CHECKING:
     from certreg.objective.isotropic import Isotropic
     from certreg.objective.springs import Springs
     from certreg.problem.moments import ExactMoments
-    from certreg.results import Limits
 
 
 NO_ANGLE = Absent("the optimum is not unique: no angle to 'the' optimum exists")

@@ -28,9 +28,9 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, TypeVar
 
 import numpy as np
 
-from certreg.certificate.envelope import enclosed
+from certreg.certificate.envelope import Certificate, enclosed
 from certreg.certificate.radius import growth_radius
-from certreg.certificate.squares import SpringsBody, growth_claims, sos_body
+from certreg.certificate.squares import SpringsBody, SpringsSosBody, growth_claims, sos_body
 from certreg.equilibrium.quartics import FloatingQuartic, descended
 from certreg.exact.dyadic import Dyadic, dyadic_above, dyadic_below
 from certreg.exact.elimination import is_positive_definite
@@ -47,8 +47,6 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from certreg.certificate.envelope import Certificate
-    from certreg.certificate.squares import SpringsSosBody
     from certreg.exact.spaces import IntegerQuaternion
     from certreg.objective.springs import Springs
     from certreg.problem.problem import RegistrationProblem

@@ -28,13 +28,12 @@ from certreg.certificate.private_folder import UnusableFolderError, opened_folde
 from certreg.errors import InvalidFileError, MissingToolError
 from certreg.io.atomic import write_atomically
 from certreg.results import Ruling, Verdict
-from certreg.verify import IsotropicStatement, RefusalError, bound_doubles, parse, require
+from certreg.verify import Clouds, IsotropicStatement, RefusalError, bound_doubles, parse, require
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
     from fractions import Fraction
 
-    from certreg.verify import Clouds
 
 SECONDS = 600.0  # for one question: 338 points take four; hostile exponents could take days
 COMPILING, RUNNING = ".coq-", "certreg-coq-"  # how folders for the time of a run begin

@@ -21,7 +21,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
-from certreg.certificate.envelope import enclosed
+from certreg.certificate.envelope import Certificate, enclosed
 from certreg.certificate.file_parts import FilePart
 from certreg.certificate.pose_claims import PoseBody, PoseClaims
 from certreg.certificate.radius import RADIUS_BITS, SAFE, SeparatedRadius, isotropic_radius
@@ -32,7 +32,6 @@ from certreg.geometry.so3 import dot, quadratic_form, squared_norm
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from certreg.certificate.envelope import Certificate
     from certreg.objective.isotropic import Isotropic
     from certreg.problem.problem import RegistrationProblem
 

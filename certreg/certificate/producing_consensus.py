@@ -37,22 +37,20 @@ from certreg.certificate.consensus import (
     ranges,
 )
 from certreg.certificate.consistency import ConsistentPairs
-from certreg.certificate.envelope import enclosed
+from certreg.certificate.envelope import Certificate, enclosed
 from certreg.certificate.proof_stages import MOST, Part, Stager, length_of, settled
 from certreg.certificate.vertex_elimination import Graph
 from certreg.errors import UndecidedError
 from certreg.exact.dyadic import Dyadic, dyadic_above, dyadic_below
 from certreg.geometry.pose import Pose
 from certreg.geometry.so3 import davenport_matrix, quaternion_from_matrix, rotation_matrix
-from certreg.native.bitset_graph import mask_of, rows_of
+from certreg.native.bitset_graph import Neighbours, mask_of, rows_of
 from certreg.problem.bounds import LEAST_PAIRS
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from certreg.certificate.envelope import Certificate
     from certreg.certificate.pose_claims import PoseBody
-    from certreg.native.bitset_graph import Neighbours
     from certreg.problem.problem import RegistrationProblem
 
 LOG = logging.getLogger(__name__)

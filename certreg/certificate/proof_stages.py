@@ -10,16 +10,23 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from certreg.certificate.clique_refutation import Assuming
-from certreg.certificate.consensus import INLIER, NONE, OPEN, OUTLIER, SAME, UNDECIDED, Stage
+from certreg.certificate.consensus import (
+    INLIER,
+    NONE,
+    OPEN,
+    OUTLIER,
+    SAME,
+    UNDECIDED,
+    ScaleRange,
+    Stage,
+    Strike,
+)
 from certreg.certificate.edge_elimination import Parting
-from certreg.certificate.vertex_elimination import GraphThinning
+from certreg.certificate.vertex_elimination import Graph, GraphThinning
 from certreg.native.bitset_graph import mask_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
-
-    from certreg.certificate.consensus import ScaleRange, Strike
-    from certreg.certificate.vertex_elimination import Graph
 
 
 MOST_LEFT_OUT = 64  # pairs tried as inliers one by one, at effort 1: each is a stage of its own

@@ -35,10 +35,9 @@ from certreg.exact.dyadic import (
     power_of_two,
     rational_root_above,
 )
-from certreg.problem.moments import trace
+from certreg.problem.moments import ExactMoments, trace
 
 if TYPE_CHECKING:
-    from certreg.problem.moments import ExactMoments
     from certreg.problem.stiffness import SpringMoments
 
 RADIUS_BITS = 24  # of mantissa: short numbers, at most 2^-23 of them lost

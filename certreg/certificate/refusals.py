@@ -13,13 +13,20 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from certreg.exact.dyadic import sigma_of_weight
-from certreg.verify import CONSENSUS, SPRUNG, TRUNCATED, ConsensusSimilarityStatement, parse, shown
+from certreg.verify import (
+    CONSENSUS,
+    SPRUNG,
+    TRUNCATED,
+    Clouds,
+    ConsensusSimilarityStatement,
+    Statement,
+    parse,
+    shown,
+)
 
 if TYPE_CHECKING:
     import os
     from collections.abc import Iterator, Sequence
-
-    from certreg.verify import Clouds, Statement
 
 
 WEIGHED = (("weight", 1), ("bound", 1))

@@ -16,6 +16,7 @@ from certreg.io.atomic import require_vacant, write_atomically, write_together
 from certreg.objective.structure import Structure
 from certreg.registration.enumeration import (
     SHOWN,
+    Enumeration,
     certified_count,
     certified_list,
     enumerated,
@@ -34,7 +35,6 @@ if TYPE_CHECKING:
     from certreg.equilibrium.equilibrium_set import EquilibriumSet
     from certreg.io.pairing import Pair
     from certreg.problem.problem import RegistrationProblem
-    from certreg.registration.enumeration import Enumeration
     from certreg.registration.spring_equilibria import SpringEquilibria
 
 

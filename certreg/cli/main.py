@@ -13,7 +13,7 @@ import sys
 import traceback
 from functools import cache
 from importlib import import_module
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn
 
 import click
 
@@ -28,7 +28,6 @@ from certreg.report.markup import printable
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
-    from typing import NoReturn
 
     from click.shell_completion import CompletionItem
 

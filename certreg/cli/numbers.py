@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NoReturn, Protocol
 
 import click
 from click.types import FloatParamType
 
 if TYPE_CHECKING:
-    from typing import NoReturn, Protocol
 
     class _Failing(Protocol):
         def fail(

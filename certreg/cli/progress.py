@@ -6,15 +6,12 @@ import logging
 import sys
 import time
 from contextlib import ExitStack
-from typing import TYPE_CHECKING, Any
+from typing import Any, Self
 
 import click
 
 from certreg.campaign.runner import Observer
 from certreg.report.markup import printable
-
-if TYPE_CHECKING:
-    from typing import Self
 
 PATIENCE = 1.0  # seconds before a long run says that it is at work
 ERASE_LINE = "\r\033[K"

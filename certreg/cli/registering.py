@@ -23,13 +23,14 @@ from certreg.cli.options import (
     refuse_if,
 )
 from certreg.cli.writing import WritingCommand
-from certreg.cli.wrong_pairs import consensus_options
+from certreg.cli.wrong_pairs import WrongPairs, consensus_options
 from certreg.registration.certification import certify as certified
 from certreg.registration.examples import STORIES, differences, tell
 from certreg.registration.exit_codes import (
     DONE,
     NOT_CERTIFIED,
     REFUSED,
+    FitDemands,
     code_of_registration,
     worst,
 )
@@ -39,10 +40,8 @@ from certreg.report.markup import printable
 from certreg.verify import shown
 
 if TYPE_CHECKING:
-    from certreg.cli.wrong_pairs import WrongPairs
     from certreg.io.pairing import Pair
     from certreg.problem.problem import RegistrationProblem
-    from certreg.registration.exit_codes import FitDemands
     from certreg.report import document, folder, pair_fields, summary
 else:
     document = late("certreg.report.document")
