@@ -82,18 +82,15 @@ class CoqProblem:
 
     def theorem(self) -> str:
         """A file with the theorem that all claims are true; Coq rejects it where they are not."""
-        return self._file() + THEOREM
+        return HEADER.format(digest=self.digest) + self.definitions.replace("@", "") + THEOREM
 
     def refusal(self) -> str:
         """A file that prints the reasons to refuse the certificate, none if it is accepted."""
-        return self._file() + DECISION.format(tag="")
+        return HEADER.format(digest=self.digest) + self.decision("")
 
     def decision(self, tag: str) -> str:
         """The same without its head, under names that end in the tag: for many in one file."""
         return self.definitions.replace("@", tag) + DECISION.format(tag=tag)
-
-    def _file(self) -> str:
-        return HEADER.format(digest=self.digest) + self.definitions.replace("@", "")
 
 
 def export(certificate: bytes, clouds: Clouds | None = None) -> CoqProblem:

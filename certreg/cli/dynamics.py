@@ -7,9 +7,15 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
 
-from certreg.cli.as_json import json_option
-from certreg.cli.numbers import NUMBER
-from certreg.cli.options import CLOUD, EXIT_CODES, FOLDER, cloud_options, refuse_if
+from certreg.cli.options import (
+    CLOUD,
+    EXIT_CODES,
+    FOLDER,
+    NUMBER,
+    cloud_options,
+    json_option,
+    refuse_if,
+)
 from certreg.cli.writing import WritingCommand
 from certreg.dynamics.trajectory import Record
 from certreg.io.atomic import require_vacant, write_atomically, write_together

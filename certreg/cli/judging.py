@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from certreg.cli.as_json import json_option
 from certreg.cli.certified_clouds import bound_clouds
-from certreg.cli.options import CLOUD, certificate_argument, cloud_options
+from certreg.cli.options import CLOUD, certificate_argument, cloud_options, json_option
 from certreg.cli.progress import note
 from certreg.cli.writing import WritingCommand, require_apart
 from certreg.cli.wrong_pairs import WrongPairs, consensus_options

@@ -12,13 +12,13 @@ import click
 
 from certreg import __version__
 from certreg._loading import late
-from certreg.cli.as_json import json_option
 from certreg.cli.options import (
     EXIT_CODES,
     FOLDER,
     NUMBER,
     cloud_options,
     fit_options,
+    json_option,
     limit_options,
     refuse_if,
 )
