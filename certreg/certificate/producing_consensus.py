@@ -31,6 +31,7 @@ from certreg.certificate.consensus import (
     ConsensusBody,
     ConsensusSimilarityBody,
     Piece,
+    Reach,
     ScaledWitness,
     ScaleRange,
     Witness,
@@ -46,6 +47,8 @@ from certreg.geometry.pose import Pose
 from certreg.geometry.so3 import davenport_matrix, quaternion_from_matrix, rotation_matrix
 from certreg.native.bitset_graph import Neighbours, mask_of, rows_of
 from certreg.problem.bounds import LEAST_PAIRS
+from certreg.problem.support import PREFIXES
+from certreg.verify import CONSENSUS, SPRUNG, ConsensusSimilarityStatement
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -282,28 +285,41 @@ def consensus_certificate(
 
     Raises UndecidedError where it would be too long.
     """
-    return enclosed(problem, BODY_OF[type(found.witness)](problem, found, fit), about)
+    return enclosed(problem, BODY_OF[PREFIXES[problem.cell]](problem, found, fit), about)
 
 
-def _rigid_body(
+def _weighed_body(
     problem: RegistrationProblem, found: ProvedConsensus, fit: Certificate[PoseBody] | None
 ) -> ConsensusBody:
     """How far motions that meet all these rows may turn from the fit: they have 2 p^T K p >= c.
 
-    c = S - B, B = sum w b^2. The pose of general springs is no eigenvector of K: `turn_about`
-    allows for that.
+    c = S - B, B = sum w b^2.
     """
-    springs, reach = problem.factors is not None, None
-    rows = MetRows.of(problem, found.met, np.ones(problem.n) if springs else problem.weights)
-    x, y = rows.source, rows.target
-    spread = float((rows.weights * (x * x + y * y)).sum())
-    c = spread - rows.room
-    if fit is not None and not springs:
-        reach = reach_of(rows.davenport, c, spread, fit.body.quaternion)
-    elif fit is not None:
+    rows = MetRows.of(problem, found.met, problem.weights)
+    c, spread = rows.spread - rows.room, rows.spread
+    reach = fit and reach_of(rows.davenport, c, spread, fit.body.quaternion)
+    return _rigid_body(found, fit, reach, springs=False)
+
+
+def _sprung_body(
+    problem: RegistrationProblem, found: ProvedConsensus, fit: Certificate[PoseBody] | None
+) -> ConsensusBody:
+    """The same of general springs: their pose is no eigenvector of K, as `turn_about` allows."""
+    rows, reach = MetRows.of(problem, found.met, np.ones(problem.n)), None
+    if fit is not None:
         u = np.array(fit.body.quaternion, dtype=float)
-        A = 2.0 * rows.davenport / spread
-        reach = turn_about(c / spread, A, u / np.linalg.norm(u))
+        c, A = rows.spread - rows.room, 2.0 * rows.davenport / rows.spread
+        reach = turn_about(c / rows.spread, A, u / np.linalg.norm(u))
+    return _rigid_body(found, fit, reach, springs=True)
+
+
+def _rigid_body(
+    found: ProvedConsensus,
+    fit: Certificate[PoseBody] | None,
+    reach: Reach | None,
+    *,
+    springs: bool,
+) -> ConsensusBody:
     return ConsensusBody(
         witness=found.witness,
         labels=found.labels,
@@ -353,21 +369,26 @@ def _similarity_body(
     )
 
 
-BODY_OF = {Witness: _rigid_body, ScaledWitness: _similarity_body}
+BODY_OF = {  # by the prefix of the data
+    CONSENSUS: _weighed_body,
+    SPRUNG: _sprung_body,
+    **dict.fromkeys(ConsensusSimilarityStatement.prefixes.values(), _similarity_body),
+}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class MetRows:
     """Rows of both clouds about their weighted means, (K, 3), and weights (K, 1), at most 1.
 
-    davenport: Davenport's matrix. room: the sum of the weighted squares of their bounds. exponent:
-    of `ConsistentPairs`.
+    davenport: Davenport's matrix. spread: the weighted squares of both clouds. room: those of the
+    bounds. exponent: of `ConsistentPairs`.
     """
 
     source: NDArray[np.float64]
     target: NDArray[np.float64]
     weights: NDArray[np.float64]
     davenport: NDArray[np.float64]
+    spread: float
     room: float
     exponent: int
 
@@ -388,6 +409,7 @@ class MetRows:
             target=y,
             weights=w,
             davenport=np.array(davenport_matrix(((w * y).T @ x).tolist())),
+            spread=float((w * (x * x + y * y)).sum()),
             room=float((w[:, 0] * pairs.bounds[rows] ** 2).sum()),
             exponent=pairs.exponent,
         )

@@ -166,12 +166,14 @@ def demo(out: Path) -> int:
         click.echo(f"  certificate: {path}")
         if path is not None:
             click.echo(f"  report:      {path.with_name(REPORT)}\n")
-    click.echo("Every certificate above was accepted by the checker. Check them yourself:")
-    certificate = shown(out / STORIES[0].name / "certificate.json")
-    click.echo(f"  {_own_name()} verify {shlex.quote(certificate)}")
-    click.echo("or, with nothing but Python, anywhere:")
-    program = shown(Path(str(files("certreg") / "verify.py")))
-    click.echo(f"  python3 -I -S {shlex.quote(program)} {shlex.quote(certificate)}")
+    certificate = shlex.quote(shown(out / STORIES[0].name / "certificate.json"))
+    program = shlex.quote(shown(Path(str(files("certreg") / "verify.py"))))
+    click.echo(
+        "Every certificate above was accepted by the checker. Check them yourself:\n"
+        f"  {_own_name()} verify {certificate}\n"
+        "or, with nothing but Python, anywhere:\n"
+        f"  python3 -I -S {program} {certificate}"
+    )
     return code
 
 
