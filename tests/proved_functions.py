@@ -67,7 +67,7 @@ PROVED = (
     _of(
         "certificate/radius",
         "isotropic_radius growth_radius _weight_and_lever sines",
-        "certificate/test_radius_bounds",
+        "certificate/test_radius_bounds certificate/test_radius_of_springs",
     ),
     _of("certificate/joint_feasibility", "is_refuted", "certificate/test_pair_edges"),
     _of(

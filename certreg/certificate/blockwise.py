@@ -16,6 +16,7 @@ from certreg.problem.exact_sums import UPPER, second_method, sums_by
 from certreg.problem.support import PREFIXES
 from certreg.verify import (
     SUMS,
+    Limits,
     Outcome,
     RefusalError,
     bound_doubles,
@@ -30,7 +31,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
 
     from certreg.problem.problem import RegistrationProblem
-    from certreg.verify import Limits
 
 Table = list[list[int]]
 NO_MODEL = "neither --scale nor --rotation-only"

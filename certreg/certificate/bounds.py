@@ -22,7 +22,7 @@ from certreg.exact.dyadic import (
 )
 from certreg.geometry.so3 import body_frame, dot, rotation_matrix, squared_norm
 from certreg.problem.lifting import lift
-from certreg.results import Absent, Explained, present
+from certreg.results import Absent, Explained, Limits, present
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -34,7 +34,6 @@ if TYPE_CHECKING:
     from certreg.objective.isotropic import Isotropic
     from certreg.objective.springs import Springs
     from certreg.problem.moments import ExactMoments
-    from certreg.results import Limits
 
 
 NO_ANGLE = Absent("the optimum is not unique: no angle to 'the' optimum exists")
@@ -179,14 +178,10 @@ def pose_bounds(
         shift_upper=root_above(shifted / objective.moments.total_weight),
         flat_energy=flat_energy(objective.moments),
         absent={
-            "angle_upper": _no_angle(objective),
+            "angle_upper": NOT_CLAIMED if objective.classification.unique else NO_ANGLE,
             **({"share_upper": NO_RANGE} if flat else {}),
         },
     )
-
-
-def _no_angle(objective: Isotropic) -> Absent:
-    return NOT_CLAIMED if objective.classification.unique else NO_ANGLE
 
 
 def flat_energy(moments: ExactMoments) -> Fraction:
@@ -241,12 +236,11 @@ def spring_pose_bounds(objective: Springs, body: PoseBody, pose: ExactPose) -> P
     energy = spring_energy(objective, pose)
     span = least_range(objective, least)
     above = energy - least
-    told = body.claims.sin2_half_angle
     shifted = _shift(objective, body, pose)
     return PoseBounds(
         least_gap=max(Fraction(0), above),
         greatest_gap=min(energy, max(Fraction(0), above + body.gap if span else above)),
-        angle_upper=None if told is None else angle_from(body.quaternion, q, told.value),
+        angle_upper=_angle_upper(body, q),
         least_range_squared=span**2,
         shift_upper=present(shifted),
         flat_energy=least or objective.translation_energy(q, (Fraction(0),) * 3),

@@ -12,21 +12,19 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from certreg._loading import late
-from certreg.certificate.envelope import certificate_bytes
+from certreg.certificate.envelope import Certificate, CertificateBody, certificate_bytes
 from certreg.certificate.refusals import told_apart, why_no_certificate, why_no_certificates
 from certreg.errors import InvalidProblemError, RefusedCertificateError
 from certreg.io.atomic import write_atomically
 from certreg.results import SHOWN, Ruling, Shown, Verdict
-from certreg.verify import INLINE_MAX, LIMITS, Clouds, Outcome, check, main
+from certreg.verify import INLINE_MAX, LIMITS, Clouds, Limits, Outcome, Worth, check, main
 
 if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
-    from certreg.certificate.envelope import Certificate, CertificateBody
     from certreg.problem import bounds as problem_bounds
     from certreg.problem.problem import RegistrationProblem
-    from certreg.verify import Limits, Worth
 else:
     # it loads NumPy, which most here do without
     problem_bounds = late("certreg.problem.bounds")

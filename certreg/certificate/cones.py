@@ -29,9 +29,9 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, TypeVar
 
 import numpy as np
 
-from certreg.certificate.envelope import enclosed
+from certreg.certificate.envelope import Certificate, enclosed
 from certreg.certificate.radius import growth_radius
-from certreg.certificate.squares import SpringsBody, growth_claims, sos_body
+from certreg.certificate.squares import SpringsBody, SpringsSosBody, growth_claims, sos_body
 from certreg.equilibrium.quartics import FloatingQuartic, descended
 from certreg.errors import NotCompiledWarning
 from certreg.exact.dyadic import Dyadic, dyadic_above, dyadic_below
@@ -50,8 +50,6 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from certreg.certificate.envelope import Certificate
-    from certreg.certificate.squares import SpringsSosBody
     from certreg.exact.spaces import IntegerQuaternion
     from certreg.objective.springs import Springs
     from certreg.problem.problem import RegistrationProblem
@@ -119,11 +117,16 @@ AnyBody = TypeVar("AnyBody", "SpringsSosBody", SpringsConesBody)
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ConesProposal(Brief):
-    """What cones are proposed to prove. body: None where nothing is. seen: cones looked at."""
+    """What cones are proposed to prove.
 
-    body: SpringsConesBody | None
-    words: str
+    body: None where nothing is. better: then the quaternion of a better rotation, if one was met.
+    seen: cones looked at.
+    """
+
     seen: int
+    body: SpringsConesBody | None = None
+    words: str = NOTHING_WORDS
+    better: IntegerQuaternion | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -211,15 +214,14 @@ def cones_body(objective: Springs, minima: Sequence[IntegerQuaternion]) -> Cones
 
     minima: integers, as `relaxation` refines them, in any order.
     """
-    known, seen = list(minima), 0
+    known, proposal = list(minima), ConesProposal(seen=0)
     for _ in range(RESTARTS):
-        search = ConeProof.of(objective, known)
-        proposal, better = search.run()
-        seen += proposal.seen
-        if better is None:
-            return replace(proposal, seen=seen)
-        known.append(_descended_from(objective, better))
-    return ConesProposal(body=None, words=NOTHING_WORDS, seen=seen)
+        found = ConeProof.of(objective, known).run()
+        proposal = replace(found, seen=proposal.seen + found.seen)
+        if found.better is None:
+            break
+        known.append(_descended_from(objective, found.better))
+    return proposal
 
 
 def _descended_from(objective: Springs, start: IntegerQuaternion) -> IntegerQuaternion:
@@ -248,19 +250,17 @@ class ConeProof:
         own, *others = known
         return cls(objective=objective, width=width, own=own, others=tuple(others))
 
-    def run(self) -> tuple[ConesProposal, IntegerQuaternion | None]:
-        """What is proved, or the quaternion of a better rotation."""
-        seen, better = 0, None
+    def run(self) -> ConesProposal:
+        """What is proved, or a better rotation."""
+        proposal = ConesProposal(seen=0)
         for attempt in self.attempts():
-            proposal, better = self._tried(attempt)
-            seen += proposal.seen
-            if proposal.body is not None:
-                return replace(proposal, seen=seen), None
-            if better is not None:
+            found = self._tried(attempt)
+            proposal = replace(found, seen=proposal.seen + found.seen)
+            if found.body is not None or found.better is not None:
                 break
-        return ConesProposal(body=None, words=NOTHING_WORDS, seen=seen), better
+        return proposal
 
-    def _tried(self, attempt: ConesAttempt) -> tuple[ConesProposal, IntegerQuaternion | None]:
+    def _tried(self, attempt: ConesAttempt) -> ConesProposal:
         """One attempt, with smaller mu where the growth turns out to be less."""
         seen, caps = 0, self._caps(attempt)
         for _ in range(RETREATS):
@@ -268,17 +268,17 @@ class ConeProof:
             search = search_cones(self._form(body), caps, budget=BUDGET)
             seen += search.seen
             if search.ending is ConesEnding.POSITIVE:
-                return ConesProposal(body=body, words=attempt.words, seen=seen), None
+                return ConesProposal(body=body, words=attempt.words, seen=seen)
             if search.vertex is None:
                 break
             vertex = _integers(search.vertex)
             if self._value(vertex) < self.own.value - attempt.delta:
-                return ConesProposal(body=None, words=NOTHING_WORDS, seen=seen), vertex
+                return ConesProposal(seen=seen, better=vertex)
             mu = min(self._growth_at(vertex), attempt.mu) / 2
             if mu < LEAST_GROWTH * self.width:
                 break
             attempt = replace(attempt, mu=mu)
-        return ConesProposal(body=None, words=NOTHING_WORDS, seen=seen), None
+        return ConesProposal(seen=seen)
 
     def attempts(self) -> Iterator[ConesAttempt]:
         """What may be proved, the strongest first."""

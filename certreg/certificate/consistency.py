@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from certreg._loading import cached_property
-from certreg.certificate.consensus import RIGID
+from certreg.certificate.consensus import RIGID, ScaleRange, Witness
 from certreg.certificate.infeasibility_weights import PointRows
 from certreg.exact.dyadic import power_of_two
 from certreg.geometry.so3 import rotation_matrix, squared_norm
@@ -26,7 +26,6 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
     from fractions import Fraction
 
-    from certreg.certificate.consensus import ScaleRange, Witness
     from certreg.problem.problem import RegistrationProblem
 
 

@@ -28,13 +28,12 @@ from certreg.certificate.private_folder import UnusableFolderError, opened_folde
 from certreg.errors import InvalidFileError, MissingToolError
 from certreg.io.atomic import write_atomically
 from certreg.results import Ruling, Verdict
-from certreg.verify import IsotropicStatement, RefusalError, bound_doubles, parse, require
+from certreg.verify import Clouds, IsotropicStatement, RefusalError, bound_doubles, parse, require
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
     from fractions import Fraction
 
-    from certreg.verify import Clouds
 
 SECONDS = 600.0  # for one question: 338 points take four; hostile exponents could take days
 COMPILING, RUNNING = ".coq-", "certreg-coq-"  # how folders for the time of a run begin
@@ -83,18 +82,15 @@ class CoqProblem:
 
     def theorem(self) -> str:
         """A file with the theorem that all claims are true; Coq rejects it where they are not."""
-        return self._file() + THEOREM
+        return HEADER.format(digest=self.digest) + self.definitions.replace("@", "") + THEOREM
 
     def refusal(self) -> str:
         """A file that prints the reasons to refuse the certificate, none if it is accepted."""
-        return self._file() + DECISION.format(tag="")
+        return HEADER.format(digest=self.digest) + self.decision("")
 
     def decision(self, tag: str) -> str:
         """The same without its head, under names that end in the tag: for many in one file."""
         return self.definitions.replace("@", tag) + DECISION.format(tag=tag)
-
-    def _file(self) -> str:
-        return HEADER.format(digest=self.digest) + self.definitions.replace("@", "")
 
 
 def export(certificate: bytes, clouds: Clouds | None = None) -> CoqProblem:
@@ -109,7 +105,7 @@ def export(certificate: bytes, clouds: Clouds | None = None) -> CoqProblem:
         raise InvalidFileError(
             f"{what}: leave out --coq", column="kind", value=stated.kind, limit="isotropic"
         )
-    if stated.rotation_only:
+    if stated.model:
         message = "a certificate of a rotation alone, and Coq decides where there is a translation"
         raise InvalidFileError(f"{message}: leave out --coq", column="rotation_only", value=True)
     content, n = bytes(bound_doubles(stated, clouds)), stated.n

@@ -9,12 +9,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
-from certreg.certificate.envelope import CertificateBody, enclosed
+from certreg.certificate.envelope import Certificate, CertificateBody, enclosed
 from certreg.errors import InvalidProblemError
 from certreg.problem.moments import exact_moments
 
 if TYPE_CHECKING:
-    from certreg.certificate.envelope import Certificate
     from certreg.problem.problem import RegistrationProblem
 
 AT_MOST = 4

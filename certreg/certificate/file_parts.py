@@ -28,6 +28,7 @@ from typing import (
     Any,
     ClassVar,
     NamedTuple,
+    Self,
     Union,
     get_args,
     get_origin,
@@ -40,7 +41,6 @@ from certreg.verify import EXPONENT_MAX, NODES_MAX
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Container, Iterable, Sequence
-    from typing import Self
 
 INTEGERS, PAIR = {int}, [int, int]  # true is of another type
 APPLY: Any = call  # whose types say less

@@ -21,7 +21,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
-from certreg.certificate.envelope import enclosed
+from certreg.certificate.envelope import Certificate, enclosed
 from certreg.certificate.file_parts import FilePart
 from certreg.certificate.pose_claims import PoseBody, PoseClaims
 from certreg.certificate.radius import RADIUS_BITS, SAFE, SeparatedRadius, isotropic_radius
@@ -32,7 +32,6 @@ from certreg.geometry.so3 import dot, quadratic_form, squared_norm
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from certreg.certificate.envelope import Certificate
     from certreg.objective.isotropic import Isotropic
     from certreg.problem.problem import RegistrationProblem
 
@@ -196,7 +195,7 @@ def produce(
         gap=delta.shifted(1),
         unstable=shape.unstable,
         basin=True if inside else None,
-        sdp_gap=None if multiplier is None else _sdp_gap(objective, multiplier),
+        sdp_gap=multiplier and dyadic_above(multiplier_gap(objective, q, multiplier), BOUND_BITS),
         **claims,
     )
     basin = state if inside else None
@@ -316,10 +315,6 @@ def multiplier_gap(objective: Isotropic, q: Sequence[int], nu: Dyadic) -> Fracti
     The objective at the best translation is spread - 2 v, and the minimum exceeds spread - 2 nu.
     """
     return 2 * (nu.value - objective.alignment(q))
-
-
-def _sdp_gap(objective: Isotropic, nu: Dyadic) -> Dyadic:
-    return dyadic_above(multiplier_gap(objective, objective.optimum, nu), BOUND_BITS)
 
 
 def _optimality(objective: Isotropic) -> tuple[Dyadic, Dyadic] | None:

@@ -27,23 +27,20 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from certreg.certificate.envelope import enclosed
+from certreg.certificate.envelope import Certificate, enclosed
 from certreg.certificate.pose_claims import PoseBody, PoseClaims
 from certreg.certificate.squares import INLINE_SPRINGS
-from certreg.equilibrium.paths import PathsOutcome
+from certreg.equilibrium.paths import CriticalLines, PathsOutcome
 from certreg.equilibrium.quartics import FloatingQuartic
 from certreg.exact.dyadic import Dyadic, dyadic_above, dyadic_below
 from certreg.geometry.so3 import body_frame, dot, squared_norm
-from certreg.objective.normalisation import levelled_exactly
+from certreg.objective.normalisation import LevelledExactly, levelled_exactly
 from certreg.results import Brief
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from certreg.certificate.envelope import Certificate
-    from certreg.equilibrium.paths import CriticalLines
     from certreg.exact.spaces import IntegerQuaternion
-    from certreg.objective.normalisation import LevelledExactly
     from certreg.objective.springs import Springs
     from certreg.problem.problem import RegistrationProblem
 

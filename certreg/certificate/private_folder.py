@@ -30,17 +30,12 @@ class UnusableFolderError(CertregError):
     """A folder cannot be used to keep compiled proofs; the message says why."""
 
 
-def anything(_: Path) -> bool:
-    """That a folder so old is abandoned, whatever it is."""
-    return True
-
-
-def sweep(folder: Path, prefix: str, abandoned: Callable[[Path], bool] = anything) -> None:
+def sweep(folder: Path, prefix: str, abandoned: Callable[[Path], bool] | None = None) -> None:
     """Remove folders for a time only that a killed process left, a day old or older.
 
     prefix: of the names that `tempfile` completes with eight characters. Folders of other users
     and of other names are left alone, and so is what cannot be removed.
-    abandoned: asked last of a folder; where it raises OSError the folder stays.
+    abandoned: asked last of a folder; where it raises OSError the folder stays. None: any is.
     """
     name = re.compile(rf"{re.escape(prefix)}[a-z0-9_]{{8}}")
     with contextlib.suppress(OSError):
@@ -49,7 +44,7 @@ def sweep(folder: Path, prefix: str, abandoned: Callable[[Path], bool] = anythin
                 status = entry.stat(follow_symlinks=False)
                 old = time.time() - status.st_mtime > STALE
                 own = stat.S_ISDIR(status.st_mode) and status.st_uid == _user(status)
-                if old and own and abandoned(Path(entry.path)):
+                if old and own and (abandoned is None or abandoned(Path(entry.path))):
                     shutil.rmtree(entry.path, ignore_errors=True)
 
 

@@ -31,13 +31,14 @@ from certreg.certificate.consensus import (
     ConsensusBody,
     ConsensusSimilarityBody,
     Piece,
+    Reach,
     ScaledWitness,
     ScaleRange,
     Witness,
     ranges,
 )
 from certreg.certificate.consistency import ConsistentPairs
-from certreg.certificate.envelope import enclosed
+from certreg.certificate.envelope import Certificate, enclosed
 from certreg.certificate.proof_stages import MOST, Part, Stager, length_of, settled
 from certreg.certificate.vertex_elimination import Graph
 from certreg.errors import UndecidedError
@@ -47,11 +48,12 @@ from certreg.geometry.so3 import davenport_matrix, quaternion_from_matrix, rotat
 from certreg.native.bitset_graph import mask_of
 from certreg.native.cliques import greedy_clique
 from certreg.problem.bounds import LEAST_PAIRS
+from certreg.problem.support import PREFIXES
+from certreg.verify import CONSENSUS, SPRUNG, ConsensusSimilarityStatement
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from certreg.certificate.envelope import Certificate
     from certreg.certificate.pose_claims import PoseBody
     from certreg.native.bitset_graph import BitRows
     from certreg.problem.problem import RegistrationProblem
@@ -102,13 +104,6 @@ class ProvedConsensus:
         return ranges(self.pieces, self.states, OPEN)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class ScalePart(Part):
-    """Motions whose scale is in a range."""
-
-    scales: ScaleRange
-
-
 class ConsensusProver:
     """Proves as much as it can of one problem; what holds for all motions is found once."""
 
@@ -146,7 +141,7 @@ class ConsensusProver:
         states = "".join(part.state for part in parts)
         return ProvedConsensus(witness, tuple(met), labels, upper, pieces, states)
 
-    def _parts(self, met: list[int], scale: Fraction, *, whole: bool) -> list[ScalePart]:
+    def _parts(self, met: list[int], scale: Fraction, *, whole: bool) -> list[Part]:
         """Of all scales, in order: the widest of those that are open is cut, again and again.
 
         Until so many are open at once that cutting will not end, or the certificate is full.
@@ -154,10 +149,10 @@ class ConsensusProver:
         near = dyadic_below(scale, END_BITS).value
         below, beside = ScaleRange(Fraction(0), near / 2), ScaleRange(near / 2, near * 2)
         begun = [RIGID] if self.pairs.rigid else [below, beside, ScaleRange(near * 2, None)]
-        found: list[ScalePart] = []
-        queue: list[tuple[float, Fraction, ScalePart]] = []
+        found: list[Part] = []
+        queue: list[tuple[float, Fraction, Part]] = []
 
-        def add(part: ScalePart) -> None:
+        def add(part: Part) -> None:
             width = self._width(part.scales) if part.state == OPEN else 0.0
             if width > 0.0:
                 heapq.heappush(queue, (-width, part.scales.low, part))
@@ -201,11 +196,11 @@ class ConsensusProver:
         finite = self.pairs.scales.most[np.isfinite(self.pairs.scales.most)]
         return bool((finite >= low).any())
 
-    def _thinned(self, scales: ScaleRange, met: list[int], *, whole: bool) -> ScalePart:
+    def _thinned(self, scales: ScaleRange, met: list[int], *, whole: bool) -> Part:
         rigid = scales is RIGID
         graph = self.graph if rigid else self._graph(scales)
         stager = Stager(graph, met, whole or not rigid, MOST)
-        return ScalePart.of(stager, _clique(graph.near, met), scales=scales)
+        return Part.of(stager, _clique(graph.near, met), scales)
 
     @cached_property
     def graph(self) -> Graph:
@@ -288,28 +283,41 @@ def consensus_certificate(
 
     Raises UndecidedError where it would be too long.
     """
-    return enclosed(problem, BODY_OF[type(found.witness)](problem, found, fit), about)
+    return enclosed(problem, BODY_OF[PREFIXES[problem.cell]](problem, found, fit), about)
 
 
-def _rigid_body(
+def _weighed_body(
     problem: RegistrationProblem, found: ProvedConsensus, fit: Certificate[PoseBody] | None
 ) -> ConsensusBody:
     """How far motions that meet all these rows may turn from the fit: they have 2 p^T K p >= c.
 
-    c = S - B, B = sum w b^2. The pose of general springs is no eigenvector of K: `turn_about`
-    allows for that.
+    c = S - B, B = sum w b^2.
     """
-    springs, reach = problem.factors is not None, None
-    rows = MetRows.of(problem, found.met, np.ones(problem.n) if springs else problem.weights)
-    x, y = rows.source, rows.target
-    spread = float((rows.weights * (x * x + y * y)).sum())
-    c = spread - rows.room
-    if fit is not None and not springs:
-        reach = reach_of(rows.davenport, c, spread, fit.body.quaternion)
-    elif fit is not None:
+    rows = MetRows.of(problem, found.met, problem.weights)
+    c, spread = rows.spread - rows.room, rows.spread
+    reach = fit and reach_of(rows.davenport, c, spread, fit.body.quaternion)
+    return _rigid_body(found, fit, reach, springs=False)
+
+
+def _sprung_body(
+    problem: RegistrationProblem, found: ProvedConsensus, fit: Certificate[PoseBody] | None
+) -> ConsensusBody:
+    """The same of general springs: their pose is no eigenvector of K, as `turn_about` allows."""
+    rows, reach = MetRows.of(problem, found.met, np.ones(problem.n)), None
+    if fit is not None:
         u = np.array(fit.body.quaternion, dtype=float)
-        A = 2.0 * rows.davenport / spread
-        reach = turn_about(c / spread, A, u / np.linalg.norm(u))
+        c, A = rows.spread - rows.room, 2.0 * rows.davenport / rows.spread
+        reach = turn_about(c / rows.spread, A, u / np.linalg.norm(u))
+    return _rigid_body(found, fit, reach, springs=True)
+
+
+def _rigid_body(
+    found: ProvedConsensus,
+    fit: Certificate[PoseBody] | None,
+    reach: Reach | None,
+    *,
+    springs: bool,
+) -> ConsensusBody:
     return ConsensusBody(
         witness=found.witness,
         labels=found.labels,
@@ -359,21 +367,26 @@ def _similarity_body(
     )
 
 
-BODY_OF = {Witness: _rigid_body, ScaledWitness: _similarity_body}
+BODY_OF = {  # by the prefix of the data
+    CONSENSUS: _weighed_body,
+    SPRUNG: _sprung_body,
+    **dict.fromkeys(ConsensusSimilarityStatement.prefixes.values(), _similarity_body),
+}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class MetRows:
     """Rows of both clouds about their weighted means, (K, 3), and weights (K, 1), at most 1.
 
-    davenport: Davenport's matrix. room: the sum of the weighted squares of their bounds. exponent:
-    of `ConsistentPairs`.
+    davenport: Davenport's matrix. spread: the weighted squares of both clouds. room: those of the
+    bounds. exponent: of `ConsistentPairs`.
     """
 
     source: NDArray[np.float64]
     target: NDArray[np.float64]
     weights: NDArray[np.float64]
     davenport: NDArray[np.float64]
+    spread: float
     room: float
     exponent: int
 
@@ -394,6 +407,7 @@ class MetRows:
             target=y,
             weights=w,
             davenport=np.array(davenport_matrix(((w * y).T @ x).tolist())),
+            spread=float((w * (x * x + y * y)).sum()),
             room=float((w[:, 0] * pairs.bounds[rows] ** 2).sum()),
             exponent=pairs.exponent,
         )

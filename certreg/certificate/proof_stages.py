@@ -7,20 +7,26 @@ tried, and whether the others are enough without each met pair.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from certreg.certificate.clique_refutation import Assuming
-from certreg.certificate.consensus import INLIER, NONE, OPEN, OUTLIER, SAME, UNDECIDED, Stage
+from certreg.certificate.consensus import (
+    INLIER,
+    NONE,
+    OPEN,
+    OUTLIER,
+    SAME,
+    UNDECIDED,
+    ScaleRange,
+    Stage,
+    Strike,
+)
 from certreg.certificate.edge_elimination import Parting
-from certreg.certificate.vertex_elimination import GraphThinning
+from certreg.certificate.vertex_elimination import Graph, GraphThinning
 from certreg.native.bitset_graph import mask_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
-    from typing import Self
-
-    from certreg.certificate.consensus import Strike
-    from certreg.certificate.vertex_elimination import Graph
 
 
 MOST_LEFT_OUT = 64  # pairs tried as inliers one by one, at effort 1: each is a stage of its own
@@ -128,18 +134,19 @@ class Stager:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Part:
-    """Motions of one graph after their first stage: the rows left, and who makes later stages."""
+    """Motions whose scale is in a range, after their first stage: the rows left, and its stager."""
 
     stages: list[Stage]
     left: int
     stager: Stager
+    scales: ScaleRange
 
     @classmethod
-    def of(cls, stager: Stager, clique: int | None = None, **own: Any) -> Self:
-        """After the first stage. clique: of `Stager.first`. own: further fields of the class."""
+    def of(cls, stager: Stager, clique: int, scales: ScaleRange) -> Part:
+        """After the first stage. clique: of `Stager.first`."""
         stages = list[Stage]()
         left, later = stager.first(stages, (1 << stager.count) - 1, clique)
-        return cls(stages=stages, left=left, stager=later, **own)
+        return cls(stages=stages, left=left, stager=later, scales=scales)
 
     @property
     def length(self) -> int:

@@ -35,15 +35,15 @@ from certreg.exact.dyadic import (
     power_of_two,
     rational_root_above,
 )
-from certreg.problem.moments import trace
+from certreg.problem.moments import ExactMoments, trace
 
 if TYPE_CHECKING:
-    from certreg.problem.moments import ExactMoments
     from certreg.problem.stiffness import SpringMoments
 
 RADIUS_BITS = 24  # of mantissa: short numbers, at most 2^-23 of them lost
 SAFE_BITS = 40
 SAFE = 1 - power_of_two(-SAFE_BITS)  # what is asked for is a little less than what is proved
+ZERO_ROOT = power_of_two(-70)  # what the checker takes for the root of 0: its roots are above
 MOST_DEGREES = 90.0  # beyond, the sine of the angle falls again
 
 
@@ -111,6 +111,7 @@ def growth_radius(
     s, _ = sines(degrees)
     weight, lever = _weight_and_lever(moments)
     k, w, fit = (rational_root_above(x) for x in (lever, weight, value))
+    fit = fit or ZERO_ROOT
     left = SAFE * (mu * s.value - delta / s.value)
     if left <= 0 or not k:
         return None

@@ -7,19 +7,26 @@ from __future__ import annotations
 
 import base64
 import re
-import sys
+import struct
 from array import array
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from certreg.exact.dyadic import sigma_of_weight
-from certreg.verify import CONSENSUS, SPRUNG, TRUNCATED, ConsensusSimilarityStatement, parse, shown
+from certreg.verify import (
+    CONSENSUS,
+    SPRUNG,
+    TRUNCATED,
+    Clouds,
+    ConsensusSimilarityStatement,
+    Statement,
+    parse,
+    shown,
+)
 
 if TYPE_CHECKING:
     import os
     from collections.abc import Iterator, Sequence
-
-    from certreg.verify import Clouds, Statement
 
 
 WEIGHED = (("weight", 1), ("bound", 1))
@@ -56,15 +63,12 @@ def _differences(statement: Statement, clouds: Clouds) -> Iterator[str]:
         yield f"the certificate is about {n} pairs, given are {given}"
     if clouds.weights is None:
         return
-    numbers = clouds.weights
-    theirs: dict[str, Sequence[float]] = {}
-    if len(numbers) != sum(map(len, own.values())):
+    if len(clouds.weights) != sum(map(len, own.values())):
         has = "a spring for each pair, none is" if "spring" in own else "no springs, some are"
         ask = f"give {SPRINGS}, as for certify" if "spring" in own else "leave them out"
         yield f"the certificate has {has} given: {ask}"
         return
-    for name, values in own.items():
-        theirs[name], numbers = numbers[: len(values)], numbers[len(values) :]
+    theirs = _split(clouds.weights, statement)
     for name in ("bound", "weight", "spring"):
         if name in own and own[name] != theirs[name]:
             yield _other_values(name, own[name], theirs[name], n)
@@ -72,14 +76,15 @@ def _differences(statement: Statement, clouds: Clouds) -> Iterator[str]:
 
 def _columns(statement: Statement) -> dict[str, Sequence[float]]:
     """The bounds, and the weights or springs, that a certificate holds."""
-    columns = COLUMNS[statement.prefix]
-    doubles = array("d")
     held = base64.b64decode(statement.data or "")
-    doubles.frombytes(held[-8 * statement.n * sum(size for _, size in columns) :])
-    if sys.byteorder == "big":
-        doubles.byteswap()
+    count = statement.n * sum(size for _, size in COLUMNS[statement.prefix])
+    return _split(array("d", struct.unpack(f"<{count}d", held[-8 * count :])), statement)
+
+
+def _split(doubles: Sequence[float], statement: Statement) -> dict[str, Sequence[float]]:
+    """The doubles behind the points, by what they are."""
     found: dict[str, Sequence[float]] = {}
-    for name, size in columns:
+    for name, size in COLUMNS[statement.prefix]:
         found[name], doubles = doubles[: size * statement.n], doubles[size * statement.n :]
     return found
 
@@ -118,8 +123,8 @@ def _options(model: str) -> list[str]:
 def _other_values(name: str, own: Sequence[float], given: Sequence[float], n: int) -> str:
     """Which is the first that differs, how many do, and what to give."""
     size = len(own) // n
-    parts = [slice(size * i, size * i + size) for i in range(n)]
-    rows = [i for i, part in enumerate(parts) if own[part] != given[part]]
+    starts = range(0, size * n, size)
+    rows = [k // size for k in starts if own[k : k + size] != given[k : k + size]]
     row, others = rows[0], f" ({len(rows)} of {n} {name}s differ)"
     if name == "spring":
         told = f"the certified spring of row {row} (from 0) is not the given one{others}"

@@ -12,7 +12,6 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cache
 from itertools import combinations_with_replacement
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
@@ -42,6 +41,15 @@ SQUARE = tuple((1 + (a < c)) * (a == b and c == d) for a, b, c, d in QUARTICS)  
 TIMES = tuple(
     24 // math.prod(math.factorial(m.count(i)) for i in range(4)) for m in QUARTICS
 )  # of (u.q)^4
+# Of the entries of G on and above the diagonal, by the monomial that each goes into: the first has
+# what the others leave, and these are free.
+MONOMIALS = {
+    (i, j): tuple(sorted(PRODUCTS[i] + PRODUCTS[j]))
+    for i, j in combinations_with_replacement(range(10), 2)
+}
+FIRST = {monomial: entry for entry, monomial in reversed(MONOMIALS.items())}
+FREE = {entry: monomial for entry, monomial in MONOMIALS.items() if FIRST[monomial] != entry}
+LENGTHS = np.array([1.0 + (i < j) for i, j in PRODUCTS])  # |q|^4 = sum of them times (q_i q_j)^2
 ROUNDING = 70  # two parts of each coefficient are rounded down, and |q_i q_j q_k q_l| <= 1
 BOUND_BITS = 32  # mantissa of what is claimed: short numbers, at most 2^-31 wasted
 RANGE_BITS = 112  # of the range of F: far below 256, which the checker allows
@@ -264,8 +272,7 @@ class _Scaled:
             value = min(self.value, math.floor(least * over))
         scale = float(levelled.scale * over)
         return [
-            round(float(gram[i, j]) * (1 + (i < j)) * scale) + 2 * value * (i == j)
-            for i, j in _places().free
+            round(float(gram[i, j]) * (1 + (i < j)) * scale) + 2 * value * (i == j) for i, j in FREE
         ]
 
     def coefficients(self, mu: int) -> list[int]:
@@ -278,13 +285,12 @@ class _Scaled:
 
     def matrix(self, free: Sequence[int], mu: int, delta: int = 0) -> list[list[int]]:
         """2 G, 10x10, with these free entries; (level + mu) |q|^4 is on the diagonal."""
-        places = _places()
         left = dict(zip(QUARTICS, self.coefficients(mu), strict=True))
         rows = [[0] * 10 for _ in range(10)]
-        for (i, j), monomial, entry in zip(places.free, places.monomials, free, strict=True):
+        for ((i, j), monomial), entry in zip(FREE.items(), free, strict=True):
             rows[i][j] = rows[j][i] = entry
             left[monomial] -= entry
-        for monomial, (i, j) in places.first.items():
+        for monomial, (i, j) in FIRST.items():
             rows[i][j] = rows[j][i] = left[monomial]
         for k, (i, j) in enumerate(PRODUCTS):
             rows[k][k] = 2 * (rows[k][k] - (1 + (i < j)) * (self.value - delta + mu))
@@ -306,9 +312,8 @@ class _Scaled:
 
     def eigenvalues(self, free: Sequence[int]) -> Array:
         """Of G, m of unit length where q is; in doubles, ascending."""
-        places = _places()
         rows = np.array([[float(entry) for entry in row] for row in self.matrix(free, 0)]) / 2
-        found: Any = np.linalg.eigvalsh(rows / np.sqrt(np.outer(places.lengths, places.lengths)))
+        found: Any = np.linalg.eigvalsh(rows / np.sqrt(np.outer(LENGTHS, LENGTHS)))
         return found
 
     def with_growth(self, free: Sequence[int], mu: int) -> list[int]:
@@ -316,47 +321,15 @@ class _Scaled:
         p = [(1 + (i < j)) * entry for (i, j), entry in zip(PRODUCTS, self.products, strict=True)]
         return [
             entry + (mu * p[i] * p[j] * (1 + (i < j)) >> 2 * RANGE_BITS)
-            for (i, j), entry in zip(_places().free, free, strict=True)
+            for (i, j), entry in zip(FREE, free, strict=True)
         ]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class _Places:
-    """Of the entries of G on and above the diagonal: those that are free, and the others.
-
-    Of all that go into one coefficient of the quartic the first has what the free ones leave.
-    """
-
-    free: tuple[tuple[int, int], ...]
-    monomials: tuple[tuple[int, ...], ...]  # of the free ones
-    first: dict[tuple[int, ...], tuple[int, int]]
-    lengths: Array  # |q|^4 = sum of these times the squares of the products
-
-
-@cache
-def _places() -> _Places:
-    first: dict[tuple[int, ...], tuple[int, int]] = {}
-    free: list[tuple[int, int]] = []
-    monomials: list[tuple[int, ...]] = []
-    for i, j in combinations_with_replacement(range(10), 2):
-        monomial = tuple(sorted(PRODUCTS[i] + PRODUCTS[j]))
-        if first.setdefault(monomial, (i, j)) != (i, j):
-            free.append((i, j))
-            monomials.append(monomial)
-    return _Places(
-        free=tuple(free),
-        monomials=tuple(monomials),
-        first=first,
-        lengths=np.array([1.0 + (i < j) for i, j in PRODUCTS]),
-    )
 
 
 def _pseudo_inverse(products: Sequence[float]) -> Array:
     """(20, 10): from 2 G m to the least change of the free entries that makes it."""
-    places = _places()
     image = np.zeros((10, 20))
-    for k, ((i, j), monomial) in enumerate(zip(places.free, places.monomials, strict=True)):
-        for (a, b), sign in (((i, j), 1.0), (places.first[monomial], -1.0)):
+    for k, (entry, monomial) in enumerate(FREE.items()):
+        for (a, b), sign in ((entry, 1.0), (FIRST[monomial], -1.0)):
             image[a, k] += sign * products[b]
             image[b, k] += sign * products[a]
     found: Any = np.linalg.pinv(image, rcond=1e-9)

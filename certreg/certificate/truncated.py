@@ -16,8 +16,8 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from certreg.certificate.checking import as_verdict
-from certreg.certificate.envelope import enclosed
+from certreg.certificate.checking import CertificateVerdict, as_verdict
+from certreg.certificate.envelope import Certificate, enclosed
 from certreg.certificate.pose_claims import PoseBody, PoseClaims
 from certreg.exact.dyadic import Dyadic, dyadic_above, dyadic_below
 from certreg.geometry.so3 import davenport_matrix
@@ -37,8 +37,6 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from certreg.certificate.checking import CertificateVerdict
-    from certreg.certificate.envelope import Certificate
     from certreg.problem.problem import RegistrationProblem
 
 

@@ -11,11 +11,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from certreg.certificate.consensus import Group, Strike
-from certreg.native.bitset_graph import Thinned, mask_of, rows_of
+from certreg.native.bitset_graph import BitRows, Thinned, mask_of, rows_of
 
 if TYPE_CHECKING:
     from certreg.certificate.infeasibility_weights import PointRows
-    from certreg.native.bitset_graph import BitRows
 
 
 MOST_GROUPS = 64  # of one row, at effort 1

@@ -38,14 +38,16 @@ def codegen(out: Path) -> int:
 @click.command()
 def info() -> int:
     """Versions of what certreg runs on."""
-    engine = _engine()
-    click.echo(f"certreg      {__version__}")
-    click.echo(f"Python       {platform.python_version()} ({platform.python_implementation()})")
-    click.echo(f"system       {platform.system()} {platform.machine()}")
-    for name, origin in ORIGINS.items():
-        click.echo(f"{origin.name:12} {_stated_version(name)}")
-    click.echo(f"simulation   {engine}")
-    click.echo("checker      exact integers of Python itself")
+    lines = {
+        "certreg": __version__,
+        "Python": f"{platform.python_version()} ({platform.python_implementation()})",
+        "system": f"{platform.system()} {platform.machine()}",
+        **{origin.name: _stated_version(name) for name, origin in ORIGINS.items()},
+        "simulation": _engine(),
+        "checker": "exact integers of Python itself",
+    }
+    for name, words in lines.items():
+        click.echo(f"{name:12} {words}")
     return DONE
 
 

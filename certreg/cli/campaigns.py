@@ -9,10 +9,10 @@ import click
 
 from certreg.campaign.listing import read_listing
 from certreg.campaign.pairs import RESULTS, TABLES, PairCampaign, Tally, write_pair_results
-from certreg.campaign.runner import completed, in_order, run
+from certreg.campaign.runner import Kind, completed, in_order, run
 from certreg.campaign.store import CERTIFICATES, occupied
 from certreg.campaign.table import SUMMARY, require_parquet
-from certreg.campaign.workers import workers_at
+from certreg.campaign.workers import Workers, workers_at
 from certreg.cli.options import (
     CLOUD,
     EXIT_CODES,
@@ -24,9 +24,9 @@ from certreg.cli.options import (
 )
 from certreg.cli.progress import Progress
 from certreg.cli.writing import require_folder_apart
-from certreg.cli.wrong_pairs import consensus_options
+from certreg.cli.wrong_pairs import WrongPairs, consensus_options
 from certreg.errors import InvalidFileError
-from certreg.registration.exit_codes import worst
+from certreg.registration.exit_codes import FitDemands, worst
 from certreg.report.markup import printable
 from certreg.results import Limits
 
@@ -34,10 +34,6 @@ if TYPE_CHECKING:
     from collections.abc import Generator
     from pathlib import Path
 
-    from certreg.campaign.runner import Kind
-    from certreg.campaign.workers import Workers
-    from certreg.cli.wrong_pairs import WrongPairs
-    from certreg.registration.exit_codes import FitDemands
 
 SHORT_OF = {  # statuses of pairs that are not fully proved
     "labels-not-proved": "registered with the most pairs proved, but not each label",

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from certreg._loading import late
-from certreg.cli.numbers import NUMBER
 from certreg.cli.options import (
     CLOUD,
+    NUMBER,
     RIGID,
     SIGMA_OR_WEIGHTS,
     model_options,

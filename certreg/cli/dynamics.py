@@ -7,15 +7,22 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
 
-from certreg.cli.as_json import json_option
-from certreg.cli.numbers import NUMBER
-from certreg.cli.options import CLOUD, EXIT_CODES, FOLDER, cloud_options, refuse_if
+from certreg.cli.options import (
+    CLOUD,
+    EXIT_CODES,
+    FOLDER,
+    NUMBER,
+    cloud_options,
+    json_option,
+    refuse_if,
+)
 from certreg.cli.writing import WritingCommand
 from certreg.dynamics.trajectory import Record
 from certreg.io.atomic import require_vacant, write_atomically, write_together
 from certreg.objective.structure import Structure
 from certreg.registration.enumeration import (
     SHOWN,
+    Enumeration,
     certified_count,
     certified_list,
     enumerated,
@@ -34,7 +41,6 @@ if TYPE_CHECKING:
     from certreg.equilibrium.equilibrium_set import EquilibriumSet
     from certreg.io.pairing import Pair
     from certreg.problem.problem import RegistrationProblem
-    from certreg.registration.enumeration import Enumeration
     from certreg.registration.spring_equilibria import SpringEquilibria
 
 

@@ -8,12 +8,11 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from certreg.cli.as_json import json_option
 from certreg.cli.certified_clouds import bound_clouds
-from certreg.cli.options import CLOUD, certificate_argument, cloud_options
+from certreg.cli.options import CLOUD, certificate_argument, cloud_options, json_option
 from certreg.cli.progress import note
 from certreg.cli.writing import WritingCommand, require_apart
-from certreg.cli.wrong_pairs import consensus_options
+from certreg.cli.wrong_pairs import WrongPairs, consensus_options
 from certreg.errors import InvalidFileError
 from certreg.geometry.given import given_pose
 from certreg.geometry.pose_matrix import why_no_rotation
@@ -37,16 +36,14 @@ from certreg.report.markup import printable
 from certreg.report.pages import html_page
 from certreg.report.reload import certified_pose, report_of
 from certreg.results import PoseVerdict
-from certreg.verify import shown
+from certreg.verify import Clouds, shown
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from certreg.cli.wrong_pairs import WrongPairs
     from certreg.geometry.given import GivenPose
     from certreg.io.pairing import Pair
     from certreg.problem.problem import RegistrationProblem
-    from certreg.verify import Clouds
 
 
 OF_SOME = (

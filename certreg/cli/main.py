@@ -13,7 +13,7 @@ import sys
 import traceback
 from functools import cache
 from importlib import import_module
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn
 
 import click
 
@@ -28,9 +28,6 @@ from certreg.report.markup import printable
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
-    from typing import NoReturn
-
-    from click.shell_completion import CompletionItem
 
 
 class Entry(NamedTuple):
@@ -87,8 +84,8 @@ SOLVING = {"certify", "demo", "batch", "reproduce"}  # load the solver of the re
 class LazyGroup(click.Group):
     """A group that imports a command when it is run, not when it is listed.
 
-    As click's documentation has it ("Lazily Loading Subcommands"), but that the list is made, and
-    names are completed, from the table: `commands` holds stand-ins with name and help.
+    The list is made, and names are completed, from the table: `commands` holds stand-ins with name
+    and help.
     """
 
     def __init__(
@@ -98,29 +95,19 @@ class LazyGroup(click.Group):
         super().__init__(name, commands=listed, **options)
         self._entries = entries
 
-    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
-        """The command itself, imported now; None if there is none of that name."""
-        del ctx
-        if cmd_name not in self._entries:
-            return None
-        if cmd_name not in LIGHT:
-            solves = cmd_name in SOLVING and "--no-relaxation" not in sys.argv
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        """As click does, but with the command itself, imported now."""
+        name, listed, rest = super().resolve_command(ctx, args)
+        return name, listed and self._imported(args[0]), rest
+
+    def _imported(self, name: str) -> click.Command:
+        if name not in LIGHT:
+            solves = name in SOLVING and "--no-relaxation" not in sys.argv
             require_loadable(LOADING_ALL if solves else LOADING)
-        module = import_module(f"certreg.cli.{self._entries[cmd_name].module}")
-        return getattr(module, cmd_name)
-
-    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        """The list of the commands, of which none is imported."""
-        self._listed().format_commands(ctx, formatter)
-
-    def shell_complete(self, ctx: click.Context, incomplete: str) -> list[CompletionItem]:
-        """Options and commands that begin so, of which none is imported."""
-        del ctx
-        listed = self._listed()
-        return listed.shell_complete(click.Context(listed), incomplete)
-
-    def _listed(self) -> click.Group:
-        return click.Group(self.name, commands=self.commands, params=self.params)
+        module = import_module(f"certreg.cli.{self._entries[name].module}")
+        return getattr(module, name)
 
 
 @click.group(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
+import re
 import sys
 import threading
 import warnings
@@ -12,10 +13,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
+from click.types import FloatParamType
 
 from certreg._loading import late
-from certreg.cli.numbers import FROM_ZERO, NUMBER
-from certreg.errors import NotCompiledWarning
+from certreg.errors import CertregError, NotCompiledWarning
 from certreg.report.markup import printable
 from certreg.results import MAX_ANGLE, MAX_GAP, Limits
 
@@ -30,8 +31,10 @@ if TYPE_CHECKING:
     from certreg.io.springs import SpringSource
     from certreg.problem import motion, support
     from certreg.registration import exit_codes, simulation
+    from certreg.report import document
 else:
     # These load NumPy, and are loaded where they are needed: `certreg verify` does without.
+    document = late("certreg.report.document")
     exit_codes = late("certreg.registration.exit_codes")
     io_pairing = late("certreg.io.pairing")
     io_problems = late("certreg.io.problems")
@@ -59,6 +62,43 @@ CERTIFICATE = "certificate.json"  # as `certify --out` calls it
 RIGID = {"scale": "none", "rotation_only": False}  # where nothing is typed
 CLOUD = click.Path(dir_okay=False, path_type=Path)
 FOLDER = click.Path(file_okay=False, path_type=Path)
+DECIMAL_COMMA = re.compile(r"\s*([-+]?\d*),(\d+(?:[eE][-+]?\d+)?)\s*")
+
+
+class DecimalNumber(FloatParamType):
+    """A number."""
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> float:
+        """The double; fails with what to type instead of a decimal comma."""
+        _refuse_comma(self, value, param, ctx)
+        return super().convert(value, param, ctx)
+
+
+class NumberRange(click.FloatRange):
+    """A number within limits."""
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> float:
+        """The double; fails with what to type instead of a decimal comma."""
+        _refuse_comma(self, value, param, ctx)
+        return float(super().convert(value, param, ctx))
+
+
+def _refuse_comma(
+    kind: click.ParamType[Any], value: Any, param: click.Parameter | None, ctx: click.Context | None
+) -> None:
+    """A comma may also part thousands, so that no number is read into it."""
+    found = DECIMAL_COMMA.fullmatch(value) if isinstance(value, str) else None
+    if found is not None:
+        pointed = f"{found[1]}.{found[2]}"
+        kind.fail(f"'{value}' has a comma: with a decimal point type {pointed}", param, ctx)
+
+
+NUMBER = DecimalNumber()
+FROM_ZERO = NumberRange(min=0.0)
 
 
 def refuse_if(broken: object, words: str) -> None:
@@ -297,6 +337,26 @@ def cloud_options(command: Callable[..., Any]) -> Callable[..., Any]:
             click.echo(f"note: {note}", err=True)
         with _patience(f"working on {stated.n} correspondences"):
             return command(*args, problem=stated, pair=pair, **options)
+
+    return wrapped
+
+
+def json_option(command: Callable[..., Any]) -> Callable[..., Any]:
+    """[--json], the argument `as_json`; why the question has no answer is one object, too.
+
+    Bad usage or input, code 2, is a line on standard error alone: nothing was asked yet.
+    """
+
+    @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
+    @functools.wraps(command)
+    def wrapped(*args: Any, as_json: bool, **options: Any) -> Any:
+        try:
+            return command(*args, as_json=as_json, **options)
+        except CertregError as error:
+            code = exit_codes.code_of_error(error)
+            if as_json and code != exit_codes.MISUSED:
+                click.echo(document.dumps(document.error_document(error, code)))
+            raise
 
     return wrapped
 

@@ -6,36 +6,31 @@ import logging
 import sys
 import time
 from contextlib import ExitStack
-from typing import TYPE_CHECKING, Any
+from typing import Any, Self
 
 import click
 
 from certreg.campaign.runner import Observer
 from certreg.report.markup import printable
 
-if TYPE_CHECKING:
-    from types import TracebackType
-    from typing import Self
-
 PATIENCE = 1.0  # seconds before a long run says that it is at work
 ERASE_LINE = "\r\033[K"
 CAMPAIGNS = logging.getLogger("certreg.campaign")  # what it warns of, as of no worker, is a note
 
 
-class Progress:
+class Progress(ExitStack):
     """A bar over `total` items of a kind.
 
     Nothing is shown within the first second, nor where stderr is no terminal.
     """
 
     def __init__(self, total: int, *, items: str = "instances") -> None:
+        super().__init__()
         self._todo, self._items = total, items
         self.made, self.seconds = 0, 0.0  # items done since the beginning, and the time they took
         self._shown = 0
         self._start = time.monotonic()
         self._bar: Any = None
-        self._stack = ExitStack()
-        self._notes = _Notes(logging.WARNING)
 
     def observer(self) -> Observer:
         """This bar, to be moved by a campaign."""
@@ -55,7 +50,7 @@ class Progress:
         if not sys.stderr.isatty() or self.seconds < PATIENCE:
             return
         if self._bar is None:
-            self._bar = self._stack.enter_context(
+            self._bar = self.enter_context(
                 click.progressbar(range(self._todo), file=sys.stderr, item_show_func=str)
             )
             self._bar.start -= self.seconds
@@ -64,17 +59,10 @@ class Progress:
         self._shown = self.made
 
     def __enter__(self) -> Self:
-        CAMPAIGNS.addHandler(self._notes)
+        notes = _Notes(logging.WARNING)
+        CAMPAIGNS.addHandler(notes)
+        self.callback(CAMPAIGNS.removeHandler, notes)
         return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
-        CAMPAIGNS.removeHandler(self._notes)
-        self._stack.__exit__(kind, error, traceback)
 
 
 class _Notes(logging.Handler):

@@ -12,24 +12,25 @@ import click
 
 from certreg import __version__
 from certreg._loading import late
-from certreg.cli.as_json import json_option
 from certreg.cli.options import (
     EXIT_CODES,
     FOLDER,
     NUMBER,
     cloud_options,
     fit_options,
+    json_option,
     limit_options,
     refuse_if,
 )
 from certreg.cli.writing import WritingCommand
-from certreg.cli.wrong_pairs import consensus_options
+from certreg.cli.wrong_pairs import WrongPairs, consensus_options
 from certreg.registration.certification import certify as certified
 from certreg.registration.examples import STORIES, differences, tell
 from certreg.registration.exit_codes import (
     DONE,
     NOT_CERTIFIED,
     REFUSED,
+    FitDemands,
     code_of_registration,
     worst,
 )
@@ -39,10 +40,8 @@ from certreg.report.markup import printable
 from certreg.verify import shown
 
 if TYPE_CHECKING:
-    from certreg.cli.wrong_pairs import WrongPairs
     from certreg.io.pairing import Pair
     from certreg.problem.problem import RegistrationProblem
-    from certreg.registration.exit_codes import FitDemands
     from certreg.report import document, folder, pair_fields, summary
 else:
     document = late("certreg.report.document")
@@ -167,12 +166,14 @@ def demo(out: Path) -> int:
         click.echo(f"  certificate: {path}")
         if path is not None:
             click.echo(f"  report:      {path.with_name(REPORT)}\n")
-    click.echo("Every certificate above was accepted by the checker. Check them yourself:")
-    certificate = shown(out / STORIES[0].name / "certificate.json")
-    click.echo(f"  {_own_name()} verify {shlex.quote(certificate)}")
-    click.echo("or, with nothing but Python, anywhere:")
-    program = shown(Path(str(files("certreg") / "verify.py")))
-    click.echo(f"  python3 -I -S {shlex.quote(program)} {shlex.quote(certificate)}")
+    certificate = shlex.quote(shown(out / STORIES[0].name / "certificate.json"))
+    program = shlex.quote(shown(Path(str(files("certreg") / "verify.py"))))
+    click.echo(
+        "Every certificate above was accepted by the checker. Check them yourself:\n"
+        f"  {_own_name()} verify {certificate}\n"
+        "or, with nothing but Python, anywhere:\n"
+        f"  python3 -I -S {program} {certificate}"
+    )
     return code
 
 

@@ -9,8 +9,7 @@ import click
 from certreg.certificate.checking import verify as checked
 from certreg.certificate.checking import verify_lines, verify_with_coq
 from certreg.cli.certified_clouds import bound_clouds
-from certreg.cli.numbers import NUMBER
-from certreg.cli.options import CLOUD, certificate_argument, refuse_if
+from certreg.cli.options import CLOUD, NUMBER, certificate_argument, refuse_if
 from certreg.cli.writing import WritingCommand
 from certreg.registration.exit_codes import DONE, REFUSED
 

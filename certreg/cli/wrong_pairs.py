@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from certreg._loading import late
-from certreg.cli.numbers import NUMBER
+from certreg.cli.options import NUMBER
 from certreg.errors import InvalidProblemError
 from certreg.report.markup import printable
 

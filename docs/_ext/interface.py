@@ -32,7 +32,7 @@ class CommandLine(MarkdownDirective):
     def run(self) -> list[nodes.Node]:
         """A section for each command."""
         context = click.Context(cli, info_name="certreg")
-        commands = (cli.get_command(context, name) for name in cli.list_commands(context))
+        commands = (cli.resolve_command(context, [name])[1] for name in cli.list_commands(context))
         return [self._command(command, context) for command in commands if command is not None]
 
     def _command(self, command: click.Command, parent: click.Context) -> nodes.section:

@@ -41,6 +41,18 @@ def turn(p, q):
     return math.degrees((first.inv() * second).magnitude())
 
 
+@pytest.mark.parametrize("unit", [1.0, 1e-20, 1e-60, 1e-100])
+def test_springs_that_fit_exactly_have_a_radius_in_every_unit(unit: float):
+    """The checker takes 2^-70 for the root of an energy of 0, which is much in a small unit."""
+    rng = np.random.default_rng(0)
+    points, normals = unit * rng.normal(size=(8, 3)), rng.normal(size=(8, 3))
+    problem = RegistrationProblem(points, points, normals=normals)
+    certificate: Any = springs_certificate(problem, *optimum_of(problem), robustness_angle=5.0)
+
+    assert check(certificate.to_json()).verified
+    assert certificate.body.radius.both.mantissa > 0
+
+
 @pytest.mark.slow
 @pytest.mark.one_in(4)
 @pytest.mark.parametrize("cell", CELLS, ids=str)

@@ -1251,7 +1251,7 @@ def test_click_is_the_runner_of_every_command():
 @pytest.mark.parametrize("width", [20, 40, 80, 200])
 @pytest.mark.parametrize("name", COMMANDS)
 def test_the_list_of_commands_says_what_the_commands_say(name: str, width: int):
-    command = cli.cli.get_command(click.Context(cli.cli), name)
+    _, command, _ = cli.cli.resolve_command(click.Context(cli.cli), [name])
 
     assert command is not None
     assert command.name == name
