@@ -69,9 +69,7 @@ class Isotropic(Objective):
         Raises DegenerateProblemError where its scale is free, and the points tell none.
         """
         moments = exact_moments(problem)
-        place = "at the origin" if problem.rotation_only else "at one point"
-        free = Scaling.of(moments, problem.scale, place=place) if problem.scaled else None
-        return cls(moments, free)
+        return cls(moments, Scaling.of(moments, problem.motion))
 
     @cached_property
     def davenport(self) -> Matrix4[int]:

@@ -41,7 +41,7 @@ class Objective(Brief):
 
     structure: ClassVar[Structure]
 
-    @property
+    @cached_property
     @abstractmethod
     def reduced(self) -> Reduced:
         """The energy at any scale with the best translation."""

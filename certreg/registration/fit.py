@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Any
 
 from certreg.exact.dyadic import nearest_double, power_of_two
 from certreg.geometry.so3 import squared_norm
-from certreg.problem.motion import Scale
 from certreg.registration.covariance import NO_FREEDOM, worst_residuals
 from certreg.registration.loose_turns import LOOSE_SIGMA, beyond_first_order
 from certreg.registration.misfits import (
@@ -296,7 +295,7 @@ def _chi2(
     """
     if not problem.noise_given:
         return NO_NOISE
-    if problem.scale is Scale.SYMMETRIC:
+    if problem.scale.divides:
         return NO_CHI2
     least = _least(sums)
     if nearest_double(least) is None:
