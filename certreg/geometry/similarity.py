@@ -125,9 +125,8 @@ class Similarity(Brief):
 
     def as_matrix(self) -> NDArray[np.float64]:
         """The homogeneous matrix (4, 4), [s R | t] above 0 0 0 1."""
-        matrix = np.eye(4)
-        matrix[:3, :3] = self.scale * self.rotation
-        matrix[:3, 3] = self.translation
+        matrix = _rigid(self).as_matrix()
+        matrix[:3, :3] *= self.scale
         return matrix
 
     @property

@@ -24,6 +24,7 @@ from typing import TYPE_CHECKING, ClassVar, Self
 import numpy as np
 
 from certreg._loading import found_late
+from certreg.geometry.so3 import dot
 from certreg.native.kernels import MissingLibraryError
 from certreg.native.library import loaded_library
 from certreg.native.sums import fixed_point_fits, sums_by_exponent, sums_in_fixed_point
@@ -281,9 +282,9 @@ def _by_integers(block: Pairs) -> Sums:
             sum(w),
             *map(sum, wx),
             *map(sum, wy),
-            *(_dot(left, right) for left in wy for right in x),
-            *(_dot(wx[i], x[j]) for i, j in UPPER),
-            *(_dot(wy[i], y[j]) for i, j in UPPER),
+            *(dot(left, right) for left in wy for right in x),
+            *(dot(wx[i], x[j]) for i, j in UPPER),
+            *(dot(wy[i], y[j]) for i, j in UPPER),
         ),
     )
 
@@ -417,10 +418,6 @@ def _least(one: int | None, other: int | None) -> int | None:
 
 def _difference(exponent: int | None, least: int | None) -> int:
     return 0 if exponent is None or least is None else exponent - least
-
-
-def _dot(a: list[int], b: list[int]) -> int:
-    return sum(map(mul, a, b))
 
 
 def _fastest(problem: RegistrationProblem) -> SumMethod:
