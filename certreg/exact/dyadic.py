@@ -114,11 +114,8 @@ def nearest_quotient(numerator: int, denominator: int) -> float | None:
 
     Python's division of integers rounds once, and no common factor has to be found for it.
     """
-    try:
-        nearest = numerator / denominator
-    except OverflowError:
-        return None
-    return None if nearest == 0.0 and numerator != 0 else nearest
+    nearest = quotient_or_zero(numerator, denominator)
+    return None if math.isinf(nearest) or (nearest == 0.0 and numerator != 0) else nearest
 
 
 def nearest_or_zero(value: Fraction) -> float:
