@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+
 DEGREE_SLACK = 1.0 + 1e-15  # radians to degrees rounds twice
 ASIN_SLACK = 1.0 + 1e-12  # asin and sqrt of the C library err by an ulp or two: 1e-15
 STEEP = 0.75  # sin^2 of 60 degrees: below it asin turns a relative error into at most twice that
@@ -114,11 +115,8 @@ def nearest_quotient(numerator: int, denominator: int) -> float | None:
 
     Python's division of integers rounds once, and no common factor has to be found for it.
     """
-    try:
-        nearest = numerator / denominator
-    except OverflowError:
-        return None
-    return None if nearest == 0.0 and numerator != 0 else nearest
+    nearest = quotient_or_zero(numerator, denominator)
+    return None if math.isinf(nearest) or (nearest == 0.0 and numerator != 0) else nearest
 
 
 def nearest_or_zero(value: Fraction) -> float:

@@ -7,7 +7,7 @@ from operator import mul
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Sequence
 
 PRIME = 2**61 - 1  # a matrix loses rank modulo it once in 2^61, and then only time is lost
 
@@ -46,17 +46,25 @@ def definite_inverse(matrix: Sequence[Sequence[int]]) -> tuple[int, list[list[in
     >>> definite_inverse([[2, 1], [1, 1]]), definite_inverse([[1, 1], [1, 1]])
     ((1, [[1, -1], [-1, 2]]), None)
     """
-    size, value = len(matrix), 1
-    adjugate = part = [[int(i == j) for j in range(size)] for i in range(size)]
-    for k in range(size):
-        product = [[sum(map(mul, row, column)) for column in part] for row in matrix]
-        value = sum(product[i][i] for i in range(size)) // (k + 1)
-        if value <= 0:
+    found = 1, list[list[int]]()
+    for found in leverrier(matrix):
+        if found[0] <= 0:
             return None
-        adjugate, part = part, [[-entry for entry in row] for row in product]
-        for i in range(size):
+    return found
+
+
+def leverrier(matrix: Sequence[Sequence[int]]) -> Iterator[tuple[int, list[list[int]]]]:
+    """e_j and M_j-1 of a square matrix for j = 1, 2, ..., as above: every division is exact."""
+    size = range(len(matrix))
+    part = [[int(i == j) for j in size] for i in size]
+    for k in size:
+        columns = list(zip(*part, strict=True))
+        product = [[sum(map(mul, row, column)) for column in columns] for row in matrix]
+        value = sum(product[i][i] for i in size) // (k + 1)
+        yield value, part
+        part = [[-entry for entry in row] for row in product]
+        for i in size:
             part[i][i] += value
-    return value, adjugate
 
 
 def rank(matrix: Sequence[Sequence[int]]) -> int:

@@ -11,6 +11,8 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
+from certreg.exact.elimination import leverrier
+
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
@@ -27,16 +29,9 @@ class RootSigns:
 def characteristic(matrix: Sequence[Sequence[int]]) -> tuple[int, ...]:
     """The coefficients of det(x I - A) of an integer matrix, from the highest power on.
 
-    Faddeev and LeVerrier's recursion: every division is exact.
+    By the method of Faddeev and LeVerrier.
     """
-    size = range(len(matrix))
-    found, power = [1], [[0] * len(matrix) for _ in size]
-    for step in range(1, len(matrix) + 1):
-        for i in size:
-            power[i][i] += found[-1]
-        power = [[sum(row[k] * power[k][j] for k in size) for j in size] for row in matrix]
-        found.append(-sum(power[i][i] for i in size) // step)
-    return tuple(found)
+    return (1, *[(-1) ** k * value for k, (value, _) in enumerate(leverrier(matrix), 1)])
 
 
 def signs_of_roots(coefficients: Sequence[int]) -> RootSigns:

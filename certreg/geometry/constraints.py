@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from certreg.geometry.so3 import T
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Callable, Iterator, Sequence
 
 SquareMatrix = tuple[tuple[T, ...], ...]
 Monomials = dict[tuple[int, int], int]  # (i, j): the coefficient of r_i r_j
@@ -37,7 +37,8 @@ def rotation_polynomials() -> tuple[Monomials, ...]:
     6 of R^T R = I, 6 of R R^T = I, 9 of handedness. The one dependence: the diagonals of the first
     two have the same sum, |R|^2 = 3.
     """
-    return (*_orthonormal_columns(), *_orthonormal_rows(), *_handedness())
+    rows = _orthonormal(lambda k, a: _place(a, k))
+    return (*_orthonormal(_place), *rows, *_handedness())
 
 
 def rotation_quadratics() -> tuple[SquareMatrix[int], ...]:
@@ -45,16 +46,10 @@ def rotation_quadratics() -> tuple[SquareMatrix[int], ...]:
     return tuple(symmetric(polynomial) for polynomial in rotation_polynomials())
 
 
-def _orthonormal_columns() -> Iterator[Monomials]:
-    """The entries of R^T R - I on and above the diagonal."""
+def _orthonormal(place: Callable[[int, int], int]) -> Iterator[Monomials]:
+    """The entries of R^T R - I on and above the diagonal; place: of an entry of R in r."""
     for a, b in combinations_with_replacement(range(3), 2):
-        yield {(0, 0): -int(a == b)} | {(_place(k, a), _place(k, b)): 1 for k in range(3)}
-
-
-def _orthonormal_rows() -> Iterator[Monomials]:
-    """The entries of R R^T - I on and above the diagonal."""
-    for a, b in combinations_with_replacement(range(3), 2):
-        yield {(0, 0): -int(a == b)} | {(_place(a, k), _place(b, k)): 1 for k in range(3)}
+        yield {(0, 0): -int(a == b)} | {(place(k, a), place(k, b)): 1 for k in range(3)}
 
 
 def _handedness() -> Iterator[Monomials]:

@@ -100,9 +100,10 @@ def given_pose(pose: Any, translation: Any = None) -> GivenPose:
     translation: (3,), a column or a row, beside a rotation alone.
     Raises InvalidProblemError for anything else, and for values that are not finite.
     """
-    own = pose if isinstance(pose, Pose | Similarity) else getattr(pose, "pose", None)
-    if isinstance(own, Pose | Similarity):
-        scale = own.scale if isinstance(own, Similarity) else None
+    held = (pose, getattr(pose, "pose", None))
+    own = next((one for one in held if isinstance(one, Pose | Similarity)), None)
+    if own is not None:
+        scale = None if isinstance(own, Pose) else own.scale
         given = GivenPose(turn=own.quaternion_wxyz, translation=own.translation, scale=scale)
     elif len(parts := _parts(pose)) == 2:
         given = given_pose(*parts)

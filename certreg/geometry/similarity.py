@@ -125,9 +125,8 @@ class Similarity(Brief):
 
     def as_matrix(self) -> NDArray[np.float64]:
         """The homogeneous matrix (4, 4), [s R | t] above 0 0 0 1."""
-        matrix = np.eye(4)
-        matrix[:3, :3] = self.scale * self.rotation
-        matrix[:3, 3] = self.translation
+        matrix = _rigid(self).as_matrix()
+        matrix[:3, :3] *= self.scale
         return matrix
 
     @property
@@ -189,10 +188,8 @@ class Similarity(Brief):
     def __matmul__(self, other: ArrayLike) -> NDArray[np.float64]: ...
     def __matmul__(self, other: Similarity | Pose | ArrayLike) -> Similarity | NDArray[np.float64]:
         """Of a similarity or a pose: the motion that does `other` first. Of points: `apply`."""
-        if isinstance(other, Similarity | Pose):
-            first = other if isinstance(other, Similarity) else _scaled(other, 1.0)
-            return _product(self, first)
-        return self.apply(other)
+        first = _scaled(other, 1.0) if isinstance(other, Pose) else other
+        return _product(self, first) if isinstance(first, Similarity) else self.apply(first)
 
     def __rmatmul__(self, other: Pose) -> Similarity:
         """Of a pose on the left: the similarity first, then the pose."""

@@ -12,13 +12,12 @@ from dataclasses import dataclass
 from fractions import Fraction
 from itertools import product
 from operator import mul
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 from certreg._loading import cached_property
 from certreg.exact.dyadic import power_of_two
 from certreg.exact.eigenbasis import integer_eigenbasis
 from certreg.exact.spaces import Resolution, Space, resolved
-from certreg.geometry.constraints import homogeneous
 from certreg.geometry.so3 import (
     davenport_matrix,
     dot,
@@ -69,9 +68,7 @@ class Isotropic(Objective):
         Raises DegenerateProblemError where its scale is free, and the points tell none.
         """
         moments = exact_moments(problem)
-        place = "at the origin" if problem.rotation_only else "at one point"
-        free = Scaling.of(moments, problem.scale, place=place) if problem.scaled else None
-        return cls(moments, free)
+        return cls(moments, Scaling.of(moments, problem.motion))
 
     @cached_property
     def davenport(self) -> Matrix4[int]:
@@ -108,7 +105,7 @@ class Isotropic(Objective):
         rows[0][0] = trace(m.target_scatter) << 2 * there
         for a, j in product(range(3), repeat=2):
             place = 1 + 3 * j + a
-            rows[0][place] = rows[place][0] = -m.cross[a][j] << self._places
+            rows[0][place] = rows[place][0] = -m.cross[a][j] << here + there
             rows[place][1 + a :: 3] = [entry << 2 * here for entry in m.source_scatter[j]]
             moves[a][0], moves[a][place] = m.target_sum[a] << there, -m.source_sum[j] << here
         return Reduced(
@@ -171,23 +168,14 @@ class Isotropic(Objective):
     def _least(self) -> int:
         return min(self.moments.source_exponent, self.moments.target_exponent)
 
-    @cached_property
-    def _spread(self) -> int:
-        """The spread of both clouds in units of `unit`."""
-        moments, least = self.moments, self._least
-        source = trace(moments.source_scatter) << 2 * (moments.source_exponent - least)
-        return source + (trace(moments.target_scatter) << 2 * (moments.target_exponent - least))
-
-    @property
-    def _places(self) -> int:
-        """One unit of `moments.cross` is 2^places of `unit`."""
-        return self.moments.source_exponent + self.moments.target_exponent - 2 * self._least
-
     def form(self) -> SquareMatrix[int]:
-        """Q with V(R) = unit * r^T Q r, r = (1, vec R): nothing but a border."""
-        cross = [[-entry << self._places for entry in row] for row in self.moments.cross]
-        border: tuple[Any, ...] = homogeneous(cross, unit=self._spread)
-        return (border, *((entry, *[0] * (len(border) - 1)) for entry in border[1:]))
+        """Q with V(R) = unit * r^T Q r, r = (1, vec R): nothing but a border.
+
+        |R x|^2 is that of x: the trace of the source's scatter stands in the corner.
+        """
+        (spread, *cross), *rows = self.reduced.rows
+        border = (spread + sum(rows[3 * j][1 + 3 * j] for j in range(3)), *cross)
+        return (border, *((entry, *[0] * len(cross)) for entry in cross))
 
     def best_scale(self, q: Sequence[int]) -> Fraction:
         """The scale that is best at fixed rotation; 1 where it is not free."""

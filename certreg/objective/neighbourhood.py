@@ -69,7 +69,7 @@ class Neighbourhood(Brief):
         scale, over = self.scale.as_integer_ratio()
         turns = (scale * CROSSES @ self._columns).reshape(3, 9)
         growth = over * self._columns.reshape(1, 9)
-        return np.concatenate([turns, growth]) if self.motion.scaled else turns
+        return np.concatenate([turns, growth[: self.motion.scales]])
 
     @cached_property
     def _quadratic(self) -> Integers:

@@ -17,7 +17,6 @@ from typing import TYPE_CHECKING, ClassVar, Literal
 
 from certreg._loading import cached_property
 from certreg.exact.dyadic import nearest_or_zero
-from certreg.geometry.constraints import homogeneous
 from certreg.geometry.so3 import rotation_matrix, squared_norm
 from certreg.objective import quartics
 from certreg.results import Brief
@@ -103,5 +102,5 @@ class Objective(Brief):
 def _placed(q: Sequence[int], scale: Fraction | Literal[1]) -> tuple[tuple[int, ...], int]:
     """(1, vec s R(q)) in integers, and what they are over."""
     stretch, over = scale.numerator, squared_norm(q) * scale.denominator
-    _, *columns = homogeneous(rotation_matrix(q))
-    return (over, *[stretch * entry for entry in columns]), over
+    columns = zip(*rotation_matrix(q), strict=True)
+    return (over, *[stretch * entry for column in columns for entry in column]), over

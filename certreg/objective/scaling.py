@@ -18,11 +18,11 @@ from certreg._loading import cached_property
 from certreg.errors import DegenerateProblemError
 from certreg.exact.dyadic import Dyadic, dyadic_above, dyadic_below, power_of_two
 from certreg.problem.moments import trace
-from certreg.problem.motion import Scale
 from certreg.results import Brief
 
 if TYPE_CHECKING:
     from certreg.problem.moments import ExactMoments
+    from certreg.problem.motion import Motion, Scale
 
 ROOT_BITS = 240  # of a root: its bounds are 2^-239 apart, far within what bounds a scale below
 SCALE_BITS = 96  # of the bounds of a scale: 2^-95 = 2.5e-29 of it, below 1e-20
@@ -37,11 +37,15 @@ class Scaling(Brief):
     target: Fraction
 
     @classmethod
-    def of(cls, moments: ExactMoments, kind: Scale, *, place: str) -> Scaling:
-        """Of the moments of a problem. place: where points lie that tell no scale.
+    def of(cls, moments: ExactMoments, motion: Motion) -> Scaling | None:
+        """Of the moments of a problem; None where its scale is not free.
 
         Raises DegenerateProblemError where no scale is better than others.
         """
+        kind = motion.scale
+        if not kind.free:
+            return None
+        place = "at one point" if motion.translations else "at the origin"
         weights = moments.weight_exponent
         source, target = (
             Fraction(trace(scatter), moments.mass) * power_of_two(weights + 2 * exponent)
@@ -51,7 +55,7 @@ class Scaling(Brief):
             )
         )
         for name, spread in (("source", source), ("target", target)):
-            if spread == 0 and (name == "source" or kind is Scale.SYMMETRIC):
+            if spread == 0 and (name == "source" or kind.divides):
                 raise DegenerateProblemError(
                     f"all {name} points with weight lie {place}: they tell no {kind.value} scale; "
                     "leave the scale out",
@@ -62,7 +66,7 @@ class Scaling(Brief):
     @property
     def symmetric(self) -> bool:
         """Whether the scale is the symmetric one, whatever the rotation."""
-        return self.kind is Scale.SYMMETRIC
+        return self.kind.divides
 
     @cached_property
     def _ratio(self) -> tuple[Fraction, Fraction]:

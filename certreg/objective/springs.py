@@ -147,11 +147,7 @@ class Springs(Objective):
         Of rank below 2 where the source is collinear, and then the body has no inertia about the
         line.
         """
-        m = self.moments
-        diagonal = [FULL[0], FULL[4], FULL[8]]
-        mass = sum(m.stiffness[k] for k in diagonal)
-        first = [sum(m.source[k][j] for k in diagonal) for j in range(3)]
-        second = [sum(m.scatter[k][j] for k in diagonal) for j in range(6)]
+        mass, first, second = self.moments.traces
         return tuple(
             tuple(mass * second[FULL[3 * i + j]] - first[i] * first[j] for j in range(3))
             for i in range(3)
@@ -160,8 +156,7 @@ class Springs(Objective):
     @cached_property
     def mass_moments(self) -> MassMoments:
         """Mass, centre and scatter of the source, with masses m = tr W / 3, in the user's unit."""
-        m = self.moments
-        total = sum(m.stiffness[k] for k in DIAGONAL)
+        m, total = self.moments, self.moments.traces[0]
         weight, length = power_of_two(m.weight_exponent), power_of_two(m.source_exponent)
         unit = weight * length**2 / (3 * total)
         return MassMoments(
@@ -173,14 +168,9 @@ class Springs(Objective):
     @cached_property
     def centre(self) -> Vector3[Fraction]:
         """The mean of the source, with the traces of W as masses."""
-        m = self.moments
-        diagonal = [FULL[0], FULL[4], FULL[8]]
-        mass = sum(m.stiffness[k] for k in diagonal)
-        x, y, z = (
-            Fraction(sum(m.source[k][j] for k in diagonal), mass) * power_of_two(m.source_exponent)
-            for j in range(3)
-        )
-        return (x, y, z)
+        mass, (x, y, z), _ = self.moments.traces
+        unit = power_of_two(self.moments.source_exponent) / mass
+        return (x * unit, y * unit, z * unit)
 
     # --- what is known of it exactly
 

@@ -13,7 +13,7 @@ import numpy as np
 from certreg.errors import InvalidProblemError
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable, Iterable, Iterator
 
     from numpy.typing import NDArray
 
@@ -79,13 +79,10 @@ def _held(cloud: Any) -> Any:
 
 def _frame_points(frame: Any, name: str) -> NDArray[Any]:
     """The columns x, y, z of a data frame, or its three columns where they have no names."""
-    names: list[Any] = list(frame.columns)
-    plain = [one.strip().lower() if isinstance(one, str) else one for one in names]
-    if all(plain.count(axis) == 1 for axis in AXES):
-        chosen = [names[plain.index(axis)] for axis in AXES]
-        return np.column_stack([real_numbers(frame[column], name) for column in chosen])
-    if len(names) == 3 and not any(isinstance(one, str) for one in names):
-        return real_numbers(frame.to_numpy(), name)
+    columns = named_columns(frame, name, (AXES,))
+    if columns is not None and columns.shape[1] == len(AXES):
+        return columns
+    names = list(frame.columns)
     stated = ", ".join(map(str, names))[:WORDS]
     raise InvalidProblemError(
         f"{name} is a data frame with the columns {stated}: which are x, y, z? Rename them so, or "
@@ -93,6 +90,18 @@ def _frame_points(frame: Any, name: str) -> NDArray[Any]:
         array=name,
         value=names,
     )
+
+
+def named_columns(frame: Any, name: str, wanted: Iterable[tuple[str, ...]]) -> NDArray[Any] | None:
+    """The columns of a data frame with the first of these names, or all where none has a name."""
+    names: list[Any] = list(frame.columns)
+    plain = [one.strip().lower() if isinstance(one, str) else one for one in names]
+    for those in wanted:
+        if all(plain.count(one) == 1 for one in those):
+            chosen = [names[plain.index(one)] for one in those]
+            return np.column_stack([real_numbers(frame[column], name) for column in chosen])
+    unnamed = not any(isinstance(one, str) for one in names)
+    return real_numbers(frame.to_numpy(), name) if unnamed else None
 
 
 def real_numbers(values: Any, name: str) -> NDArray[Any]:

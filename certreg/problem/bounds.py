@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
     from certreg.problem.problem import RegistrationProblem
 
+
 NAME = "max_residual"  # of the argument, as users know it
 LEAST_PAIRS = 3  # two pairs of equal lengths always fit: a set of two says nothing
 MOST_SPAN = 768  # bits between the numbers of a problem, as in the checker
@@ -180,7 +181,7 @@ def narrow_cloud(problem: RegistrationProblem) -> tuple[float, str]:
     The smaller cloud; the target where the scale is free, since the source may be made as small.
     """
     size = diameter(problem.points.target)
-    if problem.scaled:
+    if problem.motion.scales:
         return size, "target"
     return min(size, diameter(problem.points.source)), "smaller cloud"
 

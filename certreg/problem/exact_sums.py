@@ -14,7 +14,6 @@ signs are gone, and what the shift adds to a sum is taken off here.
 from __future__ import annotations
 
 import enum
-import threading
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import cache
@@ -24,6 +23,7 @@ from typing import TYPE_CHECKING, ClassVar, Self
 import numpy as np
 
 from certreg._loading import found_late
+from certreg.geometry.so3 import dot
 from certreg.native.kernels import MissingLibraryError
 from certreg.native.library import loaded_library
 from certreg.native.sums import fixed_point_fits, joined, sums_by_exponent, sums_in_fixed_point
@@ -182,28 +182,14 @@ def sums_by(method: SumMethod, problem: RegistrationProblem, *, threads: int = T
 
 
 def over_blocks(summed: Callable[[slice], Sums], n: int, threads: int, empty: Sums) -> Sums:
-    """The sums over n rows: each of k threads takes every k-th; all end when one fails."""
+    """The sums over n rows, on so many threads; where one block fails, no other is begun."""
     blocks = list(row_blocks(n))
     if len(blocks) == 1:
         return summed(blocks[0])
-    count, end = min(threads, len(blocks)), threading.Event()
-
-    def share(first: int) -> Sums:
-        total = empty
-        for rows in blocks[first::count]:
-            if end.is_set():
-                break
-            total += summed(rows)
-        return total
-
-    if count == 1:
-        return share(0)
-    with ThreadPoolExecutor(count) as pool:
-        shares = [pool.submit(share, first) for first in range(count)]
-        try:
-            return sum((done.result() for done in shares), start=empty)
-        finally:
-            end.set()
+    if threads == 1:
+        return sum(map(summed, blocks), start=empty)
+    with ThreadPoolExecutor(threads) as pool:
+        return sum(pool.map(summed, blocks), start=empty)
 
 
 @cache
@@ -281,9 +267,9 @@ def _by_integers(block: Pairs) -> Sums:
             sum(w),
             *map(sum, wx),
             *map(sum, wy),
-            *(_dot(left, right) for left in wy for right in x),
-            *(_dot(wx[i], x[j]) for i, j in UPPER),
-            *(_dot(wy[i], y[j]) for i, j in UPPER),
+            *(dot(left, right) for left in wy for right in x),
+            *(dot(wx[i], x[j]) for i, j in UPPER),
+            *(dot(wy[i], y[j]) for i, j in UPPER),
         ),
     )
 
@@ -410,10 +396,6 @@ def _least(one: int | None, other: int | None) -> int | None:
 
 def _difference(exponent: int | None, least: int | None) -> int:
     return 0 if exponent is None or least is None else exponent - least
-
-
-def _dot(a: list[int], b: list[int]) -> int:
-    return sum(map(mul, a, b))
 
 
 def _fastest(problem: RegistrationProblem) -> SumMethod:

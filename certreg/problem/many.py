@@ -44,7 +44,8 @@ class ManyPairs(Brief):
         pairs = zip(*listed, strict=False) if all(listed) else [(sources, targets)]
         for source, target in pairs:
             require_same_labels(source, target=target)
-        x, y = _clouds(sources, "sources"), _clouds(targets, "targets")
+        forms = "(count, N, 3), or a list of (N, 3)"
+        x, y = _rows_of(sources, "sources", 2, forms), _rows_of(targets, "targets", 2, forms)
         sizes = _common_sizes(x, y)
         w = _weights(1.0 if weights is None else weights, sizes)
         sizes = np.broadcast_to(sizes, max(len(sizes), len(w.sizes)))
@@ -93,46 +94,32 @@ def _listed(given: Any, depth: int) -> Sequence[Any]:
     return listed if held or np.ndim(listed[0]) == depth else ()
 
 
-def _clouds(given: Any, name: str) -> _Rows:
-    listed = _listed(given, 2)
+def _rows_of(given: Any, name: str, depth: int, forms: str) -> _Rows:
+    """Points, in arrays two deep, or weights, in arrays one deep: of each problem, or of all."""
+    listed = _listed(given, depth)
     if listed:
-        each = [cloud_array(one, f"{name}[{k}]") for k, one in enumerate(listed)]
-        return _joined(each, name)
+        read = cloud_array if depth == 2 else real_numbers
+        return _joined([read(one, f"{name}[{k}]") for k, one in enumerate(listed)], name)
     array = real_numbers(given, name)
-    array = array[np.newaxis] if array.ndim == 2 else array
-    if array.ndim != 3 or array.shape[2] != 3 or 0 in array.shape:
+    array = array[np.newaxis] if array.ndim == depth else array
+    if array.ndim != depth + 1 or array.shape[2:] not in {(), (3,)} or 0 in array.shape:
         raise InvalidProblemError(
-            f"{name} have the shape {array.shape}: give (count, N, 3), or a list of (N, 3)",
-            array=name,
-            value=array.shape,
+            f"{name} have the shape {array.shape}: give {forms}", array=name, value=array.shape
         )
     sizes = np.full(len(array), array.shape[1], dtype=np.int64)
-    return _Rows(rows=_finite(array.reshape(-1, 3), sizes, name), sizes=sizes)
+    return _Rows(rows=_finite(array.reshape(-1, *array.shape[2:]), sizes, name), sizes=sizes)
 
 
 def _weights(given: Any, sizes: NDArray[np.int64]) -> _Rows:
     """Those of each problem, or of all; a number is that of as many points as the largest has."""
-    listed, name = _listed(given, 1), "weights"
-    if listed:
-        found = _joined([real_numbers(one, f"{name}[{k}]") for k, one in enumerate(listed)], name)
-    else:
-        array = real_numbers(given, name)
-        if array.ndim == 0:
-            array, sizes = np.full(sizes.max(), array), np.array([sizes.max()])
-        array = np.atleast_2d(array)
-        if array.ndim != 2 or 0 in array.shape:
-            raise InvalidProblemError(
-                f"weights have the shape {array.shape}: give (count, N), (N,) or a number",
-                array=name,
-                value=array.shape,
-            )
-        each = np.full(len(array), array.shape[1], dtype=np.int64)
-        found = _Rows(rows=_finite(array.reshape(-1), each, name), sizes=each)
+    if not _listed(given, 1) and np.ndim(given) == 0:
+        given, sizes = np.broadcast_to(np.asarray(given), sizes.max()), np.array([sizes.max()])
+    found = _rows_of(given, "weights", 1, "(count, N), (N,) or a number")
     counts = {len(found.sizes), len(sizes)} - {1}
     if len(counts) > 1 or (found.sizes != sizes).any():
         raise InvalidProblemError(
             f"weights are of {_shape(found.sizes)}, the clouds of {_shape(sizes)}",
-            array=name,
+            array="weights",
             value=len(found.sizes),
             limit=len(sizes),
         )

@@ -370,8 +370,8 @@ class RegistrationProblem(Brief):
     @property
     def _stated(self) -> tuple[Named, ...]:
         """The arrays that state the problem, in the order of its digest, by name."""
-        own = [("max_residual", self.bounds)] * self.loss.bounds.ndim  # each pair has one, or none
-        return self.pairs.data(*own)
+        each = self.loss.bounds.ndim  # whether each pair has a bound
+        return self.pairs.data(*[("max_residual", self.bounds)] if each else ())
 
 
 def _require_as_many(n: int, m: int) -> None:

@@ -16,6 +16,7 @@ from certreg.problem.arrays import (
     ATTRIBUTES,
     data_frame,
     finite_doubles,
+    named_columns,
     real_numbers,
     row_blocks,
 )
@@ -127,19 +128,14 @@ def _is_cloud(given: Any) -> bool:
 
 def _of_frame(frame: Any, name: str) -> NDArray[Any]:
     """The columns of a table that have the names of this kind, or all where none has a name."""
-    names: list[Any] = list(frame.columns)
-    plain = [one.strip().lower() if isinstance(one, str) else one for one in names]
-    for wanted in SPRING_COLUMNS[name]:
-        if all(plain.count(one) == 1 for one in wanted):
-            chosen = [names[plain.index(one)] for one in wanted]
-            return np.column_stack([real_numbers(frame[column], name) for column in chosen])
-    if not any(isinstance(one, str) for one in names):
-        return real_numbers(frame.to_numpy(), name)
+    columns = named_columns(frame, name, SPRING_COLUMNS[name])
+    if columns is not None:
+        return columns
     wanted = " or ".join(",".join(one) for one in SPRING_COLUMNS[name])
     raise InvalidProblemError(
         f"{name} is a data frame without the columns {wanted}: name them so",
         array=name,
-        value=names,
+        value=list(frame.columns),
     )
 
 

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from certreg._loading import cached_property
 from certreg.errors import InvalidProblemError
 from certreg.exact.dyadic import weight_of_sigma
 from certreg.problem.arrays import finite_doubles, first_row, mapped_file, real_numbers, row_blocks
@@ -61,7 +62,7 @@ RANK_BELOW_3 = (
 )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class GivenSprings(Brief):
     """The arguments of a problem that state general springs, as the user gave them."""
 
@@ -71,7 +72,7 @@ class GivenSprings(Brief):
     information: Any = None
     factors: Any = None
 
-    @property
+    @cached_property
     def rows(self) -> dict[str, Any]:
         """Those that were given, by name."""
         named = {name: getattr(self, name) for name in SHAPES}

@@ -17,6 +17,8 @@ from itertools import product
 from operator import mul
 from typing import TYPE_CHECKING, ClassVar
 
+from certreg._loading import cached_property
+from certreg.geometry.so3 import dot
 from certreg.native.library import library_if_any, loaded_library
 from certreg.native.sums import springs_by_exponent, springs_by_limbs
 from certreg.problem.exact_sums import UPPER, Summation, SumMethod, Sums
@@ -102,10 +104,10 @@ def _by_integers(block: Pairs) -> SpringSums:
         integers=(
             *map(sum, springs),
             *(sum(column) for columns in weighted for column in columns),
-            *(_dot(columns[j], points[k]) for columns in weighted for j, k in UPPER),
+            *(dot(columns[j], points[k]) for columns in weighted for j, k in UPPER),
             *map(sum, pulls),
-            *(_dot(pull, column) for pull, column in product(pulls, points)),
-            sum(map(_dot, pulls, ends)),
+            *(dot(pull, column) for pull, column in product(pulls, points)),
+            sum(map(dot, pulls, ends)),
         ),
     )
 
@@ -123,10 +125,6 @@ def _combined(rows: Sequence[Sequence[int]], columns: Sequence[Sequence[int]]) -
     """The sum of the products of rows and columns, entry by entry."""
     products = (map(mul, row, column) for row, column in zip(rows, columns, strict=True))
     return [sum(entries) for entries in zip(*products, strict=True)]
-
-
-def _dot(a: Sequence[int], b: Sequence[int]) -> int:
-    return sum(map(mul, a, b))
 
 
 def _fastest(problem: RegistrationProblem) -> SumMethod:
@@ -177,6 +175,16 @@ class SpringMoments(Brief):
     target: Vector3[int]
     cross: Matrix3[int]
     spread: int
+
+    @cached_property
+    def traces(self) -> tuple[int, list[int], list[int]]:
+        """Sums of m, of m X and of m X X^T, six, with the masses m = tr W."""
+        diagonal = [UPPER.index((a, a)) for a in range(3)]
+        return (
+            sum(self.stiffness[k] for k in diagonal),
+            [sum(self.source[k][j] for k in diagonal) for j in range(3)],
+            [sum(self.scatter[k][j] for k in diagonal) for j in range(6)],
+        )
 
 
 def spring_moments(problem: RegistrationProblem) -> SpringMoments:

@@ -65,9 +65,9 @@ class Pairs(Brief):
         """Source, target, springs: what states the energy."""
         return self.source, self.target, self.springs
 
-    def rows(self, which: slice | Sequence[int]) -> Self:
-        """Some of these pairs."""
-        source, target, springs = (array[which] for array in self.arrays)
+    def rows(self, which: slice | Sequence[int] | NDArray[np.int64]) -> Self:
+        """Some of these pairs, in doubles."""
+        source, target, springs = (a[which].astype(np.float64, copy=False) for a in self.arrays)
         return type(self)(source=source, target=target, springs=springs)
 
     def block(self, rows: slice) -> Self:

@@ -38,7 +38,6 @@ from certreg.exact.dyadic import (
 )
 from certreg.objective.neighbourhood import Neighbourhood
 from certreg.problem.arrays import contiguous, row_blocks
-from certreg.problem.motion import Scale
 from certreg.results import OUT_OF_RANGE, Absent, Explained, present
 
 if TYPE_CHECKING:
@@ -181,7 +180,7 @@ def pose_covariance(problem: RegistrationProblem, objective: Isotropic) -> PoseC
 
     Absent also of a symmetric scale, which noise in the target shifts.
     """
-    if problem.scale is Scale.SYMMETRIC:
+    if problem.scale.divides:
         return BIASED
     if not objective.classification.unique:
         return NOT_UNIQUE
@@ -229,7 +228,7 @@ def covariance_at(
         return OUT_OF_RANGE
     matrix = _in_doubles(whole, 0 if near.motion.translations else TURN)
     axes, sizes, _ = np.linalg.svd(turning[:TURN])
-    size = float(whole.sigmas[PARAMETERS]) if near.motion.scaled else None
+    size = next(iter(whole.sigmas[PARAMETERS:].tolist()), None)
     arm = [nearest_or_zero(near.scale * entry) for entry in centre]
     swung = second_order(rotation @ turning[:TURN], rotation @ arm, translation)
     if size is not None and any(arm):  # ds theta x R m beside s theta x R m, of which dt has more

@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Any
 
 from certreg.exact.dyadic import nearest_double, power_of_two
 from certreg.geometry.so3 import squared_norm
-from certreg.problem.motion import Scale
 from certreg.registration.covariance import NO_FREEDOM, worst_residuals
 from certreg.registration.loose_turns import LOOSE_SIGMA, beyond_first_order
 from certreg.registration.misfits import (
@@ -124,22 +123,26 @@ def fit_of(
     pose: the optimum in doubles, as it is reported. covariance: its own.
     """
     sums = FitSums(objective)
-    if not problem.motion.rigid:
-        return _of_model(problem, sums, pose, covariance, names)
-    rows = row_fit(problem, objective, pose)
     chi2 = _chi2(problem, sums, covariance)
-    ratio = OUT_OF_RANGE if rows is None else rows.largest_over_median or ZERO_MEDIAN
     values: dict[str, float | Absent] = {
         "explained": COINCIDENT if sums.explained is None else _double(sums.explained),
         "best_scale": NO_SOURCE if sums.scale is None else _double(sums.scale),
-        "scale_p": _scale_p(sums, rows),
-        "largest_over_median_residual": ROUNDED if sums.rounded else ratio,
     }
-    worst = () if rows is None else rows.worst
-    warnings = () if rows is None or sums.rounded else misfits(sums, rows, present(chi2), names)
+    if not problem.motion.rigid:  # of the tests only that of a given sigma
+        values["scale_p"] = UNTESTED
+        values["largest_over_median_residual"] = ROUNDED if _at_rounding(sums) else UNTESTED
+        worst = worst_residuals(problem, pose, LISTED)
+        return _fit(values, chi2, worst, names, _of_size(chi2), untested=NOT_LOOKED_FOR)
+    rows = row_fit(problem, objective, pose)
+    ratio = OUT_OF_RANGE if rows is None else rows.largest_over_median or ZERO_MEDIAN
+    values["scale_p"] = _scale_p(sums, rows)
+    values["largest_over_median_residual"] = ROUNDED if sums.rounded else ratio
+    if rows is None:
+        return _fit(values, chi2, (), names, ())
+    warnings = () if sums.rounded else misfits(sums, rows, present(chi2), names)
     outlying = any(one.code is FitCode.OUTLIER_ROWS for one in warnings)
-    far = rows.far if rows is not None and outlying and not rows.tied else ()
-    return _fit(values, chi2, worst, names, warnings, outlier_rows=far)
+    far = rows.far if outlying and not rows.tied else ()
+    return _fit(values, chi2, rows.worst, names, warnings, outlier_rows=far)
 
 
 def _fit(
@@ -170,25 +173,6 @@ def _of_size(chi2: ChiSquared | Absent) -> tuple[FitWarning, ...]:
     if words is None or isinstance(chi2, Absent):
         return ()
     return (FitWarning(code=FitCode.CHI2, text=words, remedy=chi2_remedy(chi2)),)
-
-
-def _of_model(
-    problem: RegistrationProblem,
-    sums: FitSums,
-    pose: Pose | Similarity,
-    covariance: PoseCovariance | Absent,
-    names: RowNames,
-) -> Fit:
-    """Of a free scale, or without a translation: of the tests only that of a given sigma."""
-    chi2 = _chi2(problem, sums, covariance)
-    values: dict[str, float | Absent] = {
-        "explained": COINCIDENT if sums.explained is None else _double(sums.explained),
-        "best_scale": NO_SOURCE if sums.scale is None else _double(sums.scale),
-        "scale_p": UNTESTED,
-        "largest_over_median_residual": ROUNDED if _at_rounding(sums) else UNTESTED,
-    }
-    worst = worst_residuals(problem, pose, LISTED)
-    return _fit(values, chi2, worst, names, _of_size(chi2), untested=NOT_LOOKED_FOR)
 
 
 def spring_fit(
@@ -296,7 +280,7 @@ def _chi2(
     """
     if not problem.noise_given:
         return NO_NOISE
-    if problem.scale is Scale.SYMMETRIC:
+    if problem.scale.divides:
         return NO_CHI2
     least = _least(sums)
     if nearest_double(least) is None:

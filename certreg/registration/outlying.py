@@ -15,7 +15,6 @@ import numpy as np
 from certreg.equilibrium.equilibrium_set import rotation_double
 from certreg.exact.dyadic import nearest_or_zero, power_of_two
 from certreg.problem.arrays import row_blocks
-from certreg.problem.terms import Pairs
 from certreg.registration.covariance import (
     Residual,
     effective_rows,
@@ -35,6 +34,7 @@ if TYPE_CHECKING:
     from certreg.objective.isotropic import Isotropic
     from certreg.problem.motion import Motion
     from certreg.problem.problem import RegistrationProblem
+    from certreg.problem.terms import Pairs
 
 SAMPLE_ROWS = 4096  # medians to two per cent; all rows where there are no more
 LISTED = 10  # rows named one by one
@@ -153,7 +153,7 @@ def _residuals(
 ) -> tuple[Residual, ...]:
     """The residuals of these rows at the pose as it is reported, in the unit of length."""
     numbers = np.array([one.row for one in rows])
-    distances = residual_distances(_rows(problem, numbers), pose).tolist()
+    distances = residual_distances(problem.pairs.rows(numbers), pose).tolist()
     found = [Residual(row=r, distance=d) for r, d in zip(numbers.tolist(), distances, strict=True)]
     return tuple(sorted(found, key=lambda one: (-one.distance, one.row)))
 
@@ -321,7 +321,7 @@ class _Count:
         """Count a block, whose first row has this number."""
         present = np.flatnonzero(points.weights)
         if len(present) < len(points.weights):
-            points = _rows(points, present)
+            points = points.rows(present)
         if len(present) == 0:
             return
         pairs = frame.pairs(points)
@@ -335,15 +335,6 @@ class _Count:
         self.left += float(pairs.weights[~far] @ distances[~far] ** 2)
 
 
-def _rows(points: RegistrationProblem | Pairs, rows: NDArray[np.int64]) -> Pairs:
-    """Some of the points in doubles; those of a mapped file are copied."""
-    return Pairs(
-        source=points.source[rows].astype(np.float64),
-        target=points.target[rows].astype(np.float64),
-        springs=points.weights[rows].astype(np.float64),
-    )
-
-
 def _picked(problem: RegistrationProblem) -> Pairs:
     """The rows with weight: all, or of many rows a sample at random, always the same."""
     if problem.n <= SAMPLE_ROWS:
@@ -351,8 +342,8 @@ def _picked(problem: RegistrationProblem) -> Pairs:
     else:
         rng = np.random.default_rng(0)
         rows = rng.choice(problem.n, SAMPLE_ROWS, replace=False, shuffle=False)
-        points = _rows(problem, np.sort(rows))
-    return points if points.weights.all() else _rows(points, np.flatnonzero(points.weights))
+        points = problem.pairs.rows(np.sort(rows))
+    return points if points.weights.all() else points.rows(np.flatnonzero(points.weights))
 
 
 def _other_pairing(frame: _Frame, problem: RegistrationProblem) -> OtherPairing | None:

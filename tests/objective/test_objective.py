@@ -298,4 +298,4 @@ def test_the_integer_spread_is_that_of_the_moments_in_whatever_units_the_clouds_
     least = min(moments.source_exponent, moments.target_exponent)
     unit = Fraction(2) ** (moments.weight_exponent + 2 * least) / moments.mass
 
-    assert objective._spread * unit == moments.spread
+    assert objective.form()[0][0] * unit == moments.spread
