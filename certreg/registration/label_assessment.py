@@ -22,11 +22,12 @@ from certreg.problem.budget import checked_effort
 from certreg.problem.support import Loss
 from certreg.registration.consensus import proved_consensus
 from certreg.registration.exit_codes import DONE, NOT_CERTIFIED, REFUSED
+from certreg.registration.labelled import NO_COST
 from certreg.registration.pair_words import within_words
 from certreg.registration.pipeline import Asked, Work
 from certreg.registration.row_names import RowNames
 from certreg.registration.truncated import PROVER
-from certreg.results import Absent, Presented
+from certreg.results import Presented
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -35,11 +36,11 @@ if TYPE_CHECKING:
     from certreg.geometry.pose import Pose
     from certreg.problem.problem import RegistrationProblem
     from certreg.registration.labelled import TruncatedRegistration
+    from certreg.results import Absent
 
 
 NAMED_ROWS = 8  # of the refuted ones, in a sentence
 BITS = 60  # of the entries of a quaternion
-NO_COST = Absent("the most pairs were sought, not the least truncated cost")
 
 
 class LabelsVerdict(enum.Enum):

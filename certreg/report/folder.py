@@ -31,15 +31,18 @@ if TYPE_CHECKING:
     import os
     from collections.abc import Iterator, Sequence
 
+    from certreg.registration.labelled import LabelledRegistration
     from certreg.registration.result import Registration
     from certreg.report import pair_fields
-    from certreg.report.parts import Labelled
 else:
     pair_fields = late("certreg.report.pair_fields")
 
 
 def write_folder(
-    result: Registration | Labelled, folder: str | os.PathLike[str], *, notes: Sequence[str] = ()
+    result: Registration | LabelledRegistration,
+    folder: str | os.PathLike[str],
+    *,
+    notes: Sequence[str] = (),
 ) -> Path | None:
     """Write the files of a result; the path of the certificate, None if there is none.
 
@@ -71,7 +74,7 @@ def write_folder(
 
 
 def _contents(
-    result: Registration | Labelled, path: str | None, notes: Sequence[str]
+    result: Registration | LabelledRegistration, path: str | None, notes: Sequence[str]
 ) -> dict[str, bytes | Iterator[bytes]]:
     """What each file holds; path: of the certificate."""
     pairs = labelled(result)
@@ -98,7 +101,7 @@ def _contents(
     }
 
 
-def _labels_table(result: Labelled) -> str:
+def _labels_table(result: LabelledRegistration) -> str:
     """A line for each pair: its residual at the pose, its bound, and what is proved of it."""
     names = result.names
     columns = (result.residuals.tolist(), result.problem.bounds.tolist(), result.labels)
