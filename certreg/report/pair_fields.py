@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, cast
 
 from certreg.report.document import WORST, result_document
 from certreg.report.fields import warning_fields
+from certreg.report.parts import labelled
 from certreg.results import Absent
 
 if TYPE_CHECKING:
@@ -17,9 +18,22 @@ if TYPE_CHECKING:
         LabelledRegistration,
         TruncatedRegistration,
     )
+    from certreg.registration.result import Registration
     from certreg.report.encoding import Document
 
 NO_SECOND = "no other motion was found that meets three of the other pairs"
+
+
+def document_of(
+    result: Registration | LabelledRegistration,
+    certificate_path: str | None = None,
+    *,
+    notes: Sequence[str] = (),
+) -> Document:
+    """Of least squares, or of pairs that may be wrong; notes: on how the clouds were read."""
+    pairs = labelled(result)
+    stated = result_document if pairs is None else pairs_document
+    return stated(cast("Any", result), certificate_path, notes=notes)
 
 
 def pairs_document(
