@@ -36,7 +36,6 @@ if TYPE_CHECKING:
     from certreg.certificate.bounds import ExactPose, PoseBounds
     from certreg.geometry.pose import Pose
     from certreg.problem.problem import RegistrationProblem
-    from certreg.problem.support import Cell
     from certreg.registration.covariance import PoseCovariance, Residual
     from certreg.registration.fit import Fit
     from certreg.registration.pipeline import Asked, Work
@@ -215,10 +214,6 @@ class QuarticProver(SquaresProver[QuarticProposal, QuarticSolution]):
     """Of a rigid motion; the relaxation is a part of the search, and always taken."""
 
     PARTS = 4  # exact sums, optimum, certificate, checker
-
-    def accepts(self, cell: Cell) -> bool:
-        """All that there are."""
-        return cell.springs
 
     def propose(self, problem: RegistrationProblem, asked: Asked, work: Work) -> QuarticProposal:
         """The best that was found."""

@@ -301,8 +301,8 @@ def test_pairs_without_weight_have_no_least_squares():
     source, target = wrong_pairs(1)
     weights = np.repeat([0.0, 1.0], [14, 6])
     words = (
-        "weights are 0 for all pairs that were met (rows 0, 1, 2 and 11 others): give one of them "
-        "a weight"
+        "of the pairs that were met (rows 0, 1, 2 and 11 others) all weights are zero: no "
+        "correspondence counts, so every pose is as good; give one of them more than 0"
     )
     with pytest.raises(InvalidProblemError, match=re.escape(words)):
         certified(source, target, weights=weights)
