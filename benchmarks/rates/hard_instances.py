@@ -17,7 +17,7 @@ from strategies import random_rotation
 
 from certreg.problem.problem import RegistrationProblem
 from certreg.registration.certification import certify
-from certreg.registration.exit_codes import DONE, NOT_UNIQUE, code_of_registration
+from certreg.registration.exit_codes import DONE, NOT_UNIQUE
 from certreg.report.summary import registration_summary
 from certreg.results import Absent, Optimality
 
@@ -145,7 +145,7 @@ def outcome(family: Callable[[np.random.Generator], Clouds], seed: int) -> Outco
     else:
         converged = trajectory.converged
         why = "" if converged else text.partition("NOT CONVERGED: ")[2].partition("\n")[0]
-    return Outcome(registration.status, code_of_registration(registration), converged, why)
+    return Outcome(registration.status, registration.exit_code, converged, why)
 
 
 def main() -> None:

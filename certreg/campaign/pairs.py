@@ -45,13 +45,11 @@ from certreg.registration.exit_codes import (
     REFUSED,
     FitDemands,
     code_of_error,
-    code_of_registration,
     worst,
 )
-from certreg.registration.labelled import ConsensusRegistration, TruncatedRegistration
 from certreg.registration.simulation import optimally_damped
-from certreg.report.document import ERROR_SCHEMA, error_document, result_document
-from certreg.report.pair_fields import pairs_document
+from certreg.report.document import ERROR_SCHEMA, error_document
+from certreg.report.pair_fields import document_of
 from certreg.results import Limits, Optimality
 from certreg.verify import shown
 
@@ -180,7 +178,7 @@ class PairCampaign(Kind):
             entry: dict[str, Any] = json.loads(line)
             registered = entry["schema"] != ERROR_SCHEMA
             warned = registered and bool(entry["fit"]["warnings"])
-            if not registered or not self.demands.unmet_by(entry["rmse"], warned=warned):
+            if not registered or not self.demands.unmet(entry["rmse"], warned=warned):
                 yield line, entry
                 continue
             entry["exit_code"] = worst([entry["exit_code"], NOT_CERTIFIED])
@@ -361,18 +359,16 @@ def _entry(row: PairRow, folder: Path, limits: Limits) -> tuple[dict[str, Any], 
     except Exception as error:  # noqa: BLE001 - a defect met by one pair must not cost the others
         words = CertregError(f"a defect of certreg ({type(error).__name__}: {shown(error)})")
         return error_document(words, REFUSED, **called), None
-    document, code = _told(registration, pair)
+    document = document_of(registration, notes=pair.notes)
     document["timings_ms"] = {}  # a run that was interrupted gives the same bytes
-    head = {"schema": document["schema"], **called, "exit_code": code, "inputs": inputs}
+    head = {
+        "schema": document["schema"],
+        **called,
+        "exit_code": registration.exit_code,
+        "inputs": inputs,
+    }
     certificate = registration.certificate
     return head | document, None if certificate is None else certificate.to_json()
-
-
-def _told(registration: Any, pair: Pair) -> tuple[dict[str, Any], int]:
-    """The document of a registration, and what `certreg certify` would end with."""
-    if isinstance(registration, ConsensusRegistration | TruncatedRegistration):
-        return pairs_document(registration, notes=pair.notes), registration.exit_code
-    return result_document(registration, notes=pair.notes), code_of_registration(registration)
 
 
 def _inputs(row: PairRow, folder: Path) -> dict[str, str | None]:

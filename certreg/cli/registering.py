@@ -26,14 +26,7 @@ from certreg.cli.writing import WritingCommand
 from certreg.cli.wrong_pairs import WrongPairs, consensus_options
 from certreg.registration.certification import certify as certified
 from certreg.registration.examples import STORIES, differences, tell
-from certreg.registration.exit_codes import (
-    DONE,
-    NOT_CERTIFIED,
-    REFUSED,
-    FitDemands,
-    code_of_registration,
-    worst,
-)
+from certreg.registration.exit_codes import DONE, NOT_CERTIFIED, REFUSED, FitDemands, worst
 from certreg.registration.robustness import ROBUSTNESS_ANGLE
 from certreg.report.file_names import FILES, REPORT
 from certreg.report.markup import printable
@@ -116,23 +109,21 @@ def certify(
         robustness_angle=robustness_angle,
         **asked,
     )
-    path, whole = None, wrong is None
+    path = None
     if out is not None:
         path = folder.write_folder(result, out, notes=pair.notes)
     if as_json:
-        stated = document.result_document if whole else pair_fields.pairs_document
-        click.echo(document.dumps(stated(result, path and str(path), notes=pair.notes)))
+        stated = pair_fields.document_of(result, path and str(path), notes=pair.notes)
+        click.echo(document.dumps(stated))
     else:
         click.echo(result.summary())
         if path is not None:
             _tell_files(path)
-    fit = result if whole else result.fit
-    warned = bool((result.fit if whole else result).warnings)
-    code = code_of_registration(result) if whole else result.exit_code
-    unmet = demands.unmet_by(fit.rmse, warned=warned)
+    warned = bool((result.fit if wrong is None else result).warnings)
+    unmet = demands.unmet(result.rmse, warned=warned)
     for words in unmet:
         click.echo(f"certreg: {words}: exit code 4", err=True)
-    return worst([code, NOT_CERTIFIED] if unmet else [code])
+    return worst([result.exit_code, *[NOT_CERTIFIED] * bool(unmet)])
 
 
 def _tell_files(certificate: Path) -> None:

@@ -54,6 +54,7 @@ class Verb(StrEnum):
     """What is asked about a problem: equilibria by a method, a simulation by an integrator."""
 
     CERTIFY = "certify"  # `register` and `assess` go as it does
+    LABELS = "labels"  # judged by `assess`
     SPECTRAL = "spectral"
     GROEBNER = "groebner"
     HOMOTOPY = "homotopy"
@@ -212,6 +213,10 @@ ARGUMENTS = {  # by the field of a cell: the argument that an error names
     "rotation_only": "rotation_only",
     "loss": "objective",
 }
+LABELS_OF_CERTIFY = (
+    "with --scale let certify prove labels (certreg certify SOURCE TARGET --scale NAME "
+    "--max-residual X --out FOLDER), and compare yours with the column `proved` of FOLDER/fit.csv"
+)
 SIMULATED = frozenset({Verb.MIDPOINT, Verb.SPLITTING, Verb.EULER})
 TABLE = (
     Rule(
@@ -247,6 +252,12 @@ TABLE = (
         applies=lambda cell: cell.loss is Loss.TRUNCATED and cell.scaled,
         reason="truncated squares go without a free scale",
         leave=("scale",),
+    ),
+    Rule(
+        verbs=frozenset({Verb.LABELS}),
+        applies=lambda cell: cell.loss is Loss.CONSENSUS and cell.scaled,
+        reason="labels are judged for a rigid motion alone",
+        others=((LABELS_OF_CERTIFY, {}, Verb.CERTIFY),),
     ),
     Rule(
         verbs=SIMULATED,

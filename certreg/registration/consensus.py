@@ -7,7 +7,7 @@ better candidate is sought: the proof is the stopping rule.
 from __future__ import annotations
 
 import logging
-from dataclasses import dataclass
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -19,11 +19,10 @@ from certreg.certificate.producing_consensus import (
     consensus_certificate,
     consensus_of,
 )
-from certreg.errors import InvalidProblemError, UndecidedError
+from certreg.errors import DegenerateProblemError, InvalidProblemError, UndecidedError
 from certreg.native.cliques import triangles
 from certreg.problem.bounds import LEAST_PAIRS
 from certreg.problem.budget import checked_effort
-from certreg.problem.motion import Scale
 from certreg.registration.labelled import ConsensusRegistration
 from certreg.registration.pair_words import motion_words
 from certreg.registration.pipeline import USUAL, Asked, Prover, Work
@@ -37,7 +36,6 @@ if TYPE_CHECKING:
     from certreg.certificate.consensus import ConsensusBody, ConsensusSimilarityBody
     from certreg.certificate.envelope import Certificate
     from certreg.problem.problem import RegistrationProblem
-    from certreg.problem.support import Cell
     from certreg.registration.result import Registration
     from certreg.results import Verdict
 
@@ -47,25 +45,10 @@ LABELS = {"i": "inlier", "o": "outlier", "?": "undecided"}  # of a certificate
 SECOND_EFFORT = 0.3  # of the search among the other pairs: a hint, nothing of it is proved
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Counted:
-    """Pairs that one motion meets, with their least squares, and the proof of both."""
-
-    problem: RegistrationProblem
-    found: ProvedConsensus
-    fit: Registration
-    certificate: Certificate[Any]
-
-
-class InlierProver(Prover[ProvedConsensus, Counted, ConsensusRegistration]):
+class InlierProver(Prover[ProvedConsensus, ConsensusRegistration, ConsensusRegistration]):
     """Of the most pairs that one motion meets."""
 
     PARTS = 3  # consensus, fit, checker
-
-    def accepts(self, cell: Cell) -> bool:
-        """All that there are."""
-        del cell
-        return True
 
     def propose(self, problem: RegistrationProblem, asked: Asked, work: Work) -> ProvedConsensus:
         """The pairs that are met: each candidate is tried by its proof.
@@ -82,7 +65,7 @@ class InlierProver(Prover[ProvedConsensus, Counted, ConsensusRegistration]):
 
     def prove(
         self, problem: RegistrationProblem, proposal: ProvedConsensus, asked: Asked, work: Work
-    ) -> Counted:
+    ) -> ConsensusRegistration:
         """With the least squares, whose proof is inside.
 
         Raises InvalidProblemError where all pairs that were met have weight 0.
@@ -91,9 +74,9 @@ class InlierProver(Prover[ProvedConsensus, Counted, ConsensusRegistration]):
         certificate = consensus_certificate(problem, proposal, fit.certificate, asked.about)
         work.lap("fit")
         work.done("fit")
-        return Counted(problem=problem, found=proposal, fit=fit, certificate=certificate)
+        return _labelled(problem, proposal, fit, certificate)
 
-    def check(self, proved: Counted, work: Work) -> Verdict:
+    def check(self, proved: ConsensusRegistration, work: Work) -> Verdict:
         """The checker's answer."""
         verdict = check_own_consensus(proved.certificate)
         require_accepted(verdict)
@@ -102,21 +85,15 @@ class InlierProver(Prover[ProvedConsensus, Counted, ConsensusRegistration]):
         return verdict
 
     def judge(
-        self, proved: Counted, verdict: Verdict | None, asked: Asked, timings: dict[str, float]
+        self,
+        proved: ConsensusRegistration,
+        verdict: Verdict | None,
+        asked: Asked,
+        timings: dict[str, float],
     ) -> ConsensusRegistration:
         """With what another motion was seen to meet."""
-        found = proved.found
-        return ConsensusRegistration(
-            problem=proved.problem,
-            labels=tuple(LABELS[letter] for letter in found.labels),
-            inliers=np.array(found.met, dtype=np.intp),
-            found=found,
-            fit=proved.fit,
-            certificate=proved.certificate,
-            verdict=verdict,
-            second=_second(proved.problem, found, asked.effort),
-            timings=timings,
-        )
+        second = _second(proved.problem, proved.found, asked.effort)
+        return replace(proved, verdict=verdict, second=second, timings=timings)
 
 
 PROVER = InlierProver()
@@ -133,8 +110,27 @@ def restated_consensus(
     """
     found = consensus_of(problem, certificate.body)
     fit = _fit(problem, found, USUAL, RowNames.of(certificate.about, problem.n))
-    again = Counted(problem=problem, found=found, fit=fit, certificate=certificate)
-    return PROVER.judge(again, verdict, USUAL, {})
+    return PROVER.judge(_labelled(problem, found, fit, certificate), verdict, USUAL, {})
+
+
+def _labelled(
+    problem: RegistrationProblem,
+    found: ProvedConsensus,
+    fit: Registration,
+    certificate: Certificate[Any],
+) -> ConsensusRegistration:
+    """What was proved, before anybody has checked it."""
+    return ConsensusRegistration(
+        problem=problem,
+        labels=tuple(LABELS[letter] for letter in found.labels),
+        inliers=np.array(found.met, dtype=np.intp),
+        found=found,
+        fit=fit,
+        certificate=certificate,
+        verdict=None,
+        second=None,
+        timings={},
+    )
 
 
 def _nothing_met(prover: ConsensusProver) -> str:
@@ -168,25 +164,7 @@ def proved_consensus(
     best = most_proved(
         prover.prove(one.rotation, one.translation, one.scale, whole=False) for one in motions
     )
-    if best is not None and not rigid:
-        _require_spread(problem, best)
     return best if best is None or best.decided else prover.witnessed(best.witness)
-
-
-def _require_spread(problem: RegistrationProblem, found: ProvedConsensus) -> None:
-    """Refuses pairs that most motions meet and that have no best scale."""
-    block, rows = problem.block(slice(None)), list(found.met)
-    symmetric = problem.scale is Scale.SYMMETRIC
-    clouds = {"source": block.source, **({"target": block.target} if symmetric else {})}
-    weighty = [row for row in rows if block.weights[row] > 0.0] or rows
-    for name, points in clouds.items():
-        if (points[weighty] == points[weighty[0]]).all():
-            raise InvalidProblemError(
-                f"most pairs, {len(weighty)} that weigh, are met where all {name} points are one: "
-                "they have no scale; leave pairs that repeat a point out",
-                array=name,
-                row=weighty[0],
-            )
 
 
 def most_proved(tried: Iterable[ProvedConsensus | None]) -> ProvedConsensus | None:
@@ -210,18 +188,16 @@ def _fit(
     problem: RegistrationProblem, found: ProvedConsensus, asked: Asked, names: RowNames
 ) -> Registration:
     """The least squares over the pairs that are met; its rows say which of all they are."""
-    met, factors = list(found.met), problem.factors
-    own = problem.weights if factors is None else factors
-    if not own[met].any():
-        rows = RowNames(None).words(found.met[:3], len(found.met))
-        one, array = ("weight", "weights") if factors is None else ("spring", "factors")
-        raise InvalidProblemError(
-            f"{one}s are 0 for all pairs that were met ({rows}): give one of them a {one}",
-            array=array,
-            value=0.0,
-            row=found.met[0],
-        )
-    return fitted(problem.of_rows(met), met, names, asked)
+    met = list(found.met)
+    rows = RowNames(None).words(found.met[:3], len(met))
+    try:
+        return fitted(problem.of_rows(met), met, names, asked)
+    except InvalidProblemError as error:  # none of them counts
+        message = f"of the pairs that were met ({rows}) {error}; give one of them more than 0"
+        raise InvalidProblemError(message, array=error.array, value=0.0, row=met[0]) from error
+    except DegenerateProblemError as error:  # they have no scale
+        message = f"of the pairs that were met ({rows}) {error}, or leave pairs that repeat a point"
+        raise DegenerateProblemError(f"{message} out", rank=error.rank) from error
 
 
 def _second(problem: RegistrationProblem, found: ProvedConsensus, effort: float) -> int | None:

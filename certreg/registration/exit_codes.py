@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 from certreg.errors import ContradictionError, RefusedCertificateError, UndecidedError
 from certreg.results import Optimality
@@ -11,32 +11,11 @@ from certreg.results import Optimality
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from certreg.registration.fit import Fit
-
 DONE, REFUSED, MISUSED, NOT_UNIQUE, NOT_CERTIFIED = 0, 1, 2, 3, 4
 DIGITS = 6  # of an RMSE, in words
 DEFECT = 70  # of certreg's own, with a traceback; sysexits.h calls it so
 INTERRUPTED = 130  # as shells have it: 128 and the number of the signal, 2
 PRECEDENCE = (MISUSED, REFUSED, NOT_CERTIFIED, NOT_UNIQUE, DONE)
-
-
-class Judged(Protocol):
-    """A registration, as far as its exit code needs it."""
-
-    @property
-    def status(self) -> Optimality:
-        """Of its proof."""
-        ...
-
-    @property
-    def rmse(self) -> float | None:
-        """None beyond the doubles."""
-        ...
-
-    @property
-    def fit(self) -> Fit:
-        """With its warnings."""
-        ...
 
 
 def worst(codes: Iterable[int]) -> int:
@@ -62,12 +41,8 @@ class FitDemands:
     require_fit: bool = False
     max_rmse: float | None = None
 
-    def unmet(self, registration: Judged) -> list[str]:
-        """In words, what a registration does not meet."""
-        return self.unmet_by(registration.rmse, warned=bool(registration.fit.warnings))
-
-    def unmet_by(self, rmse: float | None, *, warned: bool) -> list[str]:
-        """The same, of a fit with or without warnings."""
+    def unmet(self, rmse: float | None, *, warned: bool) -> list[str]:
+        """In words, what a fit with or without warnings does not meet."""
         words: list[str] = []
         if self.require_fit and warned:
             words.append("the fit has warnings")
@@ -83,17 +58,8 @@ def _told_above(value: float, limit: float) -> str:
     return next((words for words in told if float(words) > limit), f"{value!r}")
 
 
-NOTHING_ASKED = FitDemands()
-
-
 def code_of_status(status: Optimality) -> int:
     """What `certify` ends with for what is proved of a pose."""
     if status is Optimality.CERTIFIED:
         return DONE
     return NOT_UNIQUE if status is Optimality.CERTIFIED_NOT_UNIQUE else NOT_CERTIFIED
-
-
-def code_of_registration(registration: Judged, demands: FitDemands = NOTHING_ASKED) -> int:
-    """What `certify` ends with: the code of the proof, and 4 where a demand is not met."""
-    proof = code_of_status(registration.status)
-    return worst([proof, NOT_CERTIFIED] if demands.unmet(registration) else [proof])

@@ -16,18 +16,18 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from certreg.certificate.joint_feasibility import CommonMotion, common_motion
 from certreg.certificate.producing_consensus import ConsensusProver, pose_of
 from certreg.certificate.truncated import disproves_labels
-from certreg.errors import InvalidProblemError
 from certreg.native.bitset_graph import colours
 from certreg.problem.bounds import LEAST_DIRECTIONS, checked_inliers
 from certreg.problem.budget import checked_effort
-from certreg.problem.support import Loss
+from certreg.problem.support import Loss, Verb, require_supported
 from certreg.registration.consensus import proved_consensus
 from certreg.registration.exit_codes import DONE, NOT_CERTIFIED, REFUSED
+from certreg.registration.labelled import NO_COST
 from certreg.registration.pair_words import within_words
 from certreg.registration.pipeline import Asked, Work
 from certreg.registration.row_names import RowNames
 from certreg.registration.truncated import PROVER
-from certreg.results import Absent, Presented
+from certreg.results import Presented
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -36,11 +36,11 @@ if TYPE_CHECKING:
     from certreg.geometry.pose import Pose
     from certreg.problem.problem import RegistrationProblem
     from certreg.registration.labelled import TruncatedRegistration
+    from certreg.results import Absent
 
 
 NAMED_ROWS = 8  # of the refuted ones, in a sentence
 BITS = 60  # of the entries of a quaternion
-NO_COST = Absent("the most pairs were sought, not the least truncated cost")
 
 
 class LabelsVerdict(enum.Enum):
@@ -291,14 +291,7 @@ def judged_labels(
 
 def _kept_pairs(problem: RegistrationProblem, labels: Any, asked: Asked) -> KeptPairs:
     """Whether one motion meets the inliers, and how many the most are."""
-    if problem.scaled:
-        raise InvalidProblemError(
-            "labels are judged for a rigid motion alone: with --scale let certify prove labels "
-            "(certreg certify SOURCE TARGET --scale NAME --max-residual X --out FOLDER), and "
-            "compare yours with the column `proved` of FOLDER/fit.csv",
-            array="scale",
-            value=problem.scale.value,
-        )
+    require_supported(problem.cell, Verb.LABELS)
     rows = checked_inliers(labels, problem.n)
     prover = ConsensusProver(problem, effort=checked_effort(asked.effort))
     motion, most = common_motion(prover, rows), proved_consensus(problem, prover, asked.effort)

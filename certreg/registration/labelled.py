@@ -15,22 +15,14 @@ from certreg.exact.decimals import at_least, at_most
 from certreg.exact.dyadic import double_above, double_below
 from certreg.geometry.similarity import Similarity
 from certreg.problem.arrays import apart
-from certreg.registration.exit_codes import (
-    DONE,
-    NOT_CERTIFIED,
-    NOT_UNIQUE,
-    code_of_registration,
-    worst,
-)
+from certreg.registration.exit_codes import DONE, NOT_CERTIFIED, NOT_UNIQUE, worst
 from certreg.registration.pair_angles import angles_between
 from certreg.registration.pair_warnings import few_warning, reason_against, warnings_of
 from certreg.registration.pair_words import (
-    LITTLE_TOLD,
-    NOT_ALL_LABELS,
-    OF_THOSE_WITHIN,
     headline,
     line_words,
     named_rows,
+    open_words,
     others_words,
     ranges_words,
     repeated_rows,
@@ -90,10 +82,9 @@ class LabelledRegistration(Saved, ABC):
         Of each pair: "inlier" or "outlier" in every motion that meets as many, or at every optimum:
         proved; or "undecided".
     inliers
-        Rows of the pairs within their bounds, over which `fit` is taken.
+        Rows of the pairs within their bounds.
     fit
-        The least squares over these rows, a registration with its own proof. Its row k is
-        `inliers[k]`, and is called so in words.
+        The least squares over these rows, with its own proof; row k is `inliers[k]`, also in words.
     certificate
         That the checker has accepted; None where it accepted none.
     verdict
@@ -146,18 +137,7 @@ class LabelledRegistration(Saved, ABC):
         return self.fit.trajectory
 
     def stated(self, name: str) -> Any:
-        """An attribute of `fit`, or the Absent that stands for it.
-
-        Parameters
-        ----------
-        name
-            Of an attribute that may be None.
-
-        Returns
-        -------
-        Any
-            Its value; where that is None, the reason.
-        """
+        """An attribute of `fit`, or the Absent that stands for it."""
         return self.fit.stated(name)
 
     @property
@@ -172,8 +152,13 @@ class LabelledRegistration(Saved, ABC):
 
     @property
     @abstractmethod
-    def turn(self) -> ProvedTurn | Absent:
-        """How far the rotations that are sought may be from a certified one; why that is open."""
+    def turn(self) -> ProvedTurn | None:
+        """How far the rotations that are sought may be from a certified one, if that is proved."""
+
+    @property
+    @abstractmethod
+    def unbounded(self) -> str:
+        """Why that is not proved, where it is not."""
 
     @property
     @abstractmethod
@@ -319,14 +304,19 @@ class ConsensusRegistration(LabelledRegistration):
         return tuple(row for row in self.inliers.tolist() if off[row])
 
     @property
-    def turn(self) -> ProvedTurn | Absent:
+    def turn(self) -> ProvedTurn | None:
         """How far a motion that meets these pairs may turn from the certified pose of `fit`."""
         body = self.certificate.body
-        if body.reach is not None and body.fit is not None:
-            certified = body.fit.get("proof", body.fit)["pose"]
-            return ProvedTurn(certified, body.reach.sin2_half_angle.value)
+        if body.reach is None or body.fit is None:
+            return None
+        certified = body.fit.get("proof", body.fit)["pose"]
+        return ProvedTurn(certified, body.reach.sin2_half_angle.value)
+
+    @property
+    def unbounded(self) -> str:
+        """Mostly these pairs are too near to a line for their bounds."""
         rows = self.inliers
-        return Absent(line_words(self.problem.points.target[rows], self.problem.bounds[rows]))
+        return line_words(self.problem.points.target[rows], self.problem.bounds[rows])
 
     @property
     def headline(self) -> str:
@@ -353,7 +343,7 @@ class ConsensusRegistration(LabelledRegistration):
     def exit_code(self) -> int:
         """0: all labels proved; 3: the maximum, but not the labels; 4: less; or that of the fit."""
         own = NOT_UNIQUE if self.upper == self.lower else NOT_CERTIFIED
-        return worst([DONE if self.labels_unique else own, code_of_registration(self.fit)])
+        return worst([DONE if self.labels_unique else own, self.fit.exit_code])
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -396,15 +386,19 @@ class TruncatedRegistration(LabelledRegistration):
         return angles_between(self.pose.apply(self.problem.source), self.problem.target)
 
     @property
-    def turn(self) -> ProvedTurn | Absent:
+    def turn(self) -> ProvedTurn | None:
         """How far an optimum may be from the certified rotation."""
+        body = None if self.certificate is None else self.certificate.body
+        if body is None or body.claims.sin2_half_angle is None:
+            return None
+        return ProvedTurn(body.quaternion, body.claims.sin2_half_angle.value)
+
+    @property
+    def unbounded(self) -> str:
+        """Of what is open, the first."""
         if self.certificate is None:
-            return Absent("nothing is proved")
-        body, ambiguity = self.certificate.body, self.fit.equilibria.classification.ambiguity
-        if body.claims.sin2_half_angle is not None:
-            return ProvedTurn(body.quaternion, body.claims.sin2_half_angle.value)
-        said = LITTLE_TOLD if ambiguity is None else OF_THOSE_WITHIN.format(ambiguity.value)
-        return Absent(said if self.labels_unique else NOT_ALL_LABELS)
+            return "nothing is proved"
+        return open_words(self.fit.equilibria.classification.ambiguity, labels=self.labels_unique)
 
     @property
     def certified(self) -> bool:

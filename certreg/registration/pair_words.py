@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.certificate.producing_consensus import ProvedConsensus
+    from certreg.objective.classification import Ambiguity
     from certreg.problem.problem import RegistrationProblem
     from certreg.registration.row_names import RowNames
 
@@ -24,9 +25,6 @@ NAMED_ROWS = 5  # of the undecided ones, in a sentence
 DIGITS = 7  # of a scale, in words
 NAMED_RANGES = 3  # of scales, in a sentence
 ON_LINE = 1e-9  # of the size of a cloud: nearer to a line its points are said to be on it
-NOT_ALL_LABELS = "with labels undecided, another optimum may have other pairs within their bounds"
-OF_THOSE_WITHIN = "of the pairs within their bounds, {}"  # why an angle is not bounded
-LITTLE_TOLD = "the pairs within their bounds hardly tell this rotation from another"
 
 
 class MotionWords(NamedTuple):
@@ -173,6 +171,18 @@ def line_words(points: NDArray[np.float64], bounds: NDArray[np.float64]) -> str:
             f"{as_given(widest)}: turns about it are not ruled out"
         )
     return "for bounds as wide as these no angle below 180 degrees is proved"
+
+
+def open_words(ambiguity: Ambiguity | None, *, labels: bool) -> str:
+    """Why no angle to the optima of a truncated cost is proved.
+
+    ambiguity: of the pairs within. labels: whether all of them are proved.
+    """
+    if not labels:
+        return "with labels undecided, another optimum may have other pairs within their bounds"
+    if ambiguity is None:
+        return "the pairs within their bounds hardly tell this rotation from another"
+    return f"of the pairs within their bounds, {ambiguity.value}"
 
 
 def ranges_words(some: Sequence[tuple[float, float]]) -> str:

@@ -37,10 +37,9 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.certificate import cones
-    from certreg.certificate.bounds import ExactPose, PoseBounds
+    from certreg.certificate.bounds import PoseBounds
     from certreg.geometry.pose import Pose
     from certreg.problem.problem import RegistrationProblem
-    from certreg.problem.support import Cell
     from certreg.registration.covariance import PoseCovariance, Residual
     from certreg.registration.fit import Fit
     from certreg.registration.pipeline import Asked, Work
@@ -50,8 +49,8 @@ if TYPE_CHECKING:
     from certreg.relaxation.optimum import Found
 else:
     # what proposes and proves is loaded where it is called
-    optimum = late("certreg.relaxation.optimum")
     cones = late("certreg.certificate.cones")
+    optimum = late("certreg.relaxation.optimum")
 
 
 NOT_LISTED = Absent(
@@ -219,10 +218,6 @@ class QuarticProver(SquaresProver[QuarticProposal, QuarticSolution]):
     """Of a rigid motion; the relaxation is a part of the search, and always taken."""
 
     PARTS = 4  # exact sums, optimum, certificate, checker
-
-    def accepts(self, cell: Cell) -> bool:
-        """All that there are."""
-        return cell.springs
 
     def propose(self, problem: RegistrationProblem, asked: Asked, work: Work) -> QuarticProposal:
         """The best that was found."""

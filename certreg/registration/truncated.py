@@ -29,7 +29,6 @@ if TYPE_CHECKING:
     from certreg.certificate.checking import CertificateVerdict
     from certreg.certificate.envelope import Certificate
     from certreg.certificate.truncated import TruncatedRotationBody
-    from certreg.problem.support import Cell
     from certreg.registration.result import Registration
     from certreg.results import Verdict
 
@@ -43,10 +42,6 @@ class TruncatedProver(Prover[BoxSearch, TruncatedRegistration, TruncatedRegistra
     """Of the least truncated squares of rotations alone."""
 
     PARTS = 3  # search, certificate and checker, fit
-
-    def accepts(self, cell: Cell) -> bool:
-        """All that there are."""
-        return cell.rotation_only
 
     def propose(self, problem: RegistrationProblem, asked: Asked, work: Work) -> BoxSearch:
         """The best of a search over all rotations."""

@@ -5,13 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
-from certreg._loading import late
 from certreg.dynamics.trajectory import Record
 from certreg.errors import InvalidFileError
 from certreg.io.atomic import remedy_of, write_together
 from certreg.io.labels import csv_field
 from certreg.io.row_values import PAIR_COLUMNS
-from certreg.report.document import dumps, pose_document, result_document
+from certreg.report.document import dumps, pose_document
 from certreg.report.file_names import (
     CERTIFICATE,
     FILES,
@@ -23,6 +22,7 @@ from certreg.report.file_names import (
     TRAJECTORY,
 )
 from certreg.report.pages import html_page, report_on
+from certreg.report.pair_fields import document_of
 from certreg.report.parts import labelled
 from certreg.report.residual_table import residual_table
 from certreg.verify import INLINE_MAX
@@ -31,15 +31,15 @@ if TYPE_CHECKING:
     import os
     from collections.abc import Iterator, Sequence
 
+    from certreg.registration.labelled import LabelledRegistration
     from certreg.registration.result import Registration
-    from certreg.report import pair_fields
-    from certreg.report.parts import Labelled
-else:
-    pair_fields = late("certreg.report.pair_fields")
 
 
 def write_folder(
-    result: Registration | Labelled, folder: str | os.PathLike[str], *, notes: Sequence[str] = ()
+    result: Registration | LabelledRegistration,
+    folder: str | os.PathLike[str],
+    *,
+    notes: Sequence[str] = (),
 ) -> Path | None:
     """Write the files of a result; the path of the certificate, None if there is none.
 
@@ -71,18 +71,17 @@ def write_folder(
 
 
 def _contents(
-    result: Registration | Labelled, path: str | None, notes: Sequence[str]
+    result: Registration | LabelledRegistration, path: str | None, notes: Sequence[str]
 ) -> dict[str, bytes | Iterator[bytes]]:
     """What each file holds; path: of the certificate."""
     pairs = labelled(result)
     contents: dict[str, bytes | Iterator[bytes]] = {}
     rows = result.pose.T_target_source.tolist()
     if pairs is not None:
-        document, fit = pair_fields.pairs_document(pairs, path, notes=notes), pairs.fit
+        fit = pairs.fit
         contents[FIT] = _labels_table(pairs).encode()
     else:
         fit = cast("Registration", result)
-        document = result_document(fit, path, notes=notes)
         if fit.trajectory is not None:
             contents[TRAJECTORY] = Record.of(fit.problem, fit.trajectory).to_bytes()
         if fit.problem.n <= INLINE_MAX:  # as many as a certificate holds itself
@@ -92,13 +91,13 @@ def _contents(
         contents[REPORT] = html_page(report_on(result))
     return {
         **contents,
-        RESULT: (dumps(document) + "\n").encode(),
+        RESULT: (dumps(document_of(result, path, notes=notes)) + "\n").encode(),
         SURE_POSE: (dumps(pose_document(fit)) + "\n").encode(),
         POSE: ("\n".join(" ".join(map(repr, row)) for row in rows) + "\n").encode(),
     }
 
 
-def _labels_table(result: Labelled) -> str:
+def _labels_table(result: LabelledRegistration) -> str:
     """A line for each pair: its residual at the pose, its bound, and what is proved of it."""
     names = result.names
     columns = (result.residuals.tolist(), result.problem.bounds.tolist(), result.labels)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, cast
 from certreg.registration.label_assessment import LabelsVerdict
 from certreg.report.cards import Card
 from certreg.report.encoding import Document, encoded
-from certreg.report.pairs import truncated_facts
+from certreg.report.pairs import pair_facts
 from certreg.results import Absent, present
 
 if TYPE_CHECKING:
@@ -37,7 +37,7 @@ def _facts(kept: KeptPairs | TruncatedLabels) -> list[tuple[str, str]]:
     """The labels; then the most pairs and a motion, or the best rotation and its proof."""
     labelled = ("labelled inliers", str(len(kept.rows)))
     if (optimum := present(kept.optimum)) is not None:
-        pairs, *others = truncated_facts(optimum)
+        pairs, *others = pair_facts(optimum)
         proved = [(name if name != "labels" else "proved labels", words) for name, words in others]
         return [pairs, labelled, *proved]
     return [*_counted(cast("KeptPairs", kept), labelled)]

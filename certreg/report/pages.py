@@ -6,18 +6,17 @@ from typing import TYPE_CHECKING, Any, cast
 
 from certreg._loading import late
 from certreg.report.page import Report
-from certreg.report.parts import costed, labelled
+from certreg.report.parts import labelled
 
 if TYPE_CHECKING:
+    from certreg.registration.labelled import LabelledRegistration
     from certreg.registration.result import Registration
-    from certreg.report import consensus_page, truncated_page
+    from certreg.report import pair_page
     from certreg.report.any_report import AnyReport
-    from certreg.report.parts import Labelled
 
-    Reported = Registration | Labelled
+    Reported = Registration | LabelledRegistration
 else:
-    consensus_page = late("certreg.report.consensus_page")
-    truncated_page = late("certreg.report.truncated_page")
+    pair_page = late("certreg.report.pair_page")
 
 
 def report_on(registration: Reported) -> AnyReport[Any]:
@@ -25,10 +24,7 @@ def report_on(registration: Reported) -> AnyReport[Any]:
     pairs = labelled(registration)
     if pairs is None:
         return Report.of(cast("Registration", registration))
-    least = costed(pairs)
-    if least is not None:
-        return truncated_page.TruncatedReport.of(least)
-    return consensus_page.ConsensusReport.of(pairs)
+    return pair_page.PairsReport.of(pairs)
 
 
 def html_page(report: AnyReport[Any]) -> bytes:

@@ -2,28 +2,42 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+import math
+from typing import TYPE_CHECKING, Any, cast
 
 from certreg.report.document import WORST, result_document
 from certreg.report.fields import warning_fields
-from certreg.report.parts import costed, counted
-from certreg.report.scaled_consensus import scale_fields
+from certreg.report.parts import labelled
+from certreg.results import Absent
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from certreg.registration.labelled import ConsensusRegistration, TruncatedRegistration
+    from certreg.registration.labelled import (
+        ConsensusRegistration,
+        LabelledRegistration,
+        TruncatedRegistration,
+    )
+    from certreg.registration.result import Registration
     from certreg.report.encoding import Document
-    from certreg.report.parts import Labelled
 
 NO_SECOND = "no other motion was found that meets three of the other pairs"
-NO_COUNT = (
-    "the least truncated cost was sought, not the most pairs: what is proved is in `truncated`"
-)
+
+
+def document_of(
+    result: Registration | LabelledRegistration,
+    certificate_path: str | None = None,
+    *,
+    notes: Sequence[str] = (),
+) -> Document:
+    """Of least squares, or of pairs that may be wrong; notes: on how the clouds were read."""
+    pairs = labelled(result)
+    stated = result_document if pairs is None else pairs_document
+    return stated(cast("Any", result), certificate_path, notes=notes)
 
 
 def pairs_document(
-    result: Labelled, certificate_path: str | None = None, *, notes: Sequence[str] = ()
+    result: LabelledRegistration, certificate_path: str | None = None, *, notes: Sequence[str] = ()
 ) -> Document:
     """As `result_document` of the least squares over the pairs within, and what is proved of all.
 
@@ -31,23 +45,12 @@ def pairs_document(
     these and of the least squares.
     """
     document = result_document(result.fit, certificate_path, notes=[*notes, *result.notes])
-    most, least = counted(result), costed(result)
-    own: Document = {}
-    reasons, rows = dict[str, str](), result.inliers.tolist()
-    if most is not None:
-        own = {"consensus": _consensus(most)}
-        reasons = {} if most.second is not None else {"consensus.second": NO_SECOND}
-    if least is not None:
-        own, rows, reasons = (
-            {"truncated": _truncated(least)},
-            least.inliers.tolist(),
-            _missing(least),
-        )
-    residuals = result.residuals
+    residuals, rows = result.residuals, result.inliers.tolist()
     worst = residuals.argsort()[::-1][:WORST].tolist()
     for one in document["fit"]["worst"]:
         one["row"] = rows[one["row"]]
     document["fit"]["warnings"] = warning_fields(result.warnings)
+    own, reasons = _sought(result)
     others = {name: why for name, why in document["reasons"].items() if name not in own}
     return {
         **document,
@@ -61,7 +64,24 @@ def pairs_document(
     }
 
 
-def _consensus(result: ConsensusRegistration) -> Document:
+def _sought(result: LabelledRegistration) -> tuple[Document, dict[str, str]]:
+    """What was sought, the most pairs or the least cost, and reasons of nulls in it."""
+    own: Document = {}
+    reasons = dict[str, str]()
+    if isinstance(result.most, Absent):
+        reasons["consensus"] = result.most.reason
+    else:
+        own["consensus"] = _most(result.most)
+        if result.most.second is None:
+            reasons["consensus.second"] = NO_SECOND
+    if not isinstance(result.least, Absent):
+        own["truncated"] = _least(result.least)
+        if result.certificate is None:
+            reasons["certificate"] = reasons["truncated.gap"] = result.verdict.words
+    return own, reasons
+
+
+def _most(result: ConsensusRegistration) -> Document:
     return {
         "lower": result.lower,
         "upper": result.upper,
@@ -70,11 +90,18 @@ def _consensus(result: ConsensusRegistration) -> Document:
         "second": None if result.second is None else {"size": result.second},
         "headline": result.headline,
         "warnings": [one.text for one in result.pair_warnings],
-        **scale_fields(result),
+        **_scales(result),
     }
 
 
-def _truncated(result: TruncatedRegistration) -> Document:
+def _scales(result: ConsensusRegistration) -> Document:
+    """Ranges of scales, [low, high]; high is null where there is no end; none of a fixed scale."""
+    interval, some = result.scale_interval, result.undecided_scales
+    ranges = [[low, None if math.isinf(high) else high] for low, high in some]
+    return {"scale_interval": list(interval), "undecided_scales": ranges} if interval else {}
+
+
+def _least(result: TruncatedRegistration) -> Document:
     return {
         "cost": result.cost,
         "gap": result.gap,
@@ -83,9 +110,3 @@ def _truncated(result: TruncatedRegistration) -> Document:
         "unique": result.unique,
         "headline": result.headline,
     }
-
-
-def _missing(result: TruncatedRegistration) -> dict[str, str]:
-    """Reasons of nulls beside those of the least squares."""
-    names = () if result.certificate is not None else ("certificate", "truncated.gap")
-    return {"consensus": NO_COUNT, **dict.fromkeys(names, result.verdict.words)}

@@ -5,12 +5,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, cast
 
 if TYPE_CHECKING:
-    from certreg.registration.labelled import ConsensusRegistration, TruncatedRegistration
+    from certreg.registration.labelled import LabelledRegistration
     from certreg.registration.linear import LinearSolution
     from certreg.registration.quartic import QuarticSolution
     from certreg.registration.result import Registration
-
-    Labelled = ConsensusRegistration | TruncatedRegistration
 
 
 def listed(registration: Registration) -> Registration[LinearSolution] | None:
@@ -25,16 +23,6 @@ def sprung(registration: Registration) -> Registration[QuarticSolution] | None:
     return cast("Registration[QuarticSolution]", registration)
 
 
-def labelled(result: Registration | Labelled) -> Labelled | None:
+def labelled(result: Registration | LabelledRegistration) -> LabelledRegistration | None:
     """With a label for each pair, as some may be wrong; None where all count."""
-    return cast("Labelled", result) if hasattr(result, "labels") else None
-
-
-def counted(result: Labelled) -> ConsensusRegistration | None:
-    """With the most pairs that one motion brings within; None where none are counted."""
-    return cast("ConsensusRegistration", result) if hasattr(result, "upper") else None
-
-
-def costed(result: Labelled) -> TruncatedRegistration | None:
-    """With the least truncated cost; None where none is sought."""
-    return cast("TruncatedRegistration", result) if hasattr(result, "cost") else None
+    return cast("LabelledRegistration", result) if hasattr(result, "labels") else None

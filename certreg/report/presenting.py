@@ -48,12 +48,12 @@ SHAPES: dict[str, Shape] = {  # by the name of the type
         card="cards.registration_card",
     ),
     "ConsensusRegistration": Shape(
-        words="pairs.consensus_summary",
+        words="pairs.pairs_summary",
         document="pair_fields.pairs_document",
         card="pairs.pairs_card",
     ),
     "TruncatedRegistration": Shape(
-        words="pairs.truncated_summary",
+        words="pairs.pairs_summary",
         document="pair_fields.pairs_document",
         card="pairs.pairs_card",
     ),

@@ -34,9 +34,8 @@ from certreg.registration.pipeline import Asked
 from certreg.registration.quartic import SPRING_KINDS
 from certreg.registration.squares import certified_squares
 from certreg.registration.truncated import restated_truncated
-from certreg.report.consensus_page import ConsensusReport
 from certreg.report.page import Report
-from certreg.report.truncated_page import TruncatedReport
+from certreg.report.pair_page import PairsReport
 from certreg.verify import FILE_MAX, Clouds, shown
 
 if TYPE_CHECKING:
@@ -247,7 +246,7 @@ def _spring_report(
 
 def _consensus_report(
     certificate: Certificate[Any], content: bytes, verdict: Verdict, file: Path
-) -> ConsensusReport:
+) -> PairsReport:
     """The report of a certificate of wrong pairs: of its fit no more than it proves itself."""
     n, data, fields = certificate.n, certificate.data or b"", certificate.body.fit
     if fields is None or not data:
@@ -258,7 +257,7 @@ def _consensus_report(
     stated = _bounded_problem(certificate.body, n, data)
     result = restated_consensus(stated, certificate, verdict)
     proved = result.fit.as_proved(body_of(fields))
-    return ConsensusReport(
+    return PairsReport(
         registration=replace(result, fit=proved),
         certificate=certificate,
         content=content,
@@ -273,7 +272,7 @@ def _truncated_report(
     content: bytes,
     verdict: CertificateVerdict,
     file: Path,
-) -> TruncatedReport:
+) -> PairsReport:
     """The report of a certificate of truncated squares: of its rotation what it proves."""
     n, data = certificate.n, certificate.data or b""
     if not data:
@@ -285,7 +284,7 @@ def _truncated_report(
     doubles = np.frombuffer(data, dtype="<f8", offset=len(data) - BOUNDED_PAIR * n)
     source, target, _, bounds = np.split(doubles, [3 * n, 6 * n, 7 * n])
     points = RegistrationProblem(source.reshape(n, 3), target.reshape(n, 3), rotation_only=True)
-    return TruncatedReport(
+    return PairsReport(
         registration=restated_truncated(
             bounded(points, bounds, Loss.TRUNCATED), certificate, verdict
         ),

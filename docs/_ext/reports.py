@@ -20,12 +20,11 @@ from sphinx.util.docutils import SphinxDirective
 from certreg.problem.problem import RegistrationProblem
 from certreg.registration.certification import certify
 from certreg.registration.examples import STORIES, tell
-from certreg.report.consensus_page import ConsensusReport
 from certreg.report.markup import rendered
 from certreg.report.page import Report
 from certreg.report.pages import html_page
+from certreg.report.pair_page import PairsReport
 from certreg.report.picture import registration_picture
-from certreg.report.truncated_page import TruncatedReport
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -143,8 +142,7 @@ class Reports(SphinxDirective):
             inlines, _ = self.state.inline_text(words, self.lineno)
             if name in WRONG:
                 result = WRONG[name]()
-                page = TruncatedReport if result.fit.problem.rotation_only else ConsensusReport
-                self.write(name, page.of(result, documentation="../"))
+                self.write(name, PairsReport.of(result, documentation="../"))
                 drawn, further = result.fit, f" {result.headline}"
             else:
                 drawn = registrations[name]()

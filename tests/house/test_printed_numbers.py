@@ -58,7 +58,6 @@ ALLOWED = {  # what the last digit of a number to the nearest is worth, and wher
         registration/closed_form.py {gap:.3g}
         registration/pair_words.py {percent:.2g}
         registration/pair_words.py {width:.2g}
-        report/consensus_reach.py {width:.2g}
         registration/examples.py round(c.rmse or 0.0, RMSE_DIGITS)
         registration/rounding.py {times:.3g}
         registration/convention_errors.py {degrees:.2g}
@@ -169,7 +168,7 @@ ALLOWED = {  # what the last digit of a number to the nearest is worth, and wher
         report/cards.py {math.degrees(away or 0.0):.4g}
         report/cards.py {math.degrees(part.angle_to_optimum):.6g}
         report/cards.py {value:.6g}
-        report/consensus_page.py {share:.3g}
+        report/pair_page.py {share[row]:.3g}
         report/methods.py {e:.10g}
         report/spring_equilibria.py {math.degrees(part.angle_to_first):.6g}
         report/spring_equilibria.py {part.above:.1e}
@@ -185,9 +184,8 @@ ALLOWED = {  # what the last digit of a number to the nearest is worth, and wher
         report/lines.py {value:.4g}
         report/lines.py {value:.6f}
         report/lines.py {value:.9e}
-        report/truncated_page.py {angle:.3g}
-        report/truncated_page.py {float(residuals[row] / problem.bounds[row]):.3g}
-        report/pairs.py {result.cost:.9g}
+        report/pair_page.py {angles[row]:.3g}
+        report/pairs.py {least.cost:.9g}
     """,
     "a place, a size or a mark in a picture": """
         report/breaking.py {top + PANEL * (1.0 - height):.1f}
@@ -195,10 +193,10 @@ ALLOWED = {  # what the last digit of a number to the nearest is worth, and wher
         report/breaking.py {widest:.3g}
         report/breaking.py {x:.1f}
         report/breaking.py {y:.1f}
-        report/consensus_picture.py round(SCALE * 160)
-        report/consensus_picture.py round(SCALE * 240)
-        report/consensus_picture.py {10.0 ** k:g}
-        report/consensus_picture.py {float(_down(np.array([10.0 ** k]), low, high)[0]):.1f}
+        report/pair_picture.py round(SCALE * 160)
+        report/pair_picture.py round(SCALE * 240)
+        report/pair_picture.py {10.0 ** k:g}
+        report/pair_picture.py {float(_down(np.array([10.0 ** k]), low, high)[0]):.1f}
         report/picture.py {value:.1f}
     """,
 }

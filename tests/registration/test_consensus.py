@@ -20,7 +20,7 @@ from certreg.problem.problem import RegistrationProblem
 from certreg.registration.consensus import LABELS
 from certreg.registration.labelled import ConsensusRegistration
 from certreg.registration.pair_warnings import few_warning
-from certreg.report.consensus_page import ConsensusReport
+from certreg.report.pair_page import PairsReport
 
 BOUND = 0.05
 
@@ -77,7 +77,7 @@ def test_every_label_is_proved_and_said():
     assert "  within bounds     14 found, at most 14 (proved)\n" in text
     assert "  labels            14 inliers, 6 outliers, 0 undecided\n" in text
     assert "  least squares     of these 14: CERTIFIED" in text
-    assert " degrees from this rotation to that of any motion that meets these 14" in text
+    assert " degrees from this rotation to that of any motion that brings these 14 within" in text
     assert "  proved angle      at most " in text
     assert "  largest residual  0.0" in text
 
@@ -183,7 +183,7 @@ def test_few_pairs_are_said_to_agree_by_chance_perhaps():
     assert f"\n  warning           {words}" in str(wrong)
     assert wrong.to_dict()["consensus"]["warnings"] == [words]
     assert f"Warning: {words}" in wrong._repr_html_()
-    assert f"{words[1:]}." in ConsensusReport.of(wrong).html().decode()
+    assert f"{words[1:]}." in PairsReport.of(wrong).html().decode()
 
 
 @pytest.mark.parametrize(
@@ -301,8 +301,8 @@ def test_pairs_without_weight_have_no_least_squares():
     source, target = wrong_pairs(1)
     weights = np.repeat([0.0, 1.0], [14, 6])
     words = (
-        "weights are 0 for all pairs that were met (rows 0, 1, 2 and 11 others): give one of them "
-        "a weight"
+        "of the pairs that were met (rows 0, 1, 2 and 11 others) all weights are zero: no "
+        "correspondence counts, so every pose is as good; give one of them more than 0"
     )
     with pytest.raises(InvalidProblemError, match=re.escape(words)):
         certified(source, target, weights=weights)

@@ -16,6 +16,7 @@ from certreg.registration import linear
 from certreg.registration.labelled import ConsensusRegistration, TruncatedRegistration
 from certreg.registration.row_names import RowNames
 from certreg.relaxation.shor import relax
+from certreg.results import Absent
 
 BOUND, SIGMA, WRONG, N = 0.05, 0.003, 5, 16
 RNG = np.random.default_rng(2)
@@ -140,6 +141,8 @@ def test_so_it_is_of_truncated_squares(solvers):
     assert told["robustness"]["angle_deg"] == 5.0
     assert solvers == ["SCS"]
     assert told["consensus"] is None
+    assert result.least is result
+    assert certified().least == Absent("the most pairs were sought, not the least truncated cost")
     assert "`truncated`" in told["reasons"]["consensus"]
     assert "no bound" not in str(told["reasons"])
 

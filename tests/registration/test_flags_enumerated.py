@@ -94,9 +94,8 @@ def test_a_label_that_is_open_leaves_a_consensus_undecided():
 
 
 def test_a_consensus_with_open_labels_ends_with_3_at_the_maximum_and_with_4_below_it():
-    fine = SimpleNamespace(warnings=())
     for sure, upper, status in product(BOTH, (7, 8), Optimality):
-        fit = SimpleNamespace(status=status, rmse=0.0, fit=fine)
+        fit = SimpleNamespace(exit_code=CODES[status])
         code = asked(
             ConsensusRegistration, "exit_code", labels_unique=sure, lower=7, upper=upper, fit=fit
         )

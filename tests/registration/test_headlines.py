@@ -30,7 +30,6 @@ from certreg.problem.problem import RegistrationProblem
 from certreg.registration import headlines as listed
 from certreg.registration.assessment import assess
 from certreg.registration.certification import certify
-from certreg.registration.exit_codes import code_of_registration
 from certreg.registration.headlines import HEADLINES, headline_of, headline_words
 from certreg.report.document import result_document
 from certreg.report.page import Report
@@ -107,7 +106,7 @@ def test_a_headline_is_no_stronger_than_what_an_exact_oracle_says(ratio: float, 
     assert above / span <= Fraction(checked(bounds.share_upper))
     certified = above / span <= Fraction(1, 10**6)
     assert (registration.status is Optimality.CERTIFIED) == certified
-    assert code_of_registration(registration) == (0 if certified else 4)
+    assert registration.exit_code == (0 if certified else 4)
     words, document = registration_summary(registration), result_document(registration)
     assert words.startswith("CERTIFIED: " if certified else "BOUNDED: within ")
     assert document["optimality"]["status"] == ("certified" if certified else "bounded")
@@ -168,7 +167,7 @@ def test_where_every_rotation_fits_the_translation_is_held_against_the_spread():
     judged = assess(registration.problem, registration.pose.rotation, registration.pose.translation)
 
     assert bounds.flat_energy == registration.solution.moments.spread
-    assert (registration.status, code_of_registration(registration)) == (Optimality.BOUNDED, 4)
+    assert (registration.status, registration.exit_code) == (Optimality.BOUNDED, 4)
     assert headline_words(registration).startswith("BOUNDED: within 0.")
     assert "every rotation fits equally, the translation does not" in headline_words(registration)
     assert "within 1e-06 of the clouds' own spread." in registration_summary(registration)
@@ -415,4 +414,4 @@ def test_a_limit_that_was_moved_is_said_beside_the_headline():
         wide = replace(bounds, greatest_gap=unit / 2)
         given = replace(found, bounds=wide, limits=Limits(max_gap=0.99))
         assert headline_of(given) is headline
-        assert code_of_registration(given) == headline.code == 3
+        assert given.exit_code == headline.code == 3

@@ -18,7 +18,7 @@ from certreg.problem.problem import RegistrationProblem
 from certreg.registration.certification import certify
 from certreg.registration.pair_words import ranges_words
 from certreg.registration.weakly_constrained import WeakShift, weak_shift_words
-from certreg.report.pairs import truncated_summary
+from certreg.report.pairs import pairs_summary
 from certreg.report.summary import registration_summary
 from certreg.results import Limits
 
@@ -123,7 +123,7 @@ def test_limits_are_printed_as_they_were_given(limits: Limits, told: str):
 @pytest.mark.slow
 def test_limits_of_truncated_squares_are_printed_as_they_were_given(least: TruncatedRegistration):
     fit = replace(least.fit, limits=Limits(max_gap=1.23456749e-3, max_angle=0.0123456749))
-    words = truncated_summary(replace(least, fit=fit))
+    words = pairs_summary(replace(least, fit=fit))
 
     assert "Certified means here within 0.00123456749 of the range of costs" in words
     assert (" and 0.0123456749 radians of the optimum." in words) == least.unique

@@ -16,7 +16,7 @@ from scipy.spatial.transform import Rotation
 
 import certreg
 from certreg.certificate.consensus import NONE, OPEN
-from certreg.errors import InvalidProblemError
+from certreg.errors import DegenerateProblemError, InvalidProblemError
 from certreg.exact.dyadic import Dyadic
 from certreg.registration.labelled import ConsensusRegistration
 from certreg.registration.pair_words import ranges_words
@@ -191,11 +191,12 @@ def test_pairs_that_repeat_one_source_point_have_no_scale():
     source, target = np.zeros((6, 3)), np.zeros((6, 3))
     source[4:], target[4:] = rng.uniform(5, 9, (2, 2, 3))
 
-    with pytest.raises(InvalidProblemError) as refused:
+    with pytest.raises(DegenerateProblemError) as refused:
         certified(source, target, 0.1, weights=[1.0] * 4 + [0.0] * 2)
     assert str(refused.value) == (
-        "most pairs, 4 that weigh, are met where all source points are one: they have no scale; "
-        "leave pairs that repeat a point out"
+        "of the pairs that were met (rows 0, 1, 2 and 2 others) all source points with weight lie "
+        "at one point: they tell no asymmetric scale; leave the scale out, or leave pairs that "
+        "repeat a point out"
     )
 
 
@@ -276,9 +277,9 @@ def test_labels_are_not_judged_with_a_scale():
             source, target, labels=[1] * 14 + [0] * 6, max_residual=BOUND, scale="asymmetric"
         )
     assert str(refused.value) == (
-        "labels are judged for a rigid motion alone: with --scale let certify prove labels "
-        "(certreg certify SOURCE TARGET --scale NAME --max-residual X --out FOLDER), and compare "
-        "yours with the column `proved` of FOLDER/fit.csv"
+        "labels are judged for a rigid motion alone: with --scale let certify "
+        "prove labels (certreg certify SOURCE TARGET --scale NAME --max-residual X --out FOLDER), "
+        "and compare yours with the column `proved` of FOLDER/fit.csv"
     )
 
 

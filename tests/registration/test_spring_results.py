@@ -20,7 +20,6 @@ from certreg.problem.problem import RegistrationProblem
 from certreg.registration.assessment import assess
 from certreg.registration.certification import certify
 from certreg.registration.curvature import slope_and_curvature
-from certreg.registration.exit_codes import code_of_registration
 from certreg.registration.simulation import optimally_damped
 from certreg.registration.spring_rows import SpringAxes
 from certreg.relaxation.refining import refined
@@ -66,7 +65,7 @@ def test_the_pose_of_each_family_is_certified_and_no_small_move_lowers_its_objec
     found = registered(family)
     rng = np.random.default_rng(0)
 
-    assert code_of_registration(found) == 0
+    assert found.exit_code == 0
     assert found.unique
     here = energy(found.problem, found.pose.rotation, found.pose.translation)
     assert here == pytest.approx(found.objective, rel=1e-9)
@@ -165,7 +164,7 @@ def test_more_noise_than_was_given_is_warned_of_and_less_is_not():
     warned = registered("plane", sigma=0.001)
     assert [code.value for code in warned.fit.codes] == ["chi2"]
     assert str(warned).startswith("CERTIFIED OPTIMUM, BUT THE FIT IS POOR: the residuals are ")
-    assert code_of_registration(warned) == 0
+    assert warned.exit_code == 0
 
 
 def test_a_certified_pose_is_judged_optimal_and_another_by_its_proved_distance():

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from certreg.problem.problem import RegistrationProblem
 from certreg.registration.assessment import assess
 from certreg.registration.certification import certify
-from certreg.registration.exit_codes import DONE, NOT_CERTIFIED, NOT_UNIQUE, code_of_registration
+from certreg.registration.exit_codes import DONE, NOT_CERTIFIED, NOT_UNIQUE
 from certreg.report.overview import Overview
 from certreg.results import Limits, PoseVerdict
 
@@ -178,7 +178,7 @@ def test_a_degenerate_configuration_gets_exactly_its_words(name: str):
 
     assert [words for words in case.said if words not in text] == []
     assert registration.unique is case.unique
-    assert code_of_registration(registration) == case.code
+    assert registration.exit_code == case.code
     freedom = registration.solution.freedom
     assert len(freedom.translations) == case.free
     assert len(freedom.symmetry) == case.symmetry
@@ -210,7 +210,7 @@ def test_where_no_squares_reach_the_gap_is_told_and_nothing_is_called_unique():
     registration: Any = certify(problem)
     text = str(registration)
 
-    assert code_of_registration(registration) == NOT_CERTIFIED
+    assert registration.exit_code == NOT_CERTIFIED
     assert registration.to_dict()["optimality"]["method"] == "cones"
     assert registration.unique is None
     assert "7 local minima were met that differ by no more than the proved gap." in text

@@ -268,7 +268,7 @@ def test_a_bound_that_holds_by_chance_is_warned_of(given):
     assert f"least squares     of these {len(wide.inliers)}: " in str(wide)
     assert words not in str(narrow)
     assert "\n  rotation +/-      " in str(narrow)
-    assert "\n  explained         " in str(narrow)
+    assert " (of these 6; explained " in str(narrow)
     assert "\n  least squares     of these 6: CERTIFIED: the global optimum, and unique" in str(
         narrow
     )

@@ -59,9 +59,8 @@ def test_an_angle_is_to_the_optimum_of_springs_where_one_rotation_is_proved_to_b
     assert told[0].endswith(f" degrees of {which}")
 
 
-def test_what_certified_means_is_told_of_what_is_certified(monkeypatch):
+def test_what_certified_means_is_told_of_what_is_certified():
     """And of labels that are all proved what is asked for beside; of open ones neither is."""
-    monkeypatch.setattr(pairs, "causes", lambda _: [])
     for labelled, certified, given in product(BOTH, BOTH, BOTH):
         if certified and not labelled:
             continue
@@ -72,7 +71,8 @@ def test_what_certified_means_is_told_of_what_is_certified(monkeypatch):
             unique=False,
             fit=SimpleNamespace(limits=limits),
         )
+        result.least = result
 
-        begins = [line[: len(MEANS)] for line in pairs.truncated_causes(result)]
+        begins = [line[: len(MEANS)] for line in pairs.limit_words(result)]
         unmet = labelled and not certified
         assert begins == ([UNMET[: len(MEANS)]] if unmet else [MEANS] * (certified and given))

@@ -14,8 +14,8 @@ import pytest
 
 import certreg
 from certreg.errors import InvalidFileError
-from certreg.report.consensus_page import ConsensusReport
-from certreg.report.consensus_picture import pairs_picture, residual_chart
+from certreg.report.pair_page import PairsReport
+from certreg.report.pair_picture import pairs_picture, residual_chart
 from certreg.report.reload import report_of
 
 if TYPE_CHECKING:
@@ -39,7 +39,7 @@ def result(*, twins: bool = False, named: bool = False) -> Any:
 
 def words_of(found: Any) -> str:
     """What stands on its page, without style, pictures and tags, in one line."""
-    text = ConsensusReport.of(found).html().decode()
+    text = PairsReport.of(found).html().decode()
     text = re.sub(r"(?s)<(style|svg)>?.*?</\1>", " ", text)
     return " ".join(html.unescape(re.sub(r"<[^>]*>", " ", text)).split())
 
@@ -59,8 +59,7 @@ def test_the_page_says_what_is_proved():
         "One rigid motion brings 10 of the 16 pairs within their bounds: the witness, tested in",
         "No rigid motion brings more than 10 within.",
         "Of the 16 pairs 10 are inliers and 6 are outliers in every motion that brings 10 within.",
-        "The rotation of every motion that brings these 10 within is at most ",
-        " degrees from that of the pose given below.",
+        " degrees from the rotation of the pose given below to that of any motion that brings ",
         "The least squares over these 10 pairs: certified.",
         "That an inlier is a right pair: only that every motion that meets as many meets it, too.",
         "How many pairs the other motion meets: a search found it, and none is proved to be best.",
@@ -71,7 +70,7 @@ def test_the_page_says_what_is_proved():
     ):
         assert words in page, words
     assert "What is undecided" not in page
-    assert "script-src 'none'" in html.unescape(ConsensusReport.of(found).html().decode())
+    assert "script-src 'none'" in html.unescape(PairsReport.of(found).html().decode())
 
 
 def test_the_page_says_what_is_undecided_and_the_other_motion():
@@ -115,7 +114,7 @@ def test_a_pose_that_breaks_its_own_consensus_is_said(monkeypatch):
 
 
 def test_many_undecided_pairs_are_listed_in_part(monkeypatch):
-    page = sys.modules["certreg.report.consensus_page"]
+    page = sys.modules["certreg.report.pair_page"]
     monkeypatch.setattr(page, "MOST_ROWS", 5)
     monkeypatch.setattr(page, "MOST_MOVED", 1)
     words = words_of(result(twins=True))
@@ -137,7 +136,7 @@ def test_every_pair_is_drawn_once_in_its_colour(monkeypatch):
     inliers, outliers, _ = chart.groups
     assert all(float(y) > bound for _, y in inliers.dots)
     assert all(float(y) < bound for _, y in outliers.dots)
-    monkeypatch.setattr("certreg.report.consensus_picture.MOST", 8)
+    monkeypatch.setattr("certreg.report.pair_picture.MOST", 8)
     thinned = pairs_picture(found)
     assert thinned is not None
     assert thinned.words.endswith("by label; 8 of 16 pairs")
@@ -147,8 +146,8 @@ def test_the_report_is_made_anew_of_the_certificate_alone(tmp_path: Path):
     found = result(named=True)
     found.save(tmp_path)
     report = report_of(tmp_path / "certificate.json")
-    assert isinstance(report, ConsensusReport)
-    again = report.registration
+    assert isinstance(report, PairsReport)
+    again: Any = report.registration
     assert (again.labels, again.upper, again.second) == (found.labels, found.upper, found.second)
     assert np.array_equal(again.pose.T_target_source, found.pose.T_target_source)
     assert words_of(again) == words_of(found)
@@ -170,7 +169,7 @@ def test_no_report_is_made_of_a_certificate_without_a_least_squares(tmp_path: Pa
 def test_the_report_and_the_card(tmp_path: Path):
     found = result()
     path = found.report(tmp_path / "report.html")
-    assert path.read_bytes() == ConsensusReport.of(found).html()
+    assert path.read_bytes() == PairsReport.of(found).html()
     card = found._repr_html_()
     assert "10 found, at most 10 (proved)" in card
     assert "10 inliers, 6 outliers, 0 undecided" in card

@@ -9,14 +9,14 @@ import pytest
 from wrong_pairs import wrong_pairs
 
 import certreg
-from certreg.report.consensus_page import ConsensusReport
+from certreg.report.pair_page import PairsReport
 
 
 @pytest.fixture(scope="module")
 def page() -> str:
     pairs = wrong_pairs(np.random.default_rng(2), 12, 0.25)
     result = certreg.certify(pairs.source, pairs.target, max_residual=pairs.bounds)
-    return ConsensusReport.of(result).html().decode()
+    return PairsReport.of(result).html().decode()
 
 
 @pytest.mark.parametrize(

@@ -15,15 +15,15 @@ from flint import arb, ctx
 from certreg.geometry.pose import Pose
 from certreg.problem.motion import Motion, Scale
 from certreg.registration.headlines import degrees_words
+from certreg.registration.labelled import TruncatedRegistration
 from certreg.registration.result import Method
 from certreg.registration.robustness import Robustness
 from certreg.report import document, lines
 from certreg.report import words as page_words
-from certreg.report.consensus_reach import degrees_from
 from certreg.report.judged_pose import within_words
 from certreg.report.lines import step_words
 from certreg.report.overview import bound_facts, robustness_facts
-from certreg.report.pairs import optimum_degrees
+from certreg.report.pairs import degrees_from
 from certreg.report.robustness import robustness_words
 from certreg.results import Optimality
 
@@ -68,8 +68,8 @@ def test_where_no_angle_is_proved_none_is_printed():
         assert degrees_words(judged) is None
     bare = SimpleNamespace(body=SimpleNamespace(claims=SimpleNamespace(sin2_half_angle=None)))
     for certificate in (None, bare):
-        truncated: Any = SimpleNamespace(certificate=certificate)
-        assert optimum_degrees(truncated) is None
+        truncated = SimpleNamespace(certificate=certificate)
+        assert vars(TruncatedRegistration)["turn"].fget(truncated) is None
 
 
 def robust(angle: float, target: float, both: float, **scales: Any) -> Any:

@@ -18,10 +18,10 @@ import certreg
 from certreg.errors import InvalidFileError, UndecidedError
 from certreg.exact.dyadic import Dyadic
 from certreg.registration.pair_angles import angles_between, widest_angles
-from certreg.report.consensus_picture import residual_chart
 from certreg.report.pages import report_on
+from certreg.report.pair_page import PairsReport
+from certreg.report.pair_picture import residual_chart
 from certreg.report.reload import report_of
-from certreg.report.truncated_page import TruncatedReport
 from certreg.report.viewer import Names
 from certreg.results import Limits
 
@@ -65,7 +65,7 @@ def result(kind: str = "certified") -> Any:
 
 def words_of(found: Any) -> str:
     """What stands on its page, without style, pictures and tags, in one line."""
-    text = TruncatedReport.of(found).html().decode()
+    text = PairsReport.of(found).html().decode()
     text = re.sub(r"(?s)<(style|svg)>?.*?</\1>", " ", text)
     return " ".join(html.unescape(re.sub(r"<[^>]*>", " ", text)).split())
 
@@ -83,9 +83,9 @@ def words_of(found: Any) -> str:
         FITTED,
         "A pair is within its bound where the angle between its points is at most ",
         "Of the 12 pairs 6 are inliers and 6 are outliers at every optimum.",
-        " degrees of this rotation.",
+        " degrees from the rotation of the pose given below to any optimum.",
         "The optimum is one single rotation: every other one has a larger cost.",
-        "The least squares over the 6 pairs within: certified.",
+        "The least squares over these 6 pairs: certified.",
         "That an inlier is a right pair: only that every optimum has it within its bound.",
         "That the rotation is close to the truth: only that its truncated cost is near the least.",
         "Anything of the names in the certificate, and where the points come from.",
@@ -103,7 +103,7 @@ def test_the_page_says_what_is_proved(words: str):
     assert words in page
     assert "What is undecided" not in page
     assert "What to do" not in page
-    assert "script-src 'none'" in html.unescape(TruncatedReport.of(result()).html().decode())
+    assert "script-src 'none'" in html.unescape(PairsReport.of(result()).html().decode())
 
 
 def test_the_costs_on_the_page_are_bounds_of_the_proved_ones():
@@ -128,7 +128,7 @@ def test_two_optima_are_undecided_on_the_page_and_it_says_why():
         "Angle not bounded with labels undecided, another optimum may have other pairs within thei",
     ):
         assert words in page, words
-    assert "degrees of this rotation" not in page
+    assert "to any optimum" not in page
     assert "one single rotation" not in page
 
 
@@ -172,8 +172,8 @@ def test_a_turn_that_nothing_fixes_is_said_with_its_cause():
     ):
         assert words in page
         assert words in text
-    assert f"  proved angle      {why}\n" in text
-    assert 'class="stamp open"' in TruncatedReport.of(found).html().decode()
+    assert f"  proved angle      {why}" in text
+    assert 'class="stamp open"' in PairsReport.of(found).html().decode()
 
 
 def test_the_report_is_made_anew_of_the_certificate_alone(tmp_path: Path):
@@ -181,7 +181,7 @@ def test_the_report_is_made_anew_of_the_certificate_alone(tmp_path: Path):
     path = found.save(tmp_path)
     report = report_of(path)
 
-    assert isinstance(report, TruncatedReport)
+    assert isinstance(report, PairsReport)
     again: Any = report.registration
     assert (again.labels, again.gap, again.exit_code) == (found.labels, found.gap, 0)
     assert again.cost == pytest.approx(found.cost, rel=1e-12)
@@ -218,7 +218,7 @@ def test_every_pair_is_in_the_chart_once():
         ("6 outliers", 6),
         ("0 undecided", 0),
     ]
-    assert report_on(result()).html() == TruncatedReport.of(result()).html()
+    assert report_on(result()).html() == PairsReport.of(result()).html()
 
 
 def test_a_pair_is_within_its_bound_just_up_to_its_widest_angle():
@@ -281,7 +281,7 @@ def test_a_certificate_whose_rotation_meets_nothing_has_no_report(tmp_path: Path
 
 def test_that_not_all_angles_are_listed_is_said(monkeypatch):
     assert "nearest to their bounds are listed" not in words_of(result())
-    monkeypatch.setattr("certreg.report.truncated_page.NEAREST", 5)
+    monkeypatch.setattr("certreg.report.pair_page.NEAREST", 5)
 
     words = words_of(result())
     listed = (
@@ -294,10 +294,10 @@ def test_that_not_all_angles_are_listed_is_said(monkeypatch):
 
 
 def test_the_pairs_nearest_to_their_bounds_are_listed_on_either_side(monkeypatch):
-    monkeypatch.setattr("certreg.report.truncated_page.NEAREST", 8)
+    monkeypatch.setattr("certreg.report.pair_page.NEAREST", 8)
     found = result()
     listed = (
-        TruncatedReport.of(found)
+        PairsReport.of(found)
         .values(Names.of(found.certificate.about, 12))["sections"][0]
         .table.rows
     )

@@ -14,9 +14,9 @@ from certreg.results import Brief
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from certreg.registration.labelled import ConsensusRegistration, TruncatedRegistration
+    from certreg.registration.labelled import LabelledRegistration
 
-    Labelled = ConsensusRegistration | TruncatedRegistration
+    Reals = NDArray[np.float64]
 
 COLOURS = {"inlier": SOURCE, "outlier": SPRING, "undecided": "#8a5fbf"}  # told apart in the dark
 LEGEND = 24  # pixels below the pairs
@@ -75,7 +75,7 @@ class ResidualChart(Brief):
     right: int = WIDTH - RIGHT
 
 
-def pairs_picture(result: Labelled) -> PairsPicture | None:
+def pairs_picture(result: LabelledRegistration) -> PairsPicture | None:
     """The clouds at the pose, each pair in the colour of its label; None beyond the doubles."""
     rows = _shown(result)
     block = result.problem.points
@@ -88,23 +88,13 @@ def pairs_picture(result: Labelled) -> PairsPicture | None:
     more = f"; {len(rows)} of {result.problem.n} pairs" if len(rows) < result.problem.n else ""
     return PairsPicture(
         words=f"the target as rings, the source at the pose as dots, by label{more}",
-        groups=tuple(
-            LabelledPairs(
-                word=word,
-                colour=colour,
-                count=int((labels == word).sum()),
-                lines=pixels(np.hstack([source, target])[labels == word]),
-                rings=pixels(target[labels == word]),
-                dots=pixels(source[labels == word]),
-            )
-            for word, colour in COLOURS.items()
-        ),
+        groups=_grouped(labels, source, lines=np.hstack([source, target]), rings=target),
         width=round(SCALE * 240),
         height=round(SCALE * 160) + LEGEND,
     )
 
 
-def residual_chart(result: Labelled) -> ResidualChart:
+def residual_chart(result: LabelledRegistration) -> ResidualChart:
     """How far each pair is off, as a multiple of its bound."""
     rows = _shown(result)
     share = result.residuals[rows] / result.problem.bounds[rows]
@@ -117,17 +107,7 @@ def residual_chart(result: Labelled) -> ResidualChart:
     steps = range(math.ceil(math.log10(low) - 1e-9), math.floor(math.log10(high) + 1e-9) + 1)
     return ResidualChart(
         words="residuals at the pose over bounds, from the smallest to the largest",
-        groups=tuple(
-            LabelledPairs(
-                word=word,
-                colour=colour,
-                count=int((labels == word).sum()),
-                lines=(),
-                rings=(),
-                dots=pixels(places[labels == word]),
-            )
-            for word, colour in COLOURS.items()
-        ),
+        groups=_grouped(labels, places),
         marks=tuple(
             ChartMark(
                 place=f"{float(_down(np.array([10.0**k]), low, high)[0]):.1f}",
@@ -139,11 +119,33 @@ def residual_chart(result: Labelled) -> ResidualChart:
     )
 
 
+def _grouped(
+    labels: NDArray[np.str_],
+    dots: Reals,
+    *,
+    lines: Reals | None = None,
+    rings: Reals | None = None,
+) -> tuple[LabelledPairs, ...]:
+    """The places of the pairs, in pixels, by label."""
+    return tuple(
+        LabelledPairs(
+            word=word,
+            colour=colour,
+            count=int(own.sum()),
+            lines=() if lines is None else pixels(lines[own]),
+            rings=() if rings is None else pixels(rings[own]),
+            dots=pixels(dots[own]),
+        )
+        for word, colour in COLOURS.items()
+        for own in [labels == word]
+    )
+
+
 def _down(share: NDArray[np.float64], low: float, high: float) -> NDArray[np.float64]:
     span = math.log(high / low)
     return TOP + (HEIGHT - TOP - FOOT) * (1.0 - np.log(share / low) / span)
 
 
-def _shown(result: Labelled) -> NDArray[np.intp]:
+def _shown(result: LabelledRegistration) -> NDArray[np.intp]:
     n = result.problem.n
     return np.unique(np.linspace(0, n - 1, min(n, MOST)).astype(np.intp))
