@@ -47,6 +47,11 @@ class SimulatedMotion(Trajectory, Presented):
     __repr__ = Trajectory.__repr__
 
     @property
+    def outcome(self) -> str:
+        """How it ended, in a sentence."""
+        return self.status.value
+
+    @property
     def energy_unit(self) -> Fraction:
         """What the trajectory's energies are worth in objective units."""
         return self.moving.mass * power_of_two(2 * self.length_exponent)
@@ -91,16 +96,6 @@ class SimulatedRegistration(Brief):
     angle_to_optimum: float
     in_certified_basin: bool
     unique: bool
-
-    @property
-    def energy_unit(self) -> Fraction:
-        """What the trajectory's energies are worth in objective units."""
-        return self.trajectory.energy_unit
-
-    @property
-    def energies(self) -> tuple[float | Absent, float | Absent]:
-        """V_p + V_k at the start and at the end, in objective units."""
-        return self.trajectory.energies
 
 
 MOTIONS: Mapping[Kind, Callable[[], type[SimulatedMotion]]] = {  # by the kind of the body

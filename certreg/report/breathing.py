@@ -1,4 +1,4 @@
-"""The dynamics of a free scale in words and as cards: equilibria with scales, and a motion."""
+"""The dynamics of a free scale in words and as a card: equilibria with scales."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ import math
 from typing import TYPE_CHECKING
 
 from certreg.report.cards import Card
-from certreg.report.encoding import encoded
 from certreg.report.equilibria import (
     COUNTS,
     KINDS,
@@ -15,27 +14,15 @@ from certreg.report.equilibria import (
     margin_words,
     table_of,
 )
-from certreg.report.lines import away_words, number, step_words
-from certreg.report.picture import energy_picture
-from certreg.results import OUT_OF_RANGE, ComponentKind, present
+from certreg.report.lines import number
+from certreg.results import ComponentKind
 
 if TYPE_CHECKING:
     from certreg.equilibrium.breathing import BreathingEquilibria
-    from certreg.registration.breathing import ScaledEquilibria, SimulatedBreathing
-    from certreg.report.encoding import Document
+    from certreg.registration.breathing import ScaledEquilibria
 
 
-SIMULATION_SCHEMA = "certreg-simulation/1"
 HEADINGS = ("index", "kind", "scale", "RMSE", "energy", "to optimum", "")
-NO_BASIN = "no basin is certified of a body whose scale is free"
-KEEPS = (
-    "Proved: the exact motion never comes to the scale 0: the body begins with less energy than a "
-    "source shrunk to a point has."
-)
-MAY_COLLAPSE = (
-    "Not proved that the exact motion never comes to the scale 0: the body begins with at "
-    "least the energy that a source shrunk to a point has."
-)
 
 
 def scaled_equilibria_words(equilibria: ScaledEquilibria) -> str:
@@ -111,84 +98,3 @@ def inside_out_words(breathing: BreathingEquilibria) -> str:
         f"Inside out (scale below 0): {what}, {COUNTS[stable]} stable; only through the scale 0, "
         "where the motion is not defined, does a body come there."
     )
-
-
-def breathing_summary(run: SimulatedBreathing) -> str:
-    """The result of `simulate` with a free scale, readable; energies in objective units."""
-    initial, final = (present(energy) for energy in run.energies)
-    unique = run.objective.classification.unique
-    return "\n".join(
-        (
-            run.status.value,
-            f"  integrator        {run.integrator.value}",
-            f"  steps             {run.steps}, {step_words(run.step)}",
-            f"  time              {run.times[-1]:.6g}  (unit of the springs)",
-            f"  escapes           {run.escapes}  (kicked off a saddle)",
-            f"  scale             {scale_course(run)}",
-            f"  initial energy    {number(initial)}  (kinetic and potential)",
-            f"  final energy      {number(final)}",
-            f"  residual          {run.speed:.3g}  (norm of the 20 rates of change)",
-            f"  end               {away_words(run.angle_to_optimum, unique=unique)}",
-            keeps_words(run),
-        )
-    )
-
-
-def keeps_words(run: SimulatedBreathing) -> str:
-    """Whether it is proved that the scale stays above 0."""
-    return KEEPS if run.never_collapses else MAY_COLLAPSE
-
-
-def scale_course(run: SimulatedBreathing) -> str:
-    """From which scale to which one a body came, and that of the optimum."""
-    first, last = (f"{scale:.6g}" for scale in run.scales[[0, -1]].tolist())
-    best = "beyond doubles" if run.best_scale is None else f"{run.best_scale:.6g}"
-    return f"{last} at the end, from {first}; that of the optimum is {best}"
-
-
-def breathing_fields(run: SimulatedBreathing) -> Document:
-    """The `simulation` of a result."""
-    initial, final = run.energies
-    first, last = run.scales[[0, -1]].tolist()
-    return {
-        "integrator": run.integrator.value,
-        "status": run.status.value,
-        "step": run.step,
-        "steps": run.steps,
-        "converged": run.converged,
-        "in_certified_basin": False,
-        "basin": {"verdict": "inconclusive", "words": NO_BASIN},
-        "escapes": run.escapes,
-        "residual": run.speed,
-        "predicted_rate": run.stated("predicted_rate"),
-        "decay_rate": run.stated("decay_rate"),
-        "angle_to_pose_deg": math.degrees(run.angle_to_optimum),
-        "energy": {"initial": initial, "final": final},
-        "scale": {
-            "initial": first,
-            "final": last,
-            "optimum": OUT_OF_RANGE if run.best_scale is None else run.best_scale,
-            "never_collapses": run.never_collapses,
-        },
-    }
-
-
-def breathing_document(run: SimulatedBreathing) -> Document:
-    """A simulation on its own, as `certreg-simulation/1`."""
-    return encoded({"schema": SIMULATION_SCHEMA, **breathing_fields(run)})
-
-
-def breathing_card(run: SimulatedBreathing) -> str:
-    """A simulation in a notebook."""
-    return Card(
-        headline=run.status.value,
-        notes=[keeps_words(run)],
-        good=run.converged,
-        facts=[
-            ("steps", f"{run.steps:,}, {step_words(run.step)}"),
-            ("time", f"{run.times[-1]:.6g}"),
-            ("scale", scale_course(run)),
-            ("escapes", str(run.escapes)),
-        ],
-        picture=energy_picture(run),
-    ).html()

@@ -12,13 +12,12 @@ from certreg.report.lines import (
     OF_SPREAD,
     explained_words,
     number,
-    step_words,
     verdict_words,
     warnings,
 )
 from certreg.report.markup import printable, rendered
 from certreg.report.parts import listed
-from certreg.report.picture import energy_picture, registration_picture
+from certreg.report.picture import registration_picture
 from certreg.report.remedies import ADVICE, remedies
 from certreg.report.springs import springs_words
 from certreg.report.uncertainty import uncertainty_rows
@@ -31,7 +30,6 @@ if TYPE_CHECKING:
     from certreg.equilibrium.equilibrium_set import EquilibriumSet
     from certreg.registration.assessed import Assessment
     from certreg.registration.result import Registration
-    from certreg.registration.simulation import ProblemTrajectory
     from certreg.report.picture import Picture
 
 
@@ -132,22 +130,6 @@ def equilibria_card(equilibria: EquilibriumSet) -> str:
             )
             for part in equilibria.components
         ],
-    ).html()
-
-
-def trajectory_card(trajectory: ProblemTrajectory) -> str:
-    """A simulation and its energy."""
-    return Card(
-        headline=trajectory.status.value,
-        notes=trajectory.notes,
-        good=trajectory.converged,
-        facts=[
-            ("integrator", trajectory.integrator.value),
-            ("steps", f"{trajectory.steps:,}, {step_words(trajectory.step)}"),
-            ("time", f"{trajectory.times[-1]:.6g}"),
-            ("escapes", str(trajectory.escapes)),
-        ],
-        picture=energy_picture(trajectory),
     ).html()
 
 

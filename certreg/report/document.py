@@ -5,13 +5,12 @@ from __future__ import annotations
 import json
 import math
 from fractions import Fraction
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING
 
 from certreg._loading import late
 from certreg.exact.dyadic import double_above, double_below, nearest_double
 from certreg.registration.quartic import NOT_LISTED, NOT_SIMULATED, QuarticSolution
 from certreg.registration.result import UNDECIDED, Method
-from certreg.registration.simulation import SimulatedRegistration
 from certreg.report.encoding import Document, Noted, encoded
 from certreg.report.fields import (
     degrees,
@@ -24,6 +23,7 @@ from certreg.report.fields import (
 )
 from certreg.report.parts import listed, sprung
 from certreg.report.scale import rests_of
+from certreg.report.simulation import simulation_fields
 from certreg.report.uncertainty import uncertainty_rows
 from certreg.results import OUT_OF_RANGE, Absent
 
@@ -32,20 +32,17 @@ if TYPE_CHECKING:
 
     from certreg.certificate.springs_sos import SpringsSosBody
     from certreg.equilibrium.equilibrium_set import Component, EquilibriumSet
-    from certreg.registration.breathing import ScaledEquilibria, SimulatedBreathing
+    from certreg.registration.breathing import ScaledEquilibria
     from certreg.registration.enumeration import Enumeration
     from certreg.registration.result import Registration
-    from certreg.report import breathing, methods
+    from certreg.report import methods
 else:
-    # of a free scale
-    breathing = late("certreg.report.breathing")
     methods = late("certreg.report.methods")
 
 
 RESULT_SCHEMA = "certreg-result/1"
 EQUILIBRIA_SCHEMA = "certreg-equilibria/1"
 POSE_SCHEMA = "certreg-pose/1"
-SIMULATION_SCHEMA = "certreg-simulation/1"
 ERROR_SCHEMA = "certreg-error/1"
 
 NO_BOUND = Absent("no bound on residuals was given (--max-residual)")
@@ -132,7 +129,7 @@ def _parts(registration: Registration) -> Document:
             "equilibria": _listed(own),
             "margin": _margin(own.equilibria),
             "relaxation": _relaxation(own),
-            "simulation": _simulation(own),
+            "simulation": simulation_fields(own),
             "agreement": {
                 "closed_form_deg": math.degrees(angles.closed_form),
                 "relaxation_deg": degrees(angles.stated("relaxation")),
@@ -187,11 +184,6 @@ def _set(equilibria: EquilibriumSet) -> Document:
         "equilibria": _equilibria(equilibria),
         "margin": _margin(equilibria),
     }
-
-
-def simulation_document(simulated: SimulatedRegistration) -> Document:
-    """A simulation on its own, as `certreg-simulation/1`."""
-    return encoded({"schema": SIMULATION_SCHEMA, **_simulation_fields(simulated)})
 
 
 def _equilibria(equilibria: EquilibriumSet) -> Document:
@@ -333,42 +325,6 @@ def _relaxation_of_springs(registration: Registration[QuarticSolution]) -> Docum
         "proved_gap": NO_BOUND_OF_IT,
         "rank": relaxation.rank,
         "angle_to_pose_deg": degrees(solution.angle_to_relaxation),
-    }
-
-
-def _simulation(registration: Registration) -> Document | Absent:
-    solution = registration.solution
-    trajectory = solution.trajectory
-    if isinstance(trajectory, Absent):
-        return trajectory
-    if trajectory.scales is not None:
-        return breathing.breathing_fields(cast("SimulatedBreathing", trajectory))
-    certificate = solution.certificate
-    end = SimulatedRegistration(
-        trajectory=trajectory,
-        angle_to_optimum=solution.agreement.simulation or 0.0,
-        in_certified_basin=certificate is not None and bool(certificate.body.claims.basin),
-        unique=registration.equilibria.classification.unique,
-    )
-    return _simulation_fields(end)
-
-
-def _simulation_fields(simulated: SimulatedRegistration) -> Document:
-    trajectory = simulated.trajectory
-    initial, final = simulated.energies
-    return {
-        "integrator": trajectory.integrator.value,
-        "status": trajectory.status.value,
-        "step": trajectory.step,
-        "steps": trajectory.steps,
-        "converged": trajectory.converged,
-        "in_certified_basin": simulated.in_certified_basin,
-        "escapes": trajectory.escapes,
-        "residual": trajectory.speed,
-        "predicted_rate": trajectory.stated("predicted_rate"),
-        "decay_rate": trajectory.stated("decay_rate"),
-        "angle_to_pose_deg": math.degrees(simulated.angle_to_optimum),
-        "energy": {"initial": initial, "final": final},
     }
 
 

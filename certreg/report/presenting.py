@@ -88,9 +88,9 @@ SHAPES: dict[str, Shape] = {  # by the name of the type
         card="breathing.scaled_equilibria_card",
     ),
     "SimulatedBreathing": Shape(
-        words="breathing.breathing_summary",
-        document="breathing.breathing_document",
-        card="breathing.breathing_card",
+        words="simulation.simulation_summary",
+        document="simulation.simulation_document",
+        card="simulation.simulation_card",
     ),
     "ListedSpringEquilibria": Shape(
         words="listed.spring_enumeration_words",
@@ -103,14 +103,14 @@ SHAPES: dict[str, Shape] = {  # by the name of the type
         card="spring_equilibria.spring_equilibria_card",
     ),
     "SimulatedSprings": Shape(
-        words="spring_simulation.spring_simulation_summary",
-        document="spring_simulation.spring_simulation_document",
-        card="spring_simulation.spring_trajectory_card",
+        words="simulation.simulation_summary",
+        document="simulation.simulation_document",
+        card="simulation.simulation_card",
     ),
     "ProblemTrajectory": Shape(
-        words="listed.trajectory_words",
-        document="listed.trajectory_document",
-        card="cards.trajectory_card",
+        words="simulation.simulation_summary",
+        document="simulation.simulation_document",
+        card="simulation.simulation_card",
     ),
 }
 headline_words = found_late("certreg.registration.headlines", "headline_words")

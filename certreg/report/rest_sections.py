@@ -8,8 +8,6 @@ from certreg.registration.breathing import SimulatedBreathing
 from certreg.report.breathing import HEADINGS as SCALED_HEADINGS
 from certreg.report.breathing import (
     inside_out_words,
-    keeps_words,
-    scale_course,
     scaled_count_words,
     scaled_rows,
 )
@@ -29,6 +27,7 @@ from certreg.report.pose_facts import Fact
 from certreg.report.scale import rests_of
 from certreg.report.sections import Curve, Section, Table
 from certreg.report.sentences import begun, sentence
+from certreg.report.simulation import keeps_words, scale_course
 from certreg.results import Absent
 
 if TYPE_CHECKING:

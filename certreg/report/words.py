@@ -33,11 +33,12 @@ if TYPE_CHECKING:
     from certreg.registration.agreement import Agreement
     from certreg.registration.quartic import QuarticSolution
     from certreg.registration.result import Registration
-    from certreg.report import breathing
+    from certreg.report import breathing, simulation
     from certreg.report.spring_listed import Listed
 else:
     # of which few results have a free scale
     breathing = late("certreg.report.breathing")
+    simulation = late("certreg.report.simulation")
     registration_breathing = late("certreg.registration.breathing")
 
 
@@ -297,7 +298,7 @@ def _rests(registration: Registration, body: Any) -> Iterator[Sentence]:
         isinstance(trajectory, registration_breathing.SimulatedBreathing)
         and trajectory.never_collapses
     ):
-        words = sentence(breathing.KEEPS.removeprefix("Proved: "))
+        words = sentence(simulation.KEEPS.removeprefix("Proved: "))
         yield _proved(begun(words), "breathing_confined")
 
 

@@ -65,7 +65,7 @@ ALLOWED = {  # what the last digit of a number to the nearest is worth, and wher
         registration/spring_assessment.py {math.degrees(facts.away):.4g}
         registration/spring_assessment.py {math.degrees(facts.critical.angle):.2g}
         registration/valley.py {degrees:.{digits}g}
-        registration/valley.py {run.excess:.2g}
+        registration/valley.py {self.excess:.2g}
         registration/truncated.py {self.cost:.6g}
         report/consensus_reach.py {width:.2g}
         report/judged_pose.py {math.degrees(angle):.4g}
@@ -144,18 +144,13 @@ ALLOWED = {  # what the last digit of a number to the nearest is worth, and wher
     "seconds, steps and rates of a run": """
         report/any_report.py {EMBEDDED_BYTES / 2 ** 20:.0f}
         report/breaking.py {stage.time:.4g}
-        report/breathing.py {run.speed:.3g}
-        report/breathing.py {run.times[-1]:.6g}
-        report/cards.py {trajectory.times[-1]:.6g}
         report/methods.py {1000.0 * each.seconds:.2f}
         report/reload.py {damping:.6g}
         report/reload.py {problem.damping:g}
         report/rest_sections.py {run.times[-1]:.6g}
         report/spring_equilibria.py {1000.0 * each.seconds:.1f}
-        report/spring_simulation.py {run.speed:.3g}
-        report/spring_simulation.py {run.time:.6g}
-        report/summary.py {trajectory.speed:.3g}
-        report/summary.py {trajectory.times[-1]:.6g}
+        report/simulation.py {run.speed:.3g}
+        report/simulation.py {run.time:.6g}
         report/words.py {damping:.6g}
         cli/progress.py {self.made / self.seconds:,.0f}
         cli/reproducing.py {progress.seconds:.1f}
@@ -166,8 +161,8 @@ ALLOWED = {  # what the last digit of a number to the nearest is worth, and wher
         report/breaking.py {stage.energy:.6g}
         report/breaking.py {stage.width:.4g}
         report/breathing.py {math.degrees(each.component.angle_to_optimum):.6g}
-        report/breathing.py {run.best_scale:.6g}
-        report/breathing.py {scale:.6g}
+        report/simulation.py {run.best_scale:.6g}
+        report/simulation.py {scale:.6g}
         report/cards.py {math.degrees(away or 0.0):.4g}
         report/cards.py {math.degrees(part.angle_to_optimum):.6g}
         report/cards.py {value:.6g}

@@ -22,11 +22,12 @@ from certreg.registration.enumeration import enumerated
 from certreg.registration.headlines import headline_of, is_green
 from certreg.registration.simulation import SimulatedRegistration
 from certreg.report.any_report import EMBEDDED_BYTES
-from certreg.report.document import dumps, result_document, simulation_document
+from certreg.report.document import dumps, result_document
 from certreg.report.methods import methods_fields, methods_summary, methods_table
 from certreg.report.overview import split
 from certreg.report.page import Report
 from certreg.report.pages import html_page
+from certreg.report.simulation import ended
 from certreg.report.summary import registration_summary
 from certreg.results import OUT_OF_RANGE, Absent, Limits, Optimality
 
@@ -307,7 +308,7 @@ def test_a_simulation_alone_has_the_fields_of_one_in_a_result(registration: Regi
             in_certified_basin=proved,
             unique=True,
         )
-        told = simulation_document(alone)
+        told = ended(alone).document()
         whole = result_document(registration)["simulation"]
 
         assert {key: told[key] for key in whole} == {**whole, "in_certified_basin": proved}
