@@ -13,20 +13,13 @@ from certreg.cli.options import CLOUD, EXIT_CODES, FOLDER, cloud_options
 from certreg.cli.writing import WritingCommand
 from certreg.dynamics.trajectory import Record
 from certreg.io.atomic import require_vacant, write_atomically, write_together
-from certreg.registration.breathing import scaled_equilibria
-from certreg.registration.enumeration import (
-    certified_count,
-    certified_list,
-    enumerated,
-    equilibrium_poses,
-)
-from certreg.registration.exit_codes import DONE, NOT_CERTIFIED, NOT_UNIQUE
+from certreg.registration.enumeration import LISTS, certified, equilibrium_poses
+from certreg.registration.enumeration import equilibria as listed
+from certreg.registration.exit_codes import DONE, NOT_CERTIFIED
 from certreg.registration.simulation import simulate as run
-from certreg.report.breathing import scaled_enumeration_summary
-from certreg.report.document import dumps, equilibria_document, scaled_document
+from certreg.report.document import dumps
 from certreg.report.markup import printable
-from certreg.report.methods import enumeration_summary
-from certreg.report.spring_equilibria import spring_enumeration_summary, spring_equilibria_document
+from certreg.results import Absent
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -34,7 +27,6 @@ if TYPE_CHECKING:
     from certreg.io.pairing import Pair
     from certreg.problem.problem import RegistrationProblem
     from certreg.registration.enumeration import Enumeration
-    from certreg.registration.spring_equilibria import SpringEquilibria
 
 
 LIST_CODES = """
@@ -76,72 +68,30 @@ def equilibria(
     del pair
     if poses is not None:
         require_vacant(poses)
-    if problem.factors is not None:
-        return _spring_equilibria(problem, method, out=out, poses=poses, as_json=as_json)
     if problem.scaled and out is not None:
         raise click.UsageError(
             f"--out {printable(out)}: with a free scale the number of equilibria has no "
             "certificate: leave it out"
         )
-    enumeration = enumerated(problem, method)
-    found = enumeration.equilibria
+    found: Any = listed(problem, method)
     if out is not None:
-        _write_count(problem, out)
+        _write_certificate(problem, found.enumeration, out)
     if poses is not None:
-        _write_poses(enumeration, poses)
-    if problem.scaled:
-        scaled = scaled_equilibria(enumeration.objective, found)
-        text = dumps(scaled_document(scaled)) if as_json else scaled_enumeration_summary(scaled)
-        click.echo(text)
-    elif as_json:
-        click.echo(dumps(equilibria_document(enumeration)))
-    else:
-        click.echo(enumeration_summary(enumeration))
-    if not found.complete:
-        return NOT_CERTIFIED
-    return DONE if found.classification.unique else NOT_UNIQUE
+        _write_poses(found.enumeration, poses)
+    click.echo(dumps(found.to_dict()) if as_json else str(found))
+    return found.exit_code
 
 
-def _spring_equilibria(
-    problem: RegistrationProblem,
-    method: str | None,
-    *,
-    out: Path | None,
-    poses: Path | None,
-    as_json: bool,
-) -> int:
-    """The same of general springs: 4 where the list is in doubt, or which of it is the best."""
-    enumeration = enumerated(problem, method)
-    if out is not None:
-        _write_list(problem, enumeration, out)
-    if poses is not None:
-        _write_poses(enumeration, poses)
-    if as_json:
-        click.echo(dumps(spring_equilibria_document(enumeration)))
-    else:
-        click.echo(spring_enumeration_summary(enumeration))
-    if enumeration.equilibria.all_optimal:
-        return NOT_UNIQUE
-    return DONE if enumeration.equilibria.unique else NOT_CERTIFIED
-
-
-def _write_list(
-    problem: RegistrationProblem, enumeration: Enumeration[SpringEquilibria], out: Path
+def _write_certificate(
+    problem: RegistrationProblem, enumeration: Enumeration[Any], out: Path
 ) -> None:
-    """A certificate that these are all, checked, or the reason for none."""
-    certificate, place = certified_list(problem, enumeration.objective), printable(out)
-    if certificate is None:
-        why = "the list is not proved complete"
-        if enumeration.equilibria.complete:
-            why = "only a list of 40 critical lines, complex ones included, has a certificate"
-        click.echo(f"note: {place} not written: {why}", err=True)
+    """A certificate of the number or of the list, checked, or the reason for none."""
+    made, place = certified(problem, enumeration), printable(out)
+    if isinstance(made, Absent):
+        click.echo(f"note: {place} not written: {made.reason}", err=True)
         return
-    certificate.save(out)
-    _tell_certificate("list", place)
-
-
-def _tell_certificate(subject: str, place: str) -> None:
-    typed = shlex.quote(place)
+    made.save(out)
+    typed, subject = shlex.quote(place), LISTS[enumeration.objective.structure].subject
     click.echo(f"note: certificate of the {subject}: {place} (certreg verify {typed})", err=True)
 
 
@@ -163,17 +113,6 @@ def _write_poses(enumeration: Enumeration[Any], folder: Path) -> None:
 
 def _rows(matrix: list[list[float]]) -> bytes:
     return ("\n".join(" ".join(map(repr, row)) for row in matrix) + "\n").encode()
-
-
-def _write_count(problem: RegistrationProblem, out: Path) -> None:
-    """A certificate that there are at most four equilibria, checked, or the reason for none."""
-    certificate = certified_count(problem)
-    if certificate is None:
-        click.echo(f"note: {printable(out)} not written: there are infinitely many", err=True)
-        return
-    certificate.save(out)
-    place = printable(out)
-    _tell_certificate("count", place)
 
 
 @click.command(cls=WritingCommand, epilog=EXIT_CODES)

@@ -38,9 +38,9 @@ if TYPE_CHECKING:
 
     from certreg.problem.fast_pose import FloatingPose
     from certreg.problem.moments import Moments
-    from certreg.registration import spring_equilibria
+    from certreg.registration import equilibria
 else:
-    spring_equilibria = late("certreg.registration.spring_equilibria")
+    equilibria = late("certreg.registration.equilibria")
 
 
 class SpringArguments(TypedDict, total=False):
@@ -124,7 +124,7 @@ def register(
         problem = RegistrationProblem(
             source, target, weights=weights, rotation_only=about_origin, **springs
         )
-        return spring_equilibria.spring_pose(problem)
+        return equilibria.spring_pose(problem)
     x = _readable(cloud_array(source, "source"), "source")
     y = _readable(cloud_array(target, "target"), "target")
     if len(x) != len(y):

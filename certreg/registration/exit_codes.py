@@ -97,3 +97,10 @@ def code_of_registration(registration: Judged, demands: FitDemands = NOTHING_ASK
     """What `certify` ends with: the code of the proof, and 4 where a demand is not met."""
     proof = code_of_status(registration.status)
     return worst([proof, NOT_CERTIFIED] if demands.unmet(registration) else [proof])
+
+
+def code_of_list(*, unique: bool | None) -> int:
+    """Of a list of equilibria. unique: whether one is optimal; None where that is not proved."""
+    if unique is None:
+        return NOT_CERTIFIED
+    return DONE if unique else NOT_UNIQUE

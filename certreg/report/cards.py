@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from certreg.registration.headlines import is_green
-from certreg.report.equilibria import KINDS, count_words, margin_words
 from certreg.report.lines import (
     OF_SPREAD,
     explained_words,
+    margin_words,
     number,
     verdict_words,
     warnings,
@@ -27,7 +27,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from certreg.certificate.checking import CertificateVerdict
-    from certreg.equilibrium.equilibrium_set import EquilibriumSet
     from certreg.registration.assessed import Assessment
     from certreg.registration.result import Registration
     from certreg.report.picture import Picture
@@ -110,26 +109,6 @@ def assessment_card(assessment: Assessment) -> str:
         notes=[assessment.words, *([] if explained is None else [explained])],
         good=assessment.green,
         facts=[] if away is None else facts,
-    ).html()
-
-
-def equilibria_card(equilibria: EquilibriumSet) -> str:
-    """All equilibria as a table."""
-    notes = [f"Ambiguity margin: {margin_words(equilibria)}."]
-    return Card(
-        headline=count_words(equilibria),
-        notes=notes + ([] if equilibria.doubt is None else [f"Not proved: {equilibria.doubt}"]),
-        head=("index", "kind", "RMSE", "energy", "to the optimum"),
-        rows=[
-            (
-                str(part.morse_index) if equilibria.doubt is None else "-",
-                KINDS[part.kind],
-                number(part.rmse),
-                number(part.energy),
-                f"{math.degrees(part.angle_to_optimum):.6g} degrees",
-            )
-            for part in equilibria.components
-        ],
     ).html()
 
 

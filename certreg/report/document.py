@@ -7,11 +7,15 @@ import math
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from certreg._loading import late
 from certreg.exact.dyadic import double_above, double_below, nearest_double
 from certreg.registration.quartic import NOT_LISTED, NOT_SIMULATED, QuarticSolution
 from certreg.registration.result import UNDECIDED, Method
-from certreg.report.encoding import Document, Noted, encoded
+from certreg.report.encoding import Document, encoded
+from certreg.report.equilibria import rests_beside
+from certreg.report.equilibrium_fields import (
+    NO_EIGENVALUES,
+    margin_fields,
+)
 from certreg.report.fields import (
     degrees,
     finite,
@@ -22,7 +26,6 @@ from certreg.report.fields import (
     robustness_fields,
 )
 from certreg.report.parts import listed, sprung
-from certreg.report.scale import rests_of
 from certreg.report.simulation import simulation_fields
 from certreg.report.uncertainty import uncertainty_rows
 from certreg.results import OUT_OF_RANGE, Absent
@@ -31,29 +34,19 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from certreg.certificate.springs_sos import SpringsSosBody
-    from certreg.equilibrium.equilibrium_set import Component, EquilibriumSet
-    from certreg.registration.breathing import ScaledEquilibria
-    from certreg.registration.enumeration import Enumeration
     from certreg.registration.result import Registration
-    from certreg.report import methods
-else:
-    methods = late("certreg.report.methods")
 
 
 RESULT_SCHEMA = "certreg-result/1"
-EQUILIBRIA_SCHEMA = "certreg-equilibria/1"
 POSE_SCHEMA = "certreg-pose/1"
 ERROR_SCHEMA = "certreg-error/1"
 
 NO_BOUND = Absent("no bound on residuals was given (--max-residual)")
 NOT_WRITTEN = Absent("nothing is written without --out")
 NOT_A_BOUND = Absent("its multiplier could not be made a proved bound")
-NOT_LINEARISED = Absent("the motion with a free scale has more modes, which are not listed here")
-NO_INSIDE_OUT = Absent("the symmetric scale is never below 0")
 OF_EIGENVALUES = Absent("told of general springs; here the eigenvalues say as much")
 FORM = "rotation-10"
 NO_CLOSED_FORM = Absent("general springs have no closed form")
-NO_EIGENVALUES = Absent("there are no eigenvalues of general springs to compare")
 NO_PROOF = Absent("not certified")
 NO_BOUND_OF_IT = Absent(
     "the certificate uses what the relaxation proposes, and proves its own bound"
@@ -126,8 +119,8 @@ def _parts(registration: Registration) -> Document:
     if own is not None:
         angles = own.solution.agreement
         parts |= {
-            "equilibria": _listed(own),
-            "margin": _margin(own.equilibria),
+            "equilibria": rests_beside(own).fields(),
+            "margin": margin_fields(own.equilibria),
             "relaxation": _relaxation(own),
             "simulation": simulation_fields(own),
             "agreement": {
@@ -140,11 +133,6 @@ def _parts(registration: Registration) -> Document:
     return parts
 
 
-def _listed(registration: Registration) -> Document:
-    scaled = rests_of(registration)
-    return _equilibria(registration.equilibria) if scaled is None else _scaled_equilibria(scaled)
-
-
 def pose_document(registration: Registration) -> Document:
     """The pose with its uncertainty, as `certreg-pose/1`; `assess` and `apply` read it."""
     return encoded(
@@ -155,99 +143,6 @@ def pose_document(registration: Registration) -> Document:
             "words": [f"{name}: {words}" for name, words in uncertainty_rows(registration)],
         }
     )
-
-
-def equilibria_document(enumeration: Enumeration[EquilibriumSet]) -> Document:
-    """An equilibrium set on its own; with the searches for it, if there were several."""
-    return encoded({**_set(enumeration.equilibria), **methods.methods_fields(enumeration)})
-
-
-def scaled_document(equilibria: ScaledEquilibria) -> Document:
-    """As `equilibria_document`, of a free scale."""
-    return encoded(
-        {
-            "schema": EQUILIBRIA_SCHEMA,
-            "equilibria": _scaled_equilibria(equilibria),
-            "margin": _margin(equilibria.rigid),
-        }
-    )
-
-
-def set_document(equilibria: EquilibriumSet) -> Document:
-    """As `equilibria_document`, without searches."""
-    return encoded(_set(equilibria))
-
-
-def _set(equilibria: EquilibriumSet) -> Document:
-    return {
-        "schema": EQUILIBRIA_SCHEMA,
-        "equilibria": _equilibria(equilibria),
-        "margin": _margin(equilibria),
-    }
-
-
-def _equilibria(equilibria: EquilibriumSet) -> Document:
-    complete, doubt, known = equilibria.complete, equilibria.doubt, equilibria.classification
-    pattern, finite = known.pattern, known.finite
-    count, spurious = equilibria.stated("count"), equilibria.stated("spurious")
-    if doubt is not None:
-        count = spurious = Absent(doubt)
-    return {
-        "pattern": pattern if doubt is None else Noted(pattern, doubt),
-        "finite": finite if doubt is None else Noted(finite, doubt),
-        "count": count,
-        "spurious": spurious,
-        "guarantee": equilibria.guarantee.label,
-        "complete": complete if doubt is None else Noted(complete, doubt),
-        "components": [_component(component, doubt) for component in equilibria.components],
-    }
-
-
-def _scaled_equilibria(equilibria: ScaledEquilibria) -> Document:
-    """With the scale of each, and the states inside out; the pattern is that of all rotations."""
-    breathing = equilibria.breathing
-    return {
-        **_equilibria(equilibria.rigid),
-        "finite": equilibria.finite,
-        "count": equilibria.stated("count"),
-        "spurious": equilibria.stated("spurious"),
-        "components": [
-            {
-                **_component(each.component, None),
-                "eigenvalues": NOT_LINEARISED,
-                "rmse": each.stated("rmse"),
-                "scale": each.stated("scale"),
-            }
-            for each in equilibria.components
-        ],
-        "inside_out": NO_INSIDE_OUT
-        if breathing is None
-        else [
-            {"kind": each.kind.value, "scale": each.stated("scale"), "stable": each.stable}
-            for each in breathing.inside_out
-        ],
-    }
-
-
-def _component(component: Component, doubt: str | None) -> Document:
-    """What follows from the list being complete is not told where that is in doubt."""
-    optimal, index = component.optimal, component.morse_index
-    unstable = component.stated("unstable_eigenvalues")
-    return {
-        "kind": component.kind.value,
-        "dimension": component.kind.dimension,
-        "basis": component.basis,
-        "morse_index": index if doubt is None else Absent(doubt),
-        "unstable_eigenvalues": unstable if doubt is None else Absent(doubt),
-        "eigenvalues": component.stated("eigenvalues"),
-        "witness": component.stated("witness"),
-        "optimal": optimal if doubt is None else Noted(optimal, doubt),
-        "energy": component.stated("energy"),
-        "rmse": component.stated("rmse"),
-        "rotation": component.rotation,
-        "quaternion_wxyz": component.quaternion_wxyz,
-        "angle_to_optimum_deg": math.degrees(component.angle_to_optimum),
-    }
 
 
 def _optimality(registration: Registration) -> Document:
@@ -332,12 +227,3 @@ def _residuals(registration: Registration) -> list[Document]:
     """The worst correspondences, largest distance first."""
     worst = registration.worst_residuals(WORST)
     return [{"row": one.row, "distance": one.distance} for one in worst]
-
-
-def _margin(equilibria: EquilibriumSet) -> Document:
-    margin, doubt = equilibria.margin, equilibria.doubt
-    return {
-        "eigenvalue_gap": margin.stated("eigenvalue_gap") if doubt is None else Absent(doubt),
-        "relative": margin.relative if doubt is None else Absent(doubt),
-        "nearly_ambiguous": equilibria.nearly_ambiguous,
-    }

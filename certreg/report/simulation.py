@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 from certreg.native.loops import Kind
 from certreg.registration.simulation import SimulatedRegistration, proved_end
@@ -18,9 +18,8 @@ from certreg.results import OUT_OF_RANGE, Absent, Brief, present
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
-    from certreg.registration.breathing import SimulatedBreathing
     from certreg.registration.result import Registration
-    from certreg.registration.simulation import SimulatedMotion
+    from certreg.registration.simulation import SimulatedBreathing, SimulatedMotion
     from certreg.registration.valley import SimulatedSprings
 
 
@@ -98,6 +97,16 @@ class MotionTold(Brief):
         """A simulation on its own, as `certreg-simulation/1`."""
         return encoded({"schema": SIMULATION_SCHEMA, **self.simulation()})
 
+    def card(self) -> str:
+        """A simulation in a notebook, with its energy."""
+        return Card(
+            headline=self.run.outcome,
+            notes=[*self.run.notes, self.last],
+            good=self.run.converged,
+            facts=self.rows,
+            picture=energy_picture(self.run),
+        ).html()
+
 
 def ended(end: SimulatedRegistration) -> MotionTold:
     """Of a rigid body on springs alike in every way: what is proved of its end."""
@@ -122,14 +131,16 @@ def ended(end: SimulatedRegistration) -> MotionTold:
 def _breathing(run: SimulatedBreathing) -> MotionTold:
     """With a free scale: from which one it came to which, and whether it stays above 0."""
     first, last = run.scales[[0, -1]].tolist()
+    best = "beyond doubles" if run.best_scale is None else f"{run.best_scale:.6g}"
+    course = f"{last:.6g} at the end, from {first:.6g}; that of the optimum is {best}"
     unique = run.objective.classification.unique
     return MotionTold(
         run=run,
         angle=run.angle_to_optimum,
         proved=False,
-        last=keeps_words(run),
+        last=KEEPS if run.never_collapses else MAY_COLLAPSE,
         ends=[("end", away_words(run.angle_to_optimum, unique=unique))],
-        state=[("scale", scale_course(run))],
+        state=[("scale", course)],
         rates=20,
         fields={
             "basin": {"verdict": "inconclusive", "words": NO_BASIN},
@@ -141,18 +152,6 @@ def _breathing(run: SimulatedBreathing) -> MotionTold:
             },
         },
     )
-
-
-def keeps_words(run: SimulatedBreathing) -> str:
-    """Whether it is proved that the scale stays above 0."""
-    return KEEPS if run.never_collapses else MAY_COLLAPSE
-
-
-def scale_course(run: SimulatedBreathing) -> str:
-    """From which scale to which one a body came, and that of the optimum."""
-    first, last = (f"{scale:.6g}" for scale in run.scales[[0, -1]].tolist())
-    best = "beyond doubles" if run.best_scale is None else f"{run.best_scale:.6g}"
-    return f"{last} at the end, from {first}; that of the optimum is {best}"
 
 
 def _on_springs(run: SimulatedSprings) -> MotionTold:
@@ -177,40 +176,29 @@ TOLD: Mapping[Kind, Callable[[Any], MotionTold]] = {  # by the kind of the body
 }
 
 
-def simulation_summary(run: SimulatedMotion) -> str:
-    """The result of `simulate`, readable."""
-    return TOLD[run.moving.KIND](run).words()
+def told_motion(run: SimulatedMotion) -> MotionTold:
+    """What is said of a simulated motion; of a rigid one its end is proved, if it can be."""
+    return TOLD[run.moving.KIND](run)
 
 
-def simulation_document(run: SimulatedMotion) -> Document:
-    """Its document."""
-    return TOLD[run.moving.KIND](run).document()
-
-
-def simulation_card(run: SimulatedMotion) -> str:
-    """A simulation in a notebook, with its energy."""
-    told = TOLD[run.moving.KIND](run)
-    return Card(
-        headline=run.outcome,
-        notes=[*run.notes, told.last],
-        good=run.converged,
-        facts=told.rows,
-        picture=energy_picture(run),
-    ).html()
-
-
-def simulation_fields(registration: Registration) -> Document | Absent:
-    """The `simulation` of a registration, whose certificate says what is proved of its end."""
+def motion_beside(registration: Registration) -> MotionTold | Absent:
+    """The motion of a registration, whose certificate says what is proved of its end."""
     solution = registration.solution
     run, certificate = solution.trajectory, solution.certificate
     if isinstance(run, Absent):
         return run
-    if run.scales is not None:
-        return _breathing(cast("SimulatedBreathing", run)).simulation()
+    if run.moving.KIND is not Kind.RIGID:
+        return told_motion(run)
     end = SimulatedRegistration(
         trajectory=run,
         angle_to_optimum=solution.agreement.simulation or 0.0,
         in_certified_basin=certificate is not None and bool(certificate.body.claims.basin),
         unique=registration.equilibria.classification.unique,
     )
-    return ended(end).simulation()
+    return ended(end)
+
+
+def simulation_fields(registration: Registration) -> Document | Absent:
+    """The `simulation` of a result."""
+    told = motion_beside(registration)
+    return told if isinstance(told, Absent) else told.simulation()

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from certreg._loading import late
-from certreg.report.equilibria import equilibria_summary, margin_words
+from certreg.report.equilibria import rests_beside
 from certreg.report.lines import (
     explained_words,
+    margin_words,
     method_lines,
     number,
     rmse_words,
@@ -19,16 +19,13 @@ from certreg.report.lines import (
 from certreg.report.parts import listed
 from certreg.report.remedies import ADVICE, remedies, why_warned
 from certreg.report.robustness import robustness_words
-from certreg.report.scale import BIAS, rests_of, scale_lines
+from certreg.report.scale import BIAS, scale_lines
 from certreg.report.springs import springs_words
 
 if TYPE_CHECKING:
     from certreg.geometry.pose import Pose
     from certreg.geometry.similarity import Similarity
     from certreg.registration.result import Registration
-    from certreg.report import breathing
-else:
-    breathing = late("certreg.report.breathing")
 
 
 NOT_LISTED_WORDS = "the proof needs none of them; see `certreg equilibria`"
@@ -80,7 +77,4 @@ def _list_lines(registration: Registration | None) -> list[str]:
     """All equilibria, or where they are to be found."""
     if registration is None:
         return [f"  equilibria        not listed here: {NOT_LISTED_WORDS}"]
-    scaled = rests_of(registration)
-    if scaled is not None:
-        return ["", breathing.scaled_equilibria_words(scaled)]
-    return ["", equilibria_summary(registration.equilibria)]
+    return ["", *rests_beside(registration).table()]

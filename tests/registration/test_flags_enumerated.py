@@ -21,20 +21,20 @@ from certreg.equilibrium.spring_batch import QuarticSolutions
 from certreg.objective.classification import Classification
 from certreg.registration import headlines
 from certreg.registration.breaking import BreakingEquilibria, BreakingEquilibrium, SimulatedBreaking
-from certreg.registration.breathing import ScaledEquilibria
 from certreg.registration.consensus import ConsensusRegistration
 from certreg.registration.consensus_words import ranges_words
-from certreg.registration.label_assessment import KeptPairs, LabelsVerdict
-from certreg.registration.quartic import QuarticSolution
-from certreg.registration.result import Registration
-from certreg.registration.spring_equilibria import (
+from certreg.registration.equilibria import (
     SAME_ENERGY,
     TIED,
+    ScaledEquilibria,
     SpringEquilibria,
     SpringEquilibrium,
     _margin,
     _optimal,
 )
+from certreg.registration.label_assessment import KeptPairs, LabelsVerdict
+from certreg.registration.quartic import QuarticSolution
+from certreg.registration.result import Registration
 from certreg.registration.spring_findings import SpringFindings
 from certreg.registration.truncated import TruncatedRegistration
 from certreg.registration.truncated_labels import TruncatedLabels
