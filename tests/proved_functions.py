@@ -258,7 +258,7 @@ PROVED = (
         "registration/test_flags_enumerated",
     ),
     _of(
-        "registration/spring_equilibria",
+        "registration/equilibria",
         "SpringEquilibrium.stable SpringEquilibria.count "
         "SpringEquilibria.count_complex SpringEquilibria.unique SpringEquilibria.all_optimal "
         "_optimal _margin",
@@ -298,7 +298,7 @@ PROVED = (
         "registration/test_valley",
     ),
     _of(
-        "registration/breathing",
+        "registration/equilibria",
         "ScaledEquilibria.finite ScaledEquilibria.count ScaledEquilibria.unique",
         "registration/test_flags_enumerated",
     ),
@@ -311,11 +311,11 @@ PROVED = (
     _of("registration/truncated", "nothing_turned", "registration/test_no_consensus"),
     _of("report/words", "_growth", "report/test_printed_angles"),
     _of("report/document", "_growth", "report/test_printed_angles"),
-    _of("report/spring_equilibria", "_road", "report/test_spring_list_words"),
-    _of("report/spring_listed", "_row", "report/test_spring_listed"),
+    _of("report/methods", "_row", "report/test_spring_list_words"),
+    _of("report/rest_sections", "is_trap", "report/test_spring_listed"),
     _of("dynamics/basin", "certified_basin basin_gaps", "dynamics/test_basin_edges"),
     _of("dynamics/body", "clearly_thick", "dynamics/test_basin_edges"),
-    _of("registration/breathing", "never_collapses", "dynamics/test_basin_edges"),
+    _of("registration/simulation", "never_collapses", "dynamics/test_basin_edges"),
     _of("problem/lifting", "ExactSprings.broken_energy", "equilibrium/test_breaking_springs"),
     _of("problem/bounds", "_require_telling", "problem/test_truncated_problem"),
     _of("problem/bounds", "_require_narrow", "problem/test_bounds"),

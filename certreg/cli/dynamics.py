@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shlex
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -19,29 +19,19 @@ from certreg.cli.options import (
 from certreg.cli.writing import WritingCommand
 from certreg.dynamics.trajectory import Record
 from certreg.io.atomic import require_vacant, write_atomically, write_together
-from certreg.objective.structure import Structure
-from certreg.registration.enumeration import (
-    SHOWN,
-    Enumeration,
-    certified_count,
-    certified_list,
-    enumerated,
-    equilibrium_poses,
-)
-from certreg.registration.exit_codes import DONE, NOT_CERTIFIED, NOT_UNIQUE
+from certreg.registration.enumeration import LISTS, Enumeration, certified, equilibrium_poses
+from certreg.registration.enumeration import equilibria as listed
+from certreg.registration.exit_codes import DONE, NOT_CERTIFIED
 from certreg.registration.simulation import simulate as run
 from certreg.report.document import dumps
 from certreg.report.markup import printable
+from certreg.results import Absent
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
     from pathlib import Path
 
-    from certreg.certificate.envelope import Certificate
-    from certreg.equilibrium.equilibrium_set import EquilibriumSet
     from certreg.io.pairing import Pair
     from certreg.problem.problem import RegistrationProblem
-    from certreg.registration.spring_equilibria import SpringEquilibria
 
 
 LIST_CODES = """
@@ -84,80 +74,30 @@ def equilibria(
     if poses is not None:
         require_vacant(poses)
     refuse_if(
-        problem.scaled and out is not None,
+        problem.motion.scales and out is not None,
         f"--out {printable(out)}: with a free scale the number of equilibria has no "
         "certificate: leave it out",
     )
-    enumeration = enumerated(problem, method)
-    structure = enumeration.objective.structure
-    listing, listed = LISTINGS[structure], SHOWN[structure](enumeration)
+    found: Any = listed(problem, method)
     if out is not None:
-        _write_certificate(problem, enumeration, out)
+        _write_certificate(problem, found.enumeration, out)
     if poses is not None:
-        _write_poses(enumeration, poses)
-    click.echo(dumps(listed.to_dict()) if as_json else str(listed))
-    return listing.code(enumeration.equilibria)
-
-
-class Listing(NamedTuple):
-    """What a list of equilibria ends in.
-
-    subject: of its certificate. certified: that certificate, checked. why_none: why there is none.
-    code: exit code.
-    """
-
-    subject: str
-    certified: Callable[[RegistrationProblem, Any], Certificate[Any] | None]
-    why_none: Callable[[Any], str]
-    code: Callable[[Any], int]
-
-
-def _code_of_lines(found: EquilibriumSet) -> int:
-    if not found.complete:
-        return NOT_CERTIFIED
-    return DONE if found.classification.unique else NOT_UNIQUE
-
-
-def _code_of_springs(found: SpringEquilibria) -> int:
-    """4 where the list is in doubt, or which of it is the best."""
-    if found.all_optimal:
-        return NOT_UNIQUE
-    return DONE if found.unique else NOT_CERTIFIED
-
-
-def _why_no_list(found: SpringEquilibria) -> str:
-    if found.complete:
-        return "only a list of 40 critical lines, complex ones included, has a certificate"
-    return "the list is not proved complete"
-
-
-def _counted(problem: RegistrationProblem, _: Any) -> Certificate[Any] | None:
-    return certified_count(problem)
-
-
-def _why_no_count(_: EquilibriumSet) -> str:
-    return "there are infinitely many"
-
-
-LISTINGS = {
-    Structure.LINEAR: Listing("count", _counted, _why_no_count, _code_of_lines),
-    Structure.QUARTIC: Listing("list", certified_list, _why_no_list, _code_of_springs),
-}
+        _write_poses(found.enumeration, poses)
+    click.echo(dumps(found.to_dict()) if as_json else str(found))
+    return found.exit_code
 
 
 def _write_certificate(
     problem: RegistrationProblem, enumeration: Enumeration[Any], out: Path
 ) -> None:
-    """A certificate of the list, checked, or the reason for none."""
-    listing, place = LISTINGS[enumeration.objective.structure], printable(out)
-    certificate = listing.certified(problem, enumeration.objective)
-    if certificate is None:
-        why = listing.why_none(enumeration.equilibria)
-        click.echo(f"note: {place} not written: {why}", err=True)
+    """A certificate of the number or of the list, checked, or the reason for none."""
+    made, place = certified(problem, enumeration), printable(out)
+    if isinstance(made, Absent):
+        click.echo(f"note: {place} not written: {made.reason}", err=True)
         return
-    certificate.save(out)
-    typed = f"certreg verify {shlex.quote(place)}"
-    click.echo(f"note: certificate of the {listing.subject}: {place} ({typed})", err=True)
+    made.save(out)
+    typed, subject = shlex.quote(place), LISTS[enumeration.objective.structure].subject
+    click.echo(f"note: certificate of the {subject}: {place} (certreg verify {typed})", err=True)
 
 
 def _write_poses(enumeration: Enumeration[Any], folder: Path) -> None:

@@ -40,8 +40,12 @@ if TYPE_CHECKING:
 
     from certreg.problem.fast_pose import FloatingPose
     from certreg.problem.moments import Moments
-    from certreg.registration import spring_equilibria
+    from certreg.registration import equilibria
+else:
+    equilibria = late("certreg.registration.equilibria")
 
+
+if TYPE_CHECKING:
     BestScale = Callable[[float, float, float], float]
 else:
     spring_equilibria = late("certreg.registration.spring_equilibria")
@@ -134,7 +138,7 @@ def register(
         problem = RegistrationProblem(
             source, target, weights=weights, rotation_only=about_origin, **springs
         )
-        return spring_equilibria.spring_pose(problem)
+        return equilibria.spring_pose(problem)
     x = _readable(cloud_array(source, "source"), "source")
     y = _readable(cloud_array(target, "target"), "target")
     if len(x) != len(y):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from typing import TYPE_CHECKING, Any, Generic, TypeVar, cast
 
 from certreg._loading import late
@@ -14,11 +14,12 @@ from certreg.objective.by_structure import objective_of
 from certreg.objective.structure import Structure
 from certreg.registration.ambiguity import equilibria_at
 from certreg.registration.covariance import pose_covariance
+from certreg.registration.exit_codes import code_of_list
 from certreg.registration.fit import fit_of
 from certreg.registration.optimum import optimal_pose, pose_at
 from certreg.registration.problem_arguments import require_method, require_problem
 from certreg.registration.progress import counted
-from certreg.results import Brief
+from certreg.results import Absent, Brief
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -36,17 +37,23 @@ if TYPE_CHECKING:
     from certreg.objective.isotropic import Isotropic
     from certreg.objective.springs import Springs
     from certreg.problem.problem import RegistrationProblem
-    from certreg.registration import breathing, spring_equilibria
+    from certreg.registration import equilibria as listed
+    from certreg.registration.equilibria import SpringEquilibria
     from certreg.registration.fit import Fit
     from certreg.registration.progress import Progress
-    from certreg.registration.spring_equilibria import SpringEquilibria
 else:
-    # which of them is made depends on the problem
-    breathing = late("certreg.registration.breathing")
     count = late("certreg.certificate.count")
     listing = late("certreg.certificate.listing")
+
+
+if TYPE_CHECKING:
+    Certified = Certificate[Any] | Absent
+else:
+    listed = late("certreg.registration.equilibria")
     paths = late("certreg.equilibrium.paths")
-    spring_equilibria = late("certreg.registration.spring_equilibria")
+    # which of them is made depends on the problem
+    producing = late("certreg.certificate.producing")
+    producing_springs = late("certreg.certificate.producing_springs")
 
 
 ALL = "all"  # methods
@@ -83,6 +90,11 @@ class ListedEquilibria(EquilibriumSet):
     enumeration: Enumeration[EquilibriumSet]
 
     __repr__ = EquilibriumSet.__repr__
+
+    @property
+    def exit_code(self) -> int:
+        """What `equilibria` ends with: 0; 3 where several are optimal; 4 where more may be."""
+        return code_of_list(unique=self.classification.unique if self.complete else None)
 
 
 def equilibria(
@@ -126,26 +138,7 @@ def equilibria(
     """
     require_problem(problem, "equilibria")
     enumeration = enumerated(problem, method, progress=progress)
-    return cast("EquilibriumSet", SHOWN[enumeration.objective.structure](enumeration))
-
-
-def _shown_lines(enumeration: Enumeration[EquilibriumSet]) -> Any:
-    """Eigenlines, each with its scale where that is free."""
-    objective: Isotropic = enumeration.objective
-    if objective.scaling is not None:
-        return breathing.scaled_equilibria(objective, enumeration.equilibria)
-    return ListedEquilibria(**enumeration.kept(), enumeration=enumeration)
-
-
-def _shown_springs(enumeration: Enumeration[Any]) -> Any:
-    kind = spring_equilibria.ListedSpringEquilibria
-    return kind(**enumeration.kept(), enumeration=enumeration)
-
-
-SHOWN: Mapping[Structure, Callable[[Enumeration[Any]], Any]] = {
-    Structure.LINEAR: _shown_lines,
-    Structure.QUARTIC: _shown_springs,
-}
+    return cast("EquilibriumSet", LISTS[enumeration.objective.structure].shown(enumeration))
 
 
 def enumerated(
@@ -167,7 +160,7 @@ def enumerated(
     return Enumeration(
         objective=objective,
         searches=searches,
-        equilibria=DESCRIBED[objective.structure](sets[0], objective, problem),
+        equilibria=LISTS[objective.structure].described(sets[0], objective, problem),
         comparison=compare(sets) if compared else None,
         critical=sets[0],
     )
@@ -182,13 +175,7 @@ def _described_lines(
 def _described_springs(
     critical: LineSet, objective: Springs, problem: RegistrationProblem
 ) -> SpringEquilibria:
-    return spring_equilibria.spring_equilibria(critical, objective, problem)
-
-
-DESCRIBED: Mapping[Structure, Callable[[Any, Any, RegistrationProblem], Any]] = {
-    Structure.LINEAR: _described_lines,
-    Structure.QUARTIC: _described_springs,
-}
+    return listed.spring_equilibria(critical, objective, problem)
 
 
 def _fit(problem: RegistrationProblem, objective: Isotropic) -> Fit:
@@ -209,8 +196,8 @@ def equilibrium_poses(enumeration: Enumeration[Any]) -> list[Pose | Similarity]:
     Raises OutOfRangeError where no double can hold a translation.
     """
     objective, found = enumeration.objective, enumeration.critical.components
-    listed = SHOWN[objective.structure](enumeration).components
-    return [pose_at(objective, part.quaternion) for part in found[: len(listed)]]
+    shown = LISTS[objective.structure].shown(enumeration).components
+    return [pose_at(objective, part.quaternion) for part in found[: len(shown)]]
 
 
 def certified_count(problem: RegistrationProblem) -> Certificate[CountBody] | None:
@@ -238,3 +225,57 @@ def _accepted(made: Any, problem: RegistrationProblem) -> Any:
     if made is not None:
         require_accepted(check_own(made, problem))
     return made
+
+
+def certified(problem: RegistrationProblem, enumeration: Enumeration[Any]) -> Certified:
+    """A certificate of the equilibria that the checker accepted, or why there is none."""
+    return LISTS[enumeration.objective.structure].certified(problem, enumeration)
+
+
+def _count_of_lines(problem: RegistrationProblem, _: Enumeration[Any]) -> Certified:
+    return certified_count(problem) or Absent("there are infinitely many")
+
+
+def _list_of_springs(problem: RegistrationProblem, enumeration: Enumeration[Any]) -> Certified:
+    why = "the list is not proved complete"
+    if enumeration.equilibria.complete:
+        why = "only a list of 40 critical lines, complex ones included, has a certificate"
+    return certified_list(problem, enumeration.objective) or Absent(why)
+
+
+def _shown_lines(enumeration: Enumeration[EquilibriumSet]) -> Any:
+    """Eigenlines, each with its scale where that is free."""
+    objective: Isotropic = enumeration.objective
+    if objective.scaling is not None:
+        return listed.scaled_equilibria(objective, enumeration.equilibria, enumeration)
+    return ListedEquilibria(**enumeration.kept(), enumeration=enumeration)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Listing:
+    """How the equilibria of a structure are listed.
+
+    described: what a critical set says of a body. shown: the same with the searches.
+    certified: a certificate of the `subject`, or why there is none.
+    """
+
+    described: Callable[[Any, Any, RegistrationProblem], Any]
+    shown: Callable[[Enumeration[Any]], Any]
+    certified: Callable[[RegistrationProblem, Enumeration[Any]], Certified]
+    subject: str
+
+
+LISTS: Mapping[Structure, Listing] = {
+    Structure.LINEAR: Listing(
+        described=_described_lines,
+        shown=_shown_lines,
+        certified=_count_of_lines,
+        subject="count",
+    ),
+    Structure.QUARTIC: Listing(
+        described=_described_springs,
+        shown=lambda found: replace(found.equilibria, enumeration=found),
+        certified=_list_of_springs,
+        subject="list",
+    ),
+}

@@ -11,6 +11,7 @@ from certreg.results import Optimality
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
+
 DONE, REFUSED, MISUSED, NOT_UNIQUE, NOT_CERTIFIED = 0, 1, 2, 3, 4
 DIGITS = 6  # of an RMSE, in words
 DEFECT = 70  # of certreg's own, with a traceback; sysexits.h calls it so
@@ -63,3 +64,10 @@ def code_of_status(status: Optimality) -> int:
     if status is Optimality.CERTIFIED:
         return DONE
     return NOT_UNIQUE if status is Optimality.CERTIFIED_NOT_UNIQUE else NOT_CERTIFIED
+
+
+def code_of_list(*, unique: bool | None) -> int:
+    """Of a list of equilibria. unique: whether one is optimal; None where that is not proved."""
+    if unique is None:
+        return NOT_CERTIFIED
+    return DONE if unique else NOT_UNIQUE

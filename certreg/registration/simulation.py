@@ -7,7 +7,7 @@ from fractions import Fraction
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from certreg._loading import found_late
+from certreg._loading import cached_property, found_late, late
 from certreg.certificate.checking import check_own, require_accepted
 from certreg.certificate.isotropic import RotationState, produce
 from certreg.dynamics import simulation
@@ -27,10 +27,17 @@ from certreg.results import OUT_OF_RANGE, Absent, Brief, Presented
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
+    import numpy as np
+    from numpy.typing import NDArray
+
     from certreg.dynamics.basin import Basin
+    from certreg.dynamics.breathing import BreathingBody
     from certreg.dynamics.integrators import SimulationSettings
+    from certreg.equilibrium import breathing
     from certreg.objective.springs import Springs
     from certreg.problem.problem import RegistrationProblem
+else:
+    breathing = late("certreg.equilibrium.breathing")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -44,6 +51,16 @@ class SimulatedMotion(Trajectory, Presented):
     objective: Isotropic | Springs
 
     __repr__ = Trajectory.__repr__
+
+    @property
+    def outcome(self) -> str:
+        """How it ended, in a sentence."""
+        return self.status.value
+
+    @property
+    def never_collapses(self) -> bool:
+        """Whether it is proved that a scale that moves never comes to 0; False where none does."""
+        return False
 
     @property
     def energy_unit(self) -> Fraction:
@@ -76,6 +93,48 @@ class ProblemTrajectory(SimulatedMotion):
         return self.moving.basin
 
 
+@dataclass(frozen=True, kw_only=True, eq=False)
+class SimulatedBreathing(SimulatedMotion):
+    """With a free scale; where it ended beside the optimum."""
+
+    objective: Isotropic
+    moving: BreathingBody
+
+    __repr__ = Trajectory.__repr__
+
+    @property
+    def scales(self) -> NDArray[np.float64]:
+        """(L,), target over source."""
+        return self.moving.scales(self.samples["state"])
+
+    @cached_property
+    def angle_to_optimum(self) -> float:
+        """Radians, from the last rotation to the nearest optimum."""
+        return self.objective.angle_to_optimum(lift(self.quaternion).integers)
+
+    @property
+    def best_scale(self) -> float | None:
+        """That of the optimum, target over source; None where no double holds it."""
+        return nearest_double(self.objective.best_scale(self.objective.optimum))
+
+    @property
+    def never_collapses(self) -> bool:
+        """Whether it is proved that the exact motion from the start never comes to the scale 0."""
+        return never_collapses(self.objective)
+
+
+def never_collapses(objective: Isotropic) -> bool:
+    """Whether the exact motion from where the source was given, at rest at scale 1, keeps s > 0.
+
+    Proved, in rationals: it begins with less energy than Syy (derivations, breathing_confined).
+    False means not proved, not disproved. Raises as `source_size`.
+    """
+    still = (1, 0, 0, 0)
+    shifted = objective.translation_energy(still, (Fraction(0),) * 3)
+    released = objective.energy_at(still, shifted, Fraction(1))
+    return released < objective.moments.spread - breathing.source_size(objective)
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class SimulatedRegistration(Brief):
     """A simulation, and what is proved of its end.
@@ -91,21 +150,11 @@ class SimulatedRegistration(Brief):
     in_certified_basin: bool
     unique: bool
 
-    @property
-    def energy_unit(self) -> Fraction:
-        """What the trajectory's energies are worth in objective units."""
-        return self.trajectory.energy_unit
-
-    @property
-    def energies(self) -> tuple[float | Absent, float | Absent]:
-        """V_p + V_k at the start and at the end, in objective units."""
-        return self.trajectory.energies
-
 
 MOTIONS: Mapping[Kind, Callable[[], type[SimulatedMotion]]] = {  # by the kind of the body
     Kind.RIGID: lambda: ProblemTrajectory,
     Kind.SPRINGS: found_late("certreg.registration.valley", "SimulatedSprings"),
-    Kind.BREATHING: found_late("certreg.registration.breathing", "SimulatedBreathing"),
+    Kind.BREATHING: lambda: SimulatedBreathing,
 }
 
 

@@ -117,6 +117,33 @@ class SimulatedSprings(SimulatedMotion):
         """Whether the body came to rest at the best rotation found, or at one that is as good."""
         return self.at_rest and self.as_good is True
 
+    @property
+    def outcome(self) -> str:
+        """How it ended, in a sentence that rests on what was found, not on a proof."""
+        if not self.at_rest:
+            return self.status.value
+        rest = "The body is at rest (slower than the tolerance)"
+        if self.at_best:
+            return f"{rest} at the best rotation found."
+        if self.as_good is None:
+            return f"{rest}; whether its rotation is as good as the best found is not decided."
+        if self.as_good:
+            return f"{rest} at a rotation as good as the best found."
+        better = "springs hold it there, and a better rotation was found"
+        return f"{rest} at another equilibrium: {better}."
+
+    @property
+    def end_words(self) -> str:
+        """Where the last rotation is."""
+        degrees = math.degrees(self.angle_to_best)
+        digits = 3 if degrees >= 1.0 else 1  # a small one is rounding, or where a run was stopped
+        away = f"{degrees:.{digits}g} degrees from the best rotation found"
+        if self.at_best:
+            return away
+        if self.as_good:
+            return f"{away}, and as good to within the tolerance"
+        return f"{away}, {self.excess:.2g} of the energy's range above it"
+
     @cached_property
     def basin(self) -> Verdict:
         """Whether it is proved that the exact motion from the last state ends at the optimum."""
@@ -159,29 +186,3 @@ def exact_state(moving: SprungBody, state: Records) -> SpringState:
         velocity=tuple(x * unit for x in v),
         angular_velocity=tuple(omega),
     )
-
-
-def moving_words(run: SimulatedSprings) -> str:
-    """How the motion ended, in a sentence that rests on what was found, not on a proof."""
-    if not run.at_rest:
-        return run.status.value
-    rest = "The body is at rest (slower than the tolerance)"
-    if run.at_best:
-        return f"{rest} at the best rotation found."
-    if run.as_good:
-        return f"{rest} at a rotation as good as the best found."
-    if run.as_good is None:
-        return f"{rest}; whether its rotation is as good as the best found is not decided."
-    return f"{rest} at another equilibrium: springs hold it there, and a better rotation was found."
-
-
-def at_end_words(run: SimulatedSprings) -> str:
-    """Where the last rotation is."""
-    degrees = math.degrees(run.angle_to_best)
-    digits = 3 if degrees >= 1.0 else 1  # a small one is rounding, or where a run was stopped
-    away = f"{degrees:.{digits}g} degrees from the best rotation found"
-    if run.at_best:
-        return away
-    if run.as_good:
-        return f"{away}, and as good to within the tolerance"
-    return f"{away}, {run.excess:.2g} of the energy's range above it"

@@ -7,18 +7,17 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from certreg.registration.headlines import is_green
-from certreg.report.equilibria import KINDS, count_words, margin_words
 from certreg.report.lines import (
     OF_SPREAD,
     explained_words,
+    margin_words,
     number,
-    step_words,
     verdict_words,
     warnings,
 )
 from certreg.report.markup import printable, rendered
 from certreg.report.parts import listed
-from certreg.report.picture import energy_picture, registration_picture
+from certreg.report.picture import registration_picture
 from certreg.report.remedies import ADVICE, remedies
 from certreg.report.springs import springs_words
 from certreg.report.uncertainty import uncertainty_rows
@@ -28,10 +27,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from certreg.certificate.checking import CertificateVerdict
-    from certreg.equilibrium.equilibrium_set import EquilibriumSet
     from certreg.registration.assessed import Assessment
     from certreg.registration.result import Registration
-    from certreg.registration.simulation import ProblemTrajectory
     from certreg.report.picture import Picture
 
 
@@ -112,42 +109,6 @@ def assessment_card(assessment: Assessment) -> str:
         notes=[assessment.words, *([] if explained is None else [explained])],
         good=assessment.green,
         facts=[] if away is None else facts,
-    ).html()
-
-
-def equilibria_card(equilibria: EquilibriumSet) -> str:
-    """All equilibria as a table."""
-    notes = [f"Ambiguity margin: {margin_words(equilibria)}."]
-    return Card(
-        headline=count_words(equilibria),
-        notes=notes + ([] if equilibria.doubt is None else [f"Not proved: {equilibria.doubt}"]),
-        head=("index", "kind", "RMSE", "energy", "to the optimum"),
-        rows=[
-            (
-                str(part.morse_index) if equilibria.doubt is None else "-",
-                KINDS[part.kind],
-                number(part.rmse),
-                number(part.energy),
-                f"{math.degrees(part.angle_to_optimum):.6g} degrees",
-            )
-            for part in equilibria.components
-        ],
-    ).html()
-
-
-def trajectory_card(trajectory: ProblemTrajectory) -> str:
-    """A simulation and its energy."""
-    return Card(
-        headline=trajectory.status.value,
-        notes=trajectory.notes,
-        good=trajectory.converged,
-        facts=[
-            ("integrator", trajectory.integrator.value),
-            ("steps", f"{trajectory.steps:,}, {step_words(trajectory.step)}"),
-            ("time", f"{trajectory.times[-1]:.6g}"),
-            ("escapes", str(trajectory.escapes)),
-        ],
-        picture=energy_picture(trajectory),
     ).html()
 
 

@@ -5,14 +5,14 @@ from __future__ import annotations
 import json
 import math
 from fractions import Fraction
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING
 
-from certreg._loading import late
 from certreg.exact.dyadic import double_above, double_below, nearest_double
 from certreg.registration.quartic import NOT_LISTED, NOT_SIMULATED, QuarticSolution
 from certreg.registration.result import UNDECIDED, Method
-from certreg.registration.simulation import SimulatedRegistration
-from certreg.report.encoding import Document, Noted, encoded
+from certreg.report.encoding import Document, encoded
+from certreg.report.equilibria import rests_beside
+from certreg.report.equilibrium_fields import NO_EIGENVALUES, margin_fields
 from certreg.report.fields import (
     degrees,
     finite,
@@ -23,7 +23,7 @@ from certreg.report.fields import (
     robustness_fields,
 )
 from certreg.report.parts import listed, sprung
-from certreg.report.scale import rests_of
+from certreg.report.simulation import simulation_fields
 from certreg.report.uncertainty import uncertainty_rows
 from certreg.results import OUT_OF_RANGE, Absent
 
@@ -31,32 +31,19 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from certreg.certificate.squares import SpringsSosBody
-    from certreg.equilibrium.equilibrium_set import Component, EquilibriumSet
-    from certreg.registration.breathing import ScaledEquilibria, SimulatedBreathing
-    from certreg.registration.enumeration import Enumeration
     from certreg.registration.result import Registration
-    from certreg.report import breathing, methods
-else:
-    # of a free scale
-    breathing = late("certreg.report.breathing")
-    methods = late("certreg.report.methods")
 
 
 RESULT_SCHEMA = "certreg-result/1"
-EQUILIBRIA_SCHEMA = "certreg-equilibria/1"
 POSE_SCHEMA = "certreg-pose/1"
-SIMULATION_SCHEMA = "certreg-simulation/1"
 ERROR_SCHEMA = "certreg-error/1"
 
 NO_BOUND = Absent("no bound on residuals was given (--max-residual)")
 NOT_WRITTEN = Absent("nothing is written without --out")
 NOT_A_BOUND = Absent("its multiplier could not be made a proved bound")
-NOT_LINEARISED = Absent("the motion with a free scale has more modes, which are not listed here")
-NO_INSIDE_OUT = Absent("the symmetric scale is never below 0")
 OF_EIGENVALUES = Absent("told of general springs; here the eigenvalues say as much")
 FORM = "rotation-10"
 NO_CLOSED_FORM = Absent("general springs have no closed form")
-NO_EIGENVALUES = Absent("there are no eigenvalues of general springs to compare")
 NO_PROOF = Absent("not certified")
 NO_BOUND_OF_IT = Absent(
     "the certificate uses what the relaxation proposes, and proves its own bound"
@@ -129,10 +116,10 @@ def _parts(registration: Registration) -> Document:
     if own is not None:
         angles = own.solution.agreement
         parts |= {
-            "equilibria": _listed(own),
-            "margin": _margin(own.equilibria),
+            "equilibria": rests_beside(own).fields(),
+            "margin": margin_fields(own.equilibria),
             "relaxation": _relaxation(own),
-            "simulation": _simulation(own),
+            "simulation": simulation_fields(own),
             "agreement": {
                 "closed_form_deg": math.degrees(angles.closed_form),
                 "relaxation_deg": degrees(angles.stated("relaxation")),
@@ -141,11 +128,6 @@ def _parts(registration: Registration) -> Document:
         }
     parts["margin"] = {**parts["margin"], "hardly_determined": hardly_determined(registration)}
     return parts
-
-
-def _listed(registration: Registration) -> Document:
-    scaled = rests_of(registration)
-    return _equilibria(registration.equilibria) if scaled is None else _scaled_equilibria(scaled)
 
 
 def pose_document(registration: Registration) -> Document:
@@ -158,104 +140,6 @@ def pose_document(registration: Registration) -> Document:
             "words": [f"{name}: {words}" for name, words in uncertainty_rows(registration)],
         }
     )
-
-
-def equilibria_document(enumeration: Enumeration[EquilibriumSet]) -> Document:
-    """An equilibrium set on its own; with the searches for it, if there were several."""
-    return encoded({**_set(enumeration.equilibria), **methods.methods_fields(enumeration)})
-
-
-def scaled_document(equilibria: ScaledEquilibria) -> Document:
-    """As `equilibria_document`, of a free scale."""
-    return encoded(
-        {
-            "schema": EQUILIBRIA_SCHEMA,
-            "equilibria": _scaled_equilibria(equilibria),
-            "margin": _margin(equilibria.rigid),
-        }
-    )
-
-
-def set_document(equilibria: EquilibriumSet) -> Document:
-    """As `equilibria_document`, without searches."""
-    return encoded(_set(equilibria))
-
-
-def _set(equilibria: EquilibriumSet) -> Document:
-    return {
-        "schema": EQUILIBRIA_SCHEMA,
-        "equilibria": _equilibria(equilibria),
-        "margin": _margin(equilibria),
-    }
-
-
-def simulation_document(simulated: SimulatedRegistration) -> Document:
-    """A simulation on its own, as `certreg-simulation/1`."""
-    return encoded({"schema": SIMULATION_SCHEMA, **_simulation_fields(simulated)})
-
-
-def _equilibria(equilibria: EquilibriumSet) -> Document:
-    complete, doubt, known = equilibria.complete, equilibria.doubt, equilibria.classification
-    pattern, finite = known.pattern, known.finite
-    count, spurious = equilibria.stated("count"), equilibria.stated("spurious")
-    if doubt is not None:
-        count = spurious = Absent(doubt)
-    return {
-        "pattern": pattern if doubt is None else Noted(pattern, doubt),
-        "finite": finite if doubt is None else Noted(finite, doubt),
-        "count": count,
-        "spurious": spurious,
-        "guarantee": equilibria.guarantee.label,
-        "complete": complete if doubt is None else Noted(complete, doubt),
-        "components": [_component(component, doubt) for component in equilibria.components],
-    }
-
-
-def _scaled_equilibria(equilibria: ScaledEquilibria) -> Document:
-    """With the scale of each, and the states inside out; the pattern is that of all rotations."""
-    breathing = equilibria.breathing
-    return {
-        **_equilibria(equilibria.rigid),
-        "finite": equilibria.finite,
-        "count": equilibria.stated("count"),
-        "spurious": equilibria.stated("spurious"),
-        "components": [
-            {
-                **_component(each.component, None),
-                "eigenvalues": NOT_LINEARISED,
-                "rmse": each.stated("rmse"),
-                "scale": each.stated("scale"),
-            }
-            for each in equilibria.components
-        ],
-        "inside_out": NO_INSIDE_OUT
-        if breathing is None
-        else [
-            {"kind": each.kind.value, "scale": each.stated("scale"), "stable": each.stable}
-            for each in breathing.inside_out
-        ],
-    }
-
-
-def _component(component: Component, doubt: str | None) -> Document:
-    """What follows from the list being complete is not told where that is in doubt."""
-    optimal, index = component.optimal, component.morse_index
-    unstable = component.stated("unstable_eigenvalues")
-    return {
-        "kind": component.kind.value,
-        "dimension": component.kind.dimension,
-        "basis": component.basis,
-        "morse_index": index if doubt is None else Absent(doubt),
-        "unstable_eigenvalues": unstable if doubt is None else Absent(doubt),
-        "eigenvalues": component.stated("eigenvalues"),
-        "witness": component.stated("witness"),
-        "optimal": optimal if doubt is None else Noted(optimal, doubt),
-        "energy": component.stated("energy"),
-        "rmse": component.stated("rmse"),
-        "rotation": component.rotation,
-        "quaternion_wxyz": component.quaternion_wxyz,
-        "angle_to_optimum_deg": math.degrees(component.angle_to_optimum),
-    }
 
 
 def _optimality(registration: Registration) -> Document:
@@ -336,52 +220,7 @@ def _relaxation_of_springs(registration: Registration[QuarticSolution]) -> Docum
     }
 
 
-def _simulation(registration: Registration) -> Document | Absent:
-    solution = registration.solution
-    trajectory = solution.trajectory
-    if isinstance(trajectory, Absent):
-        return trajectory
-    if trajectory.scales is not None:
-        return breathing.breathing_fields(cast("SimulatedBreathing", trajectory))
-    certificate = solution.certificate
-    end = SimulatedRegistration(
-        trajectory=trajectory,
-        angle_to_optimum=solution.agreement.simulation or 0.0,
-        in_certified_basin=certificate is not None and bool(certificate.body.claims.basin),
-        unique=registration.equilibria.classification.unique,
-    )
-    return _simulation_fields(end)
-
-
-def _simulation_fields(simulated: SimulatedRegistration) -> Document:
-    trajectory = simulated.trajectory
-    initial, final = simulated.energies
-    return {
-        "integrator": trajectory.integrator.value,
-        "status": trajectory.status.value,
-        "step": trajectory.step,
-        "steps": trajectory.steps,
-        "converged": trajectory.converged,
-        "in_certified_basin": simulated.in_certified_basin,
-        "escapes": trajectory.escapes,
-        "residual": trajectory.speed,
-        "predicted_rate": trajectory.stated("predicted_rate"),
-        "decay_rate": trajectory.stated("decay_rate"),
-        "angle_to_pose_deg": math.degrees(simulated.angle_to_optimum),
-        "energy": {"initial": initial, "final": final},
-    }
-
-
 def _residuals(registration: Registration) -> list[Document]:
     """The worst correspondences, largest distance first."""
     worst = registration.worst_residuals(WORST)
     return [{"row": one.row, "distance": one.distance} for one in worst]
-
-
-def _margin(equilibria: EquilibriumSet) -> Document:
-    margin, doubt = equilibria.margin, equilibria.doubt
-    return {
-        "eigenvalue_gap": margin.stated("eigenvalue_gap") if doubt is None else Absent(doubt),
-        "relative": margin.relative if doubt is None else Absent(doubt),
-        "nearly_ambiguous": equilibria.nearly_ambiguous,
-    }

@@ -1,20 +1,47 @@
-"""Lists of equilibria in words: how many there are, how that is known, and a table."""
+"""Lists of equilibria in words: how many there are, how that is known, a table, notes.
+
+One text, one document and one card; what depends on the springs and on the scale is a class each.
+"""
 
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from collections import Counter
-from typing import TYPE_CHECKING
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
+from certreg._loading import late
 from certreg.registration.ambiguity import ambiguous_words, narrow_words
-from certreg.report.lines import number
-from certreg.results import ComponentKind, Guarantee
+from certreg.report.encoding import Document, encoded
+from certreg.report.lines import margin_words, number
+from certreg.report.scale import rests_of
+from certreg.results import Brief, ComponentKind, Guarantee
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+    from typing import Self
 
+    from certreg.equilibrium import line_set
+    from certreg.equilibrium.breathing import BreathingEquilibria
     from certreg.equilibrium.equilibrium_set import Component, EquilibriumSet
+    from certreg.registration.enumeration import Enumeration
+    from certreg.registration.equilibria import (
+        ScaledEquilibria,
+        SpringEquilibria,
+        SpringEquilibrium,
+    )
+    from certreg.registration.result import Registration
+    from certreg.report import cards, equilibrium_fields, methods
+else:
+    line_set = late("certreg.equilibrium.line_set")
+    cards = late("certreg.report.cards")
+    equilibrium_fields = late("certreg.report.equilibrium_fields")
+    methods = late("certreg.report.methods")
 
+E = TypeVar("E")
+
+EQUILIBRIA_SCHEMA = "certreg-equilibria/1"
 COUNTS = {0: "none", 1: "one", 2: "two", 3: "three", 4: "four"}
 KINDS = {
     ComponentKind.POINT: "point",
@@ -22,18 +49,85 @@ KINDS = {
     ComponentKind.PROJECTIVE_PLANE: "projective plane",
     ComponentKind.ROTATION_GROUP: "every rotation",
 }
-HEADINGS = ("index", "kind", "RMSE", "energy", "to optimum", "unstable", "")
+NOTHING = "0 to rounding"  # of a proved equilibrium: less than its energy is known to
+NO_MINIMUM = (
+    "None of these is the optimum: at the first, too, the energy falls in some direction. "
+    "`certify` gives the best pose, and needs no list."
+)
+STAYS = (
+    "A body that is released near a stable equilibrium stays there: not every stable one is the "
+    "optimum."
+)
 
 
-def equilibria_summary(equilibria: EquilibriumSet) -> str:
-    """The equilibrium set as a sentence and a table."""
-    return "\n".join((count_words(equilibria), *table_of([HEADINGS, *equilibria_rows(equilibria)])))
+@dataclass(frozen=True, slots=True)
+class Rests(Brief, ABC, Generic[E]):
+    """What is said of a list of equilibria.
 
+    enumeration: the searches for them; None where the list stands beside something else.
+    """
 
-def equilibria_rows(equilibria: EquilibriumSet) -> list[tuple[str, ...]]:
-    """A row for each, under HEADINGS."""
-    sure = equilibria.doubt is None
-    return [_row(component, sure=sure) for component in equilibria.components]
+    equilibria: E
+    enumeration: Enumeration[Any] | None = None
+
+    @classmethod
+    def searched(cls, found: Any) -> Self:
+        """Of a list that holds the searches for it."""
+        return cls(found, found.enumeration)
+
+    @property
+    @abstractmethod
+    def headline(self) -> str:
+        """How many equilibria there are and how that is known, in one sentence."""
+
+    @property
+    @abstractmethod
+    def head(self) -> tuple[str, ...]:
+        """Of the table's columns."""
+
+    @abstractmethod
+    def rows(self) -> list[tuple[str, ...]]:
+        """A row for each, under the head."""
+
+    @property
+    def after(self) -> list[str]:
+        """What belongs to the table, after it."""
+        return []
+
+    @abstractmethod
+    def notes(self) -> list[str]:
+        """What must be said beside the table."""
+
+    @abstractmethod
+    def fields(self) -> Document:
+        """What stands under `equilibria`."""
+
+    @abstractmethod
+    def margin(self) -> Document:
+        """How far the optimum is from being ambiguous."""
+
+    def table(self) -> list[str]:
+        """The lines of the headline and of the table."""
+        rows = self.rows()
+        return [self.headline, *table_of([self.head, *rows] if rows else []), *self.after]
+
+    def words(self) -> str:
+        """The result of `equilibria`, readable; with the searches, if more than the usual one."""
+        lines, searched = [*self.table(), *self.notes()], self.enumeration
+        if searched is not None and methods.unusual(searched):
+            lines += ["", methods.methods_summary(searched)]
+        return "\n".join(lines)
+
+    def document(self) -> Document:
+        """The list as `certreg-equilibria/1`; with the searches, if there were several."""
+        searched = {} if self.enumeration is None else methods.methods_fields(self.enumeration)
+        told = {"equilibria": self.fields(), "margin": self.margin(), **searched}
+        return encoded({"schema": EQUILIBRIA_SCHEMA, **told})
+
+    def card(self) -> str:
+        """All equilibria as a table in a notebook."""
+        notes, rows = [*self.after, *self.notes()], self.rows()
+        return cards.Card(headline=self.headline, notes=notes, head=self.head, rows=rows).html()
 
 
 def table_of(rows: Sequence[Sequence[str]]) -> list[str]:
@@ -45,19 +139,49 @@ def table_of(rows: Sequence[Sequence[str]]) -> list[str]:
     ]
 
 
-def equilibria_words(equilibria: EquilibriumSet) -> str:
-    """The equilibrium set with its margin, and what is in doubt or not unique."""
-    lines = [equilibria_summary(equilibria), f"Ambiguity margin: {margin_words(equilibria)}."]
-    tie, narrow = ambiguous_words(equilibria), narrow_words(equilibria)
-    if tie is not None:
-        lines.append(tie)
-    elif narrow is not None:
-        lines.append(f"{narrow[0].upper()}{narrow[1:]}.")
-    if equilibria.doubt is not None:
-        lines.append(f"Not proved: {equilibria.doubt}")
-    elif equilibria.classification.ambiguity is not None:
-        lines.append(f"Not unique: {equilibria.classification.ambiguity.value}.")
-    return "\n".join(lines)
+# --- one weight per pair
+
+
+class RigidRests(Rests["EquilibriumSet"]):
+    """Of a rigid body with one weight per pair."""
+
+    @property
+    def headline(self) -> str:
+        """How many equilibria there are and how that is known, in one sentence."""
+        return count_words(self.equilibria)
+
+    @property
+    def head(self) -> tuple[str, ...]:
+        """Of the table's columns."""
+        return ("index", "kind", "RMSE", "energy", "to optimum", "unstable", "")
+
+    def rows(self) -> list[tuple[str, ...]]:
+        """A row for each, under the head."""
+        sure = self.equilibria.doubt is None
+        return [_row(component, sure=sure) for component in self.equilibria.components]
+
+    def notes(self) -> list[str]:
+        """The margin, and what is in doubt or not unique."""
+        found = self.equilibria
+        lines = [f"Ambiguity margin: {margin_words(found)}."]
+        tie, narrow = ambiguous_words(found), narrow_words(found)
+        if tie is not None:
+            lines.append(tie)
+        elif narrow is not None:
+            lines.append(f"{narrow[0].upper()}{narrow[1:]}.")
+        if found.doubt is not None:
+            lines.append(f"Not proved: {found.doubt}")
+        elif found.classification.ambiguity is not None:
+            lines.append(f"Not unique: {found.classification.ambiguity.value}.")
+        return lines
+
+    def fields(self) -> Document:
+        """What stands under `equilibria`."""
+        return equilibrium_fields.rigid_fields(self.equilibria)
+
+    def margin(self) -> Document:
+        """How far the optimum is from being ambiguous."""
+        return equilibrium_fields.margin_fields(self.equilibria)
 
 
 def count_words(equilibria: EquilibriumSet) -> str:
@@ -100,21 +224,6 @@ def kinds_words(found: Sequence[ComponentKind]) -> str:
     )
 
 
-def margin_words(equilibria: EquilibriumSet) -> str:
-    """How far the optimum is from being ambiguous, in words."""
-    margin = equilibria.margin
-    if equilibria.doubt is not None:
-        return "not known: the list of equilibria is not proved complete"
-    if not equilibria.classification.unique:
-        return "0: the optimum is not unique"
-    percent = f"{100 * margin.relative:.3g} % of the range of energies"
-    if equilibria.pairs_in_doubt:
-        return f"{percent}: unique, but the poor fit may have turned the answer over"
-    if equilibria.nearly_ambiguous:
-        return f"{percent}: unique, but a small change of the data may turn the answer over"
-    return f"{percent}: unique"
-
-
 def _row(component: Component, *, sure: bool) -> tuple[str, ...]:
     """A line of the table; what follows from the list being complete, where that is sure."""
     unstable = component.unstable_eigenvalues
@@ -127,3 +236,203 @@ def _row(component: Component, *, sure: bool) -> tuple[str, ...]:
         ("undefined" if unstable is None else str(unstable)) if sure else "-",
         ("optimal" if sure else "best found") if component.optimal else "",
     )
+
+
+# --- a free scale
+
+
+class ScaledRests(Rests["ScaledEquilibria"]):
+    """With a free scale, and the states inside out."""
+
+    @property
+    def headline(self) -> str:
+        """How many there are, and how that is known."""
+        found = self.equilibria
+        if found.breathing is None:
+            return count_words(found.rigid)
+        known = f"{found.rigid.guarantee.label}, complete"
+        return f"Equilibria ({known}): {scaled_count_words(found)}."
+
+    @property
+    def head(self) -> tuple[str, ...]:
+        """Of the table's columns."""
+        return ("index", "kind", "scale", "RMSE", "energy", "to optimum", "")
+
+    def rows(self) -> list[tuple[str, ...]]:
+        """A row for each, under the head."""
+        return [
+            (
+                str(each.component.morse_index),
+                KINDS[each.component.kind],
+                number(each.scale),
+                number(each.rmse),
+                number(each.component.energy),
+                f"{math.degrees(each.component.angle_to_optimum):.6g} deg",
+                "optimal" if each.component.optimal else "",
+            )
+            for each in self.equilibria.components
+        ]
+
+    @property
+    def after(self) -> list[str]:
+        """The states with a scale below 0."""
+        breathing = self.equilibria.breathing
+        return [] if breathing is None else [inside_out_words(breathing)]
+
+    def notes(self) -> list[str]:
+        """The margin."""
+        return [f"Ambiguity margin: {margin_words(self.equilibria.rigid)}."]
+
+    def fields(self) -> Document:
+        """What stands under `equilibria`."""
+        return equilibrium_fields.scaled_fields(self.equilibria)
+
+    def margin(self) -> Document:
+        """How far the optimum is from being ambiguous."""
+        return equilibrium_fields.margin_fields(self.equilibria.rigid)
+
+
+def scaled_count_words(equilibria: ScaledEquilibria) -> str:
+    """How many there are of a body whose size is a state, and which of them are the best."""
+    count = len(equilibria.components)
+    if not count:
+        return "none with a scale above 0; the body shrinks to a point"
+    if equilibria.count is None:
+        kinds = [each.component.kind for each in equilibria.components]
+        return f"{kinds_words(kinds)} with a scale above 0"
+    others = f" and {COUNTS[count - 1]} spurious" if count > 1 else " alone"
+    return f"exactly {COUNTS[count]} with a scale above 0: the optimum{others}"
+
+
+def inside_out_words(breathing: BreathingEquilibria) -> str:
+    """The states with a scale below 0, in one line."""
+    kinds = [each.kind for each in breathing.inside_out]
+    if not kinds:
+        return "Inside out (scale below 0): none."
+    stable = sum(each.stable for each in breathing.inside_out)
+    points = kinds.count(ComponentKind.POINT) == len(kinds)
+    what = f"{COUNTS[len(kinds)]} more" if points else kinds_words(kinds)
+    return (
+        f"Inside out (scale below 0): {what}, {COUNTS[stable]} stable; only through the scale 0, "
+        "where the motion is not defined, does a body come there."
+    )
+
+
+# --- general springs
+
+
+class SpringRests(Rests["SpringEquilibria"]):
+    """On general springs, up to forty, of which several may be stable."""
+
+    @property
+    def headline(self) -> str:
+        """How many equilibria there are and how that is known, in one sentence."""
+        found = self.equilibria
+        if found.finiteness is line_set.Finiteness.SYMMETRIC:
+            return f"Equilibria (exact): infinitely many; {_apart_words(found)}."
+        known = f"{found.guarantee.label}, {'' if found.complete else 'not proved '}complete"
+        return f"Equilibria ({known}): {_count_of_springs(found)}."
+
+    @property
+    def head(self) -> tuple[str, ...]:
+        """Of the table's columns; angles are to the first row, which may be the optimum."""
+        known = any(part.angle_to_optimum is not None for part in self.equilibria.components)
+        return ("index", "stable", "RMSE", "energy", f"to {'optimum' if known else 'row 1'}", "")
+
+    def rows(self) -> list[tuple[str, ...]]:
+        """A row for each, under the head."""
+        parts = self.equilibria.components
+        return [
+            (
+                "-" if part.morse_index is None else str(part.morse_index),
+                {True: "yes", False: "no", None: "-"}[part.stable],
+                _magnitude(part, part.rmse),
+                _magnitude(part, part.energy),
+                f"{math.degrees(part.angle_to_first):.6g} deg",
+                _place_words(part, parts[0]),
+            )
+            for part in parts
+        ]
+
+    def notes(self) -> list[str]:
+        """What must be said beside the table; what the springs leave open, or hardly resist."""
+        words = self.equilibria.undetermined
+        resisted = [f"{words[:1].upper()}{words[1:]}."] if words else []
+        return [*spring_notes(self.equilibria), *resisted]
+
+    def fields(self) -> Document:
+        """What stands under `equilibria`."""
+        return equilibrium_fields.spring_fields(self.equilibria)
+
+    def margin(self) -> Document:
+        """How far the optimum is from being ambiguous."""
+        return equilibrium_fields.spring_margin_fields(self.equilibria)
+
+
+def _count_of_springs(equilibria: SpringEquilibria) -> str:
+    if equilibria.finiteness is line_set.Finiteness.CONSTANT:
+        return "every rotation is an equilibrium, and every one is optimal"
+    count, stable = equilibria.count, equilibria.stable
+    if count is not None:
+        return f"exactly {count}, of which {stable} stable"
+    return f"not counted; {_apart_words(equilibria)}"
+
+
+def _apart_words(equilibria: SpringEquilibria) -> str:
+    if not equilibria.components:
+        return "none is listed"
+    apart = sum(part.separated for part in equilibria.components)
+    return f"{ {0: 'none', 1: 'one'}.get(apart, apart) } proved to be isolated"
+
+
+def spring_notes(equilibria: SpringEquilibria) -> list[str]:
+    """What must be said beside the table."""
+    notes: list[str] = []
+    if equilibria.doubt is not None:
+        ruled_out = [part.optimal is False for part in equilibria.components]
+        saddles = [NO_MINIMUM] if ruled_out and all(ruled_out) else []
+        return [f"Not proved complete: {equilibria.doubt}", *saddles]
+    if equilibria.count is None:
+        return notes
+    euler = f"the Euler sum of the indices is {equilibria.euler_sum}, as that of all must be."
+    if equilibria.count_complex is None:
+        notes.append(
+            f"{equilibria.finiteness.value} Each is proved to be alone in a box around it; {euler}"
+        )
+    else:
+        notes.append(
+            f"All 40 critical lines, complex ones included, are simple: {equilibria.count} "
+            f"rotations and {equilibria.pairs} conjugate pairs, each proved to be alone in a box "
+            f"around it; {euler}"
+        )
+    if equilibria.tied > 1:
+        notes.append(
+            f"Not decided which is best: the first {equilibria.tied} have the same energy, as far "
+            "as 300 digits tell."
+        )
+    elif (equilibria.stable or 0) > 1:
+        notes.append(STAYS)
+    return notes
+
+
+def _magnitude(part: SpringEquilibrium, value: float | None) -> str:
+    """The energy or the RMSE of an equilibrium."""
+    return NOTHING if value == 0.0 and part.kind is ComponentKind.POINT else number(value)
+
+
+def _place_words(part: SpringEquilibrium, first: SpringEquilibrium) -> str:
+    """Whether it is the optimum; of one that shows the energy of the first, by how much not."""
+    if not part.separated:
+        return "not separated"
+    if part.optimal is not False:
+        return "optimal" if part.optimal else "may be optimal"
+    same = part.above and number(part.energy) == number(first.energy)
+    return f"higher by {part.above:.1e}" if same else ""
+
+
+def rests_beside(registration: Registration) -> Rests[Any]:
+    """What is said of the equilibria of a registration that lists them."""
+    scaled = rests_of(registration)
+    if scaled is None:
+        return RigidRests(registration.equilibria)
+    return ScaledRests(scaled)

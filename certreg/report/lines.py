@@ -32,6 +32,7 @@ from certreg.results import Absent, Limits, Optimality
 if TYPE_CHECKING:
     from certreg.certificate.bounds import PoseBounds
     from certreg.dynamics.trajectory import Trajectory
+    from certreg.equilibrium.equilibrium_set import EquilibriumSet
     from certreg.registration.fit import Fit
     from certreg.registration.result import Registration
 
@@ -223,6 +224,21 @@ def away_words(angle: float, *, unique: bool = True) -> str:
     degrees = math.degrees(angle)
     digits = 3 if degrees >= 1.0 else 1  # a small one is rounding, or where a run was stopped
     return f"{degrees:.{digits}g} degrees from the {'' if unique else 'nearest '}optimum"
+
+
+def margin_words(equilibria: EquilibriumSet) -> str:
+    """How far the optimum is from being ambiguous, in words."""
+    margin = equilibria.margin
+    if equilibria.doubt is not None:
+        return "not known: the list of equilibria is not proved complete"
+    if not equilibria.classification.unique:
+        return "0: the optimum is not unique"
+    percent = f"{100 * margin.relative:.3g} % of the range of energies"
+    if equilibria.pairs_in_doubt:
+        return f"{percent}: unique, but the poor fit may have turned the answer over"
+    if equilibria.nearly_ambiguous:
+        return f"{percent}: unique, but a small change of the data may turn the answer over"
+    return f"{percent}: unique"
 
 
 def warnings(registration: Registration, headline: str) -> list[str]:

@@ -9,9 +9,15 @@ from certreg.exact.decimals import as_given, at_least, at_most
 from certreg.registration.fit import silent_tests
 from certreg.registration.headlines import headline_of, headline_words, proved_degrees, share_words
 from certreg.registration.misfits import FitCode
-from certreg.report.equilibria import margin_words
 from certreg.report.fields import scale_interval
-from certreg.report.lines import explained_words, number, percent_words, unit_words, warnings
+from certreg.report.lines import (
+    explained_words,
+    margin_words,
+    number,
+    percent_words,
+    unit_words,
+    warnings,
+)
 from certreg.report.parts import listed, sprung
 from certreg.report.pose_facts import Fact, PoseFacts, pose_of
 from certreg.report.remedies import why_warned

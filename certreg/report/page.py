@@ -25,11 +25,10 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from certreg.registration.headlines import Headline
-    from certreg.report import rest_sections, spring_listed
+    from certreg.report import rest_sections
     from certreg.report.viewer import Names
 else:
     rest_sections = late("certreg.report.rest_sections")
-    spring_listed = late("certreg.report.spring_listed")
 
 
 WEAK_WORDS = "The certificate that certreg certify writes for these points and springs proves more."
@@ -107,7 +106,7 @@ class Report(AnyReport[Registration]):
         registration, moving = self.registration, self.moving
         found, untested = None, ""
         if registration.equilibria is None:
-            found = spring_listed.listed(registration)
+            found = rest_sections.springs_listed(registration)
         elif registration.problem.motion.options:
             untested = untested_words(registration)
         return {

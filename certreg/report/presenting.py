@@ -1,14 +1,13 @@
 """Who shows results: what the classes further up ask, see `certreg.results.Shown`.
 
-`certreg/__init__.py` tells them. A result that is to be shown has its line in SHAPES;
-a card, in CARDS. Both name classes and functions, and load none: a
-process shows results of one type or two.
+`certreg/__init__.py` tells them. A result that is to be shown has its line in SHAPES, whose classes
+and functions are loaded when they are called for: a process shows results of one type or two.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -32,99 +31,105 @@ else:
     registration_folder = late("certreg.report.folder")
 
 
+Function = Callable[[], Callable[[Any], Any]]  # loaded when it is first called for
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Shape:
-    """How results of a type are shown: each by a function, `module.name` of this wing."""
+    """How results of a class are shown: each by a function of this wing.
 
-    card: str
-    words: str
-    document: str
+    words, document: None of a verdict, which writes its own text and has no document.
+    """
 
+    of: Callable[[], type]
+    card: Function
+    words: Any = None
+    document: Any = None
 
-SHAPES: dict[str, Shape] = {  # by the name of the type
-    "Registration": Shape(
-        words="summary.registration_summary",
-        document="document.result_document",
-        card="cards.registration_card",
-    ),
-    "ConsensusRegistration": Shape(
-        words="pairs.pairs_summary",
-        document="pair_fields.pairs_document",
-        card="pairs.pairs_card",
-    ),
-    "TruncatedRegistration": Shape(
-        words="pairs.pairs_summary",
-        document="pair_fields.pairs_document",
-        card="pairs.pairs_card",
-    ),
-    "Assessment": Shape(
-        words="judged_pose.assessment_summary",
-        document="judged_pose.assessment_document",
-        card="cards.assessment_card",
-    ),
-    "KeptPairs": Shape(
-        words="judged_labels.labels_summary",
-        document="judged_labels.labels_document",
-        card="judged_labels.labels_card",
-    ),
-    "TruncatedLabels": Shape(
-        words="judged_labels.labels_summary",
-        document="judged_labels.truncated_labels_document",
-        card="judged_labels.labels_card",
-    ),
-    "ListedEquilibria": Shape(
-        words="listed.enumeration_words",
-        document="listed.enumeration_document",
-        card="cards.equilibria_card",
-    ),
-    "EquilibriumSet": Shape(
-        words="equilibria.equilibria_words",
-        document="document.set_document",
-        card="cards.equilibria_card",
-    ),
-    "ScaledEquilibria": Shape(
-        words="breathing.scaled_enumeration_summary",
-        document="document.scaled_document",
-        card="breathing.scaled_equilibria_card",
-    ),
-    "SimulatedBreathing": Shape(
-        words="breathing.breathing_summary",
-        document="breathing.breathing_document",
-        card="breathing.breathing_card",
-    ),
-    "ListedSpringEquilibria": Shape(
-        words="listed.spring_enumeration_words",
-        document="listed.spring_enumeration_document",
-        card="spring_equilibria.spring_equilibria_card",
-    ),
-    "SpringEquilibria": Shape(
-        words="spring_equilibria.spring_equilibria_words",
-        document="spring_equilibria.spring_set_document",
-        card="spring_equilibria.spring_equilibria_card",
-    ),
-    "SimulatedSprings": Shape(
-        words="spring_simulation.spring_simulation_summary",
-        document="spring_simulation.spring_simulation_document",
-        card="spring_simulation.spring_trajectory_card",
-    ),
-    "ProblemTrajectory": Shape(
-        words="listed.trajectory_words",
-        document="listed.trajectory_document",
-        card="cards.trajectory_card",
-    ),
-}
-headline_words = found_late("certreg.registration.headlines", "headline_words")
-# A verdict writes its own text and has no document.
-CARDS = {
-    "CertificateVerdict": "cards.verdict_card",
-    **{kind: shape.card for kind, shape in SHAPES.items()},
-}
+    @classmethod
+    def told(cls, of: Callable[[], type], told: Function) -> Shape:
+        """By what tells all of it; told: makes that of a result."""
+
+        def shown(by: Callable[[Any], Any]) -> Function:
+            return lambda: lambda result: by(told()(result))
+
+        return cls(
+            of=of,
+            words=shown(lambda one: one.words()),
+            document=shown(lambda one: one.document()),
+            card=shown(lambda one: one.card()),
+        )
 
 
-def function(name: str) -> Any:
-    """The function of this wing that is called `module.name`."""
-    module, _, own = name.partition(".")
-    return getattr(import_module(f"certreg.report.{module}"), own)
+def _of(module: str, name: str) -> Callable[[], Any]:
+    return found_late(f"certreg.registration.{module}", name)
+
+
+def _by(module: str, name: str) -> Function:
+    return found_late(f"certreg.report.{module}", name)
+
+
+def _searched(name: str) -> Function:
+    """Of lists of equilibria that hold the searches for them."""
+    return lambda: _by("equilibria", name)().searched  # pyright: ignore[reportFunctionMemberAccess]
+
+
+headline_words = _of("headlines", "headline_words")
+SHAPES = (  # the light ones first: classes are loaded up to that of the result
+    Shape(
+        of=_of("result", "Registration"),
+        words=_by("summary", "registration_summary"),
+        document=_by("document", "result_document"),
+        card=_by("cards", "registration_card"),
+    ),
+    Shape(
+        of=found_late("certreg.certificate.checking", "CertificateVerdict"),
+        card=_by("cards", "verdict_card"),
+    ),
+    Shape.told(_of("simulation", "SimulatedMotion"), _by("simulation", "told_motion")),
+    Shape.told(_of("enumeration", "ListedEquilibria"), _searched("RigidRests")),
+    Shape.told(
+        found_late("certreg.equilibrium.equilibrium_set", "EquilibriumSet"),
+        _by("equilibria", "RigidRests"),
+    ),
+    Shape.told(_of("equilibria", "ScaledEquilibria"), _searched("ScaledRests")),
+    Shape.told(_of("equilibria", "SpringEquilibria"), _searched("SpringRests")),
+    Shape(
+        of=_of("assessed", "Assessment"),
+        words=_by("judged_pose", "assessment_summary"),
+        document=_by("judged_pose", "assessment_document"),
+        card=_by("cards", "assessment_card"),
+    ),
+    Shape(
+        of=_of("labelled", "ConsensusRegistration"),
+        words=_by("pairs", "pairs_summary"),
+        document=_by("pair_fields", "pairs_document"),
+        card=_by("pairs", "pairs_card"),
+    ),
+    Shape(
+        of=_of("labelled", "TruncatedRegistration"),
+        words=_by("pairs", "pairs_summary"),
+        document=_by("pair_fields", "pairs_document"),
+        card=_by("pairs", "pairs_card"),
+    ),
+    Shape(
+        of=_of("label_assessment", "KeptPairs"),
+        words=_by("judged_labels", "labels_summary"),
+        document=_by("judged_labels", "labels_document"),
+        card=_by("judged_labels", "labels_card"),
+    ),
+    Shape(
+        of=_of("label_assessment", "TruncatedLabels"),
+        words=_by("judged_labels", "labels_summary"),
+        document=_by("judged_labels", "truncated_labels_document"),
+        card=_by("judged_labels", "labels_card"),
+    ),
+)
+
+
+def shape_of(result: Any) -> Shape:
+    """How a result is shown."""
+    return next(shape for shape in SHAPES if isinstance(result, shape.of()))
 
 
 class ReportPresenter:
@@ -132,7 +137,7 @@ class ReportPresenter:
 
     def words(self, result: Any) -> str:
         """The text of the command line."""
-        return function(SHAPES[type(result).__name__].words)(result)
+        return shape_of(result).words()(result)
 
     def headline(self, result: Registration) -> str:
         """The first line of a registration."""
@@ -140,11 +145,11 @@ class ReportPresenter:
 
     def document(self, result: Any) -> Document:
         """What `--json` prints."""
-        return function(SHAPES[type(result).__name__].document)(result)
+        return shape_of(result).document()(result)
 
     def card(self, result: Any) -> str:
         """HTML for a notebook."""
-        return function(CARDS[type(result).__name__])(result)
+        return shape_of(result).card()(result)
 
     def report(self, result: Reported, path: str | os.PathLike[str]) -> Path:
         """Write the page of a registration; where it was written."""

@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from certreg.registration.breathing import SimulatedBreathing
-from certreg.report.breathing import HEADINGS as SCALED_HEADINGS
-from certreg.report.breathing import (
+from certreg._loading import late
+from certreg.equilibrium.line_set import Finiteness
+from certreg.errors import MissingToolError
+from certreg.report.equilibria import (
+    SpringRests,
     inside_out_words,
-    keeps_words,
-    scale_course,
+    rests_beside,
     scaled_count_words,
-    scaled_rows,
+    spring_notes,
 )
-from certreg.report.equilibria import HEADINGS, equilibria_rows
 from certreg.report.lines import away_words, step_words
-from certreg.report.parts import listed
+from certreg.report.parts import listed, sprung
 from certreg.report.picture import (
     CLOUDS,
     ON_PAGE,
@@ -29,15 +30,30 @@ from certreg.report.pose_facts import Fact
 from certreg.report.scale import rests_of
 from certreg.report.sections import Curve, Section, Table
 from certreg.report.sentences import begun, sentence
-from certreg.results import Absent
+from certreg.report.simulation import motion_beside
+from certreg.results import Absent, Guarantee
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
+    from certreg.registration import equilibria
+    from certreg.registration.equilibria import SpringEquilibrium
     from certreg.registration.result import Registration
     from certreg.report.picture import Picture
-    from certreg.report.spring_listed import Listed
+else:
+    equilibria = late("certreg.registration.equilibria")
 
+COUNTED = {  # on what the number of equilibria of springs rests
+    Finiteness.FORTY: ("forty_lines",),
+    Finiteness.FOUR: ("eigenvectors", "classification"),
+}
+MOST_RELEASED = 8  # stable ones of which a run is made: more than eight were never seen
+TRAP = "stable, and wrong"
+RETURNS = "a body comes back"
+CAME_BACK = (
+    "A body comes back: released at rest, turned by 1°, it came to rest within 0.1° of where it "
+    "was, as seen in doubles."
+)
 SPRUNG = "The target as rings, the source at the pose as dots. The orange lines are the springs"
 TURNS_ALONE = "turns about the origin"
 NO_MOTION = "Nothing was moved: "
@@ -54,6 +70,75 @@ TURNS = (
     "Each pair is joined by a spring, and the source turns about the origin as one rigid body. "
     "The index counts the independent turns that lower the energy: 0 only at the best."
 )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Listed:
+    """What the page says of the equilibria of general springs.
+
+    complete: whether these are proved to be all, and finitely many. theorems: that show it.
+    """
+
+    words: str
+    table: Table | None = None
+    notes: tuple[str, ...] = ()
+    complete: bool = False
+    guarantee: Guarantee = Guarantee.NUMERICAL
+    theorems: tuple[str, ...] = ()
+
+    @property
+    def section(self) -> Section:
+        """As a page shows it."""
+        return Section(
+            name="listed",
+            title="All equilibria of these springs",
+            words=(self.words,),
+            table=self.table,
+            notes=self.notes,
+        )
+
+
+def springs_listed(registration: Registration) -> Listed | None:
+    """All equilibria of these springs; None where nothing can be listed.
+
+    Without python-flint no rows, and the words say so: the proof of the optimum needs no list.
+    """
+    own = sprung(registration)
+    if own is None:
+        return None
+    problem, objective = own.problem, own.solution.objective
+    try:
+        found = equilibria.listed_springs(problem, objective)
+    except MissingToolError as error:
+        return Listed(words=f"None is listed here: {error}.")
+    if found is None:
+        return None
+    told, parts = SpringRests(found), found.components
+    stable = [part for part in parts if part.stable][:MOST_RELEASED]
+    kept = {id(part) for part in stable if equilibria.returns(problem, objective, part)}
+    rows = [
+        (*cells, _with(words, part, returned=id(part) in kept))
+        for (*cells, words), part in zip(told.rows(), parts, strict=True)
+    ]
+    traps = frozenset(k for k, part in enumerate(parts) if is_trap(part))
+    return Listed(
+        words=told.headline,
+        table=Table(head=told.head, rows=rows, stressed=traps) if rows else None,
+        notes=(*spring_notes(found), *[CAME_BACK] * bool(kept)),
+        complete=found.count is not None,
+        guarantee=found.guarantee,
+        theorems=COUNTED.get(found.finiteness, ()),
+    )
+
+
+def is_trap(part: SpringEquilibrium) -> bool:
+    """Whether an equilibrium is stable, and not the optimum."""
+    return part.stable is True and part.optimal is False
+
+
+def _with(words: str, part: SpringEquilibrium, *, returned: bool) -> str:
+    """The words of a row, and what a body does there."""
+    return "; ".join(filter(None, (words, TRAP * is_trap(part), RETURNS * returned)))
 
 
 def still_picture(registration: Registration) -> tuple[Picture | None, str]:
@@ -93,10 +178,10 @@ def rest_sections(registration: Registration, found: Listed | None) -> Iterator[
 
 def _rests(registration: Registration) -> Section:
     """What moves, a table, and the states with a scale below 0."""
-    found, after = rests_of(registration), tuple[str, ...]()
-    head, rows, words = HEADINGS, equilibria_rows(registration.equilibria), TURNS
+    told, found = rests_beside(registration), rests_of(registration)
+    words, rows, after = TURNS, told.rows(), tuple[str, ...]()
     if found is not None:
-        head, rows, words = SCALED_HEADINGS, scaled_rows(found), SAME_SIZE
+        words = SAME_SIZE
         if found.breathing is not None:
             turns = "turns, moves" if registration.problem.motion.translations else TURNS_ALONE
             words = BREATHES.format(moves=turns)
@@ -105,18 +190,18 @@ def _rests(registration: Registration) -> Section:
         name="listed",
         title="Every pose at which it can rest",
         lead=words,
-        table=Table(head=head, rows=rows) if rows else None,
+        table=Table(head=told.head, rows=rows) if rows else None,
         after=after,
     )
 
 
 def _moved(registration: Registration) -> Section:
     """How the simulated motion ended, what is proved of it, curves over time."""
-    run, name, title = registration.solution.trajectory, "moved", "How it moved"
-    if isinstance(run, Absent):
-        words = sentence(f"{NO_MOTION}{run.reason}")
+    told, name, title = motion_beside(registration), "moved", "How it moved"
+    if isinstance(told, Absent):
+        words = sentence(f"{NO_MOTION}{told.reason}")
         return Section(name=name, title=title, words=(words,))
-    away = registration.solution.agreement.simulation
+    run, away = told.run, registration.solution.agreement.simulation
     facts = [
         Fact(name="Steps", value=str(run.steps), words=step_words(run.step)),
         Fact(name="Time", value=f"{run.times[-1]:.6g}", words="in units of the springs"),
@@ -125,16 +210,13 @@ def _moved(registration: Registration) -> Section:
     if away is not None:
         unique = registration.equilibria.classification.unique
         facts.append(Fact(name="End", value="", words=away_words(away, unique=unique)))
-    curves, after = [("Energy", energy_picture(run))], tuple[str, ...]()
-    if isinstance(run, SimulatedBreathing):
-        facts.append(Fact(name="Scale", value="", words=scale_course(run)))
-        curves.append(("Scale", scale_picture(run)))
-        after = (keeps_words(run),)
+    facts += [Fact(name=row.capitalize(), value="", words=words) for row, words in told.state]
+    curves = ("Energy", energy_picture(run)), ("Scale", scale_picture(run))
     return Section(
         name=name,
         title=title,
-        words=(run.status.value,),
+        words=(run.outcome,),
         facts=facts,
         curves=[Curve(name=name, picture=one) for name, one in curves if one is not None],
-        after=after,
+        after=(told.last,) if told.state else (),
     )

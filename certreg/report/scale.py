@@ -14,13 +14,14 @@ from certreg.results import Absent
 
 if TYPE_CHECKING:
     from certreg.geometry.pose import Pose
-    from certreg.registration import breathing, scaled_poses
-    from certreg.registration.breathing import ScaledEquilibria
+    from certreg.registration import equilibria, scaled_poses
+    from certreg.registration.equilibria import ScaledEquilibria
     from certreg.registration.result import Registration
 else:
     # of which few results have a free scale
-    breathing = late("certreg.registration.breathing")
+    equilibria = late("certreg.registration.equilibria")
     scaled_poses = late("certreg.registration.scaled_poses")
+
 
 SCALE_ZERO = (
     "                    0: the clouds do not correspond (the cross-covariance is zero), so that "
@@ -57,7 +58,7 @@ def rests_of(registration: Registration) -> ScaledEquilibria | None:
     """All equilibria with their scales; None where the scale is not free."""
     if registration.problem.scale not in BIAS:
         return None
-    return breathing.scaled_equilibria(registration.solution.objective, registration.equilibria)
+    return equilibria.scaled_equilibria(registration.solution.objective, registration.equilibria)
 
 
 def printed_interval(bounds: tuple[float, float]) -> tuple[str, str]:

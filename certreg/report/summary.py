@@ -4,17 +4,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from certreg._loading import late
-from certreg.report.equilibria import equilibria_summary, margin_words
+from certreg.report.equilibria import rests_beside
 from certreg.report.lines import (
-    away_words,
     explained_words,
+    margin_words,
     method_lines,
     number,
-    rate_words,
     rmse_words,
     status_lines,
-    step_words,
     uncertainty_lines,
     untested_lines,
     warnings,
@@ -22,19 +19,13 @@ from certreg.report.lines import (
 from certreg.report.parts import listed
 from certreg.report.remedies import ADVICE, remedies, why_warned
 from certreg.report.robustness import robustness_words
-from certreg.report.scale import BIAS, rests_of, scale_lines
+from certreg.report.scale import BIAS, scale_lines
 from certreg.report.springs import springs_words
-from certreg.report.thinning import unspent_words
-from certreg.results import present
 
 if TYPE_CHECKING:
     from certreg.geometry.pose import Pose
     from certreg.geometry.similarity import Similarity
     from certreg.registration.result import Registration
-    from certreg.registration.simulation import SimulatedRegistration
-    from certreg.report import breathing
-else:
-    breathing = late("certreg.report.breathing")
 
 
 NOT_LISTED_WORDS = "the proof needs none of them; see `certreg equilibria`"
@@ -86,32 +77,4 @@ def _list_lines(registration: Registration | None) -> list[str]:
     """All equilibria, or where they are to be found."""
     if registration is None:
         return [f"  equilibria        not listed here: {NOT_LISTED_WORDS}"]
-    scaled = rests_of(registration)
-    if scaled is not None:
-        return ["", breathing.scaled_equilibria_words(scaled)]
-    return ["", equilibria_summary(registration.equilibria)]
-
-
-def simulation_summary(simulated: SimulatedRegistration) -> str:
-    """The result of `simulate`, readable; energies in objective units."""
-    trajectory, unspent = simulated.trajectory, unspent_words(simulated.trajectory)
-    end = away_words(simulated.angle_to_optimum, unique=simulated.unique)
-    initial, final = (present(energy) for energy in simulated.energies)
-    proved = "Proved:" if simulated.in_certified_basin else "Not proved that"
-    which = "the" if simulated.unique else "an"
-    return "\n".join(
-        (
-            trajectory.status.value,
-            f"  integrator        {trajectory.integrator.value}",
-            f"  steps             {trajectory.steps}, {step_words(trajectory.step)}",
-            f"  time              {trajectory.times[-1]:.6g}  (unit of the springs)",
-            f"  escapes           {trajectory.escapes}  (kicked off a saddle)",
-            f"  initial energy    {number(initial)}  (kinetic and potential)",
-            f"  final energy      {number(final)}",
-            f"  residual          {trajectory.speed:.3g}  (norm of the 18 rates of change)",
-            f"  decay rate        {rate_words(trajectory)}",
-            f"  end               {end if unspent is None else f'its rotation {end}'}",
-            *([] if unspent is None else [f"  not there yet     {unspent}"]),
-            f"{proved} from its last state the exact motion ends at {which} optimum.",
-        )
-    )
+    return ["", *rests_beside(registration).table()]

@@ -16,8 +16,7 @@ import numpy as np
 
 from certreg.exact.dyadic import nearest_double
 from certreg.problem.lifting import lift
-from certreg.report.equilibria import margin_words
-from certreg.report.lines import number, unit_words
+from certreg.report.lines import margin_words, number, unit_words
 from certreg.report.markup import printable
 from certreg.report.scene_words import component_name, component_words, factor_words, lie_words
 from certreg.report.thinning import UNSPENT, Run, left_words, shown_motion, simulated_escapes

@@ -13,9 +13,9 @@ from certreg.exact.dyadic import degrees_above, half_angle_bound, rational_root_
 from certreg.problem.motion import Scale
 from certreg.registration.headlines import proved_degrees
 from certreg.registration.result import Method
-from certreg.report.equilibria import count_words, margin_words
+from certreg.report.equilibria import count_words, inside_out_words, scaled_count_words
 from certreg.report.fields import scale_interval
-from certreg.report.lines import bounds_nothing
+from certreg.report.lines import bounds_nothing, margin_words
 from certreg.report.parts import listed, sprung
 from certreg.report.pose_words import gap_words
 from certreg.report.robustness import robustness_words
@@ -29,16 +29,14 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from certreg.certificate.isotropic import Claims, IsotropicBody
-    from certreg.registration import breathing as registration_breathing
     from certreg.registration.agreement import Agreement
     from certreg.registration.quartic import QuarticSolution
     from certreg.registration.result import Registration
-    from certreg.report import breathing
-    from certreg.report.spring_listed import Listed
+    from certreg.report import simulation
+    from certreg.report.rest_sections import Listed
 else:
     # of which few results have a free scale
-    breathing = late("certreg.report.breathing")
-    registration_breathing = late("certreg.registration.breathing")
+    simulation = late("certreg.report.simulation")
 
 
 NOT_CLAIMED = (
@@ -114,7 +112,7 @@ def _not_claimed_of_springs(registration: Registration, found: Listed | None) ->
     own = [RIGHT_SPRINGS]
     if registration.solution.unique_rotation is None:
         own.append(ALONE)
-    if found is None or not found.rows:
+    if found is None or found.table is None:
         own.append(NOWHERE)
     elif not found.complete:
         own.append(NOT_ALL)
@@ -287,17 +285,14 @@ def _rests(registration: Registration, body: Any) -> Iterator[Sentence]:
     which = f", of {index} {indices}" if found.components else ""
     words = (
         "Poses at which a body can rest whose size is free: "
-        f"{breathing.scaled_count_words(found)}{which}. The list is complete."
+        f"{scaled_count_words(found)}{which}. The list is complete."
     )
     yield Sentence(words=words, guarantee=found.rigid.guarantee, theorems=COUNTED)
-    words = breathing.inside_out_words(found.breathing)
+    words = inside_out_words(found.breathing)
     yield _proved(words, *COUNTED)
     trajectory = registration.solution.trajectory
-    if (
-        isinstance(trajectory, registration_breathing.SimulatedBreathing)
-        and trajectory.never_collapses
-    ):
-        words = sentence(breathing.KEEPS.removeprefix("Proved: "))
+    if not isinstance(trajectory, Absent) and trajectory.never_collapses:
+        words = sentence(simulation.KEEPS.removeprefix("Proved: "))
         yield _proved(begun(words), "breathing_confined")
 
 

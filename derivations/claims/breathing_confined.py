@@ -192,6 +192,6 @@ CLAIM = Claim(
     not_claimed="That a body with more energy collapses.",
     needs=("breathing_motion", "breathing_equilibria", "properness", "convergence"),
     standard=("Solutions of differential equations go on while they stay in a compact set.",),
-    used_by=("certreg.registration.breathing.never_collapses",),
+    used_by=("certreg.registration.simulation.never_collapses",),
     not_in_coq="All of it.",
 )

@@ -16,7 +16,7 @@ from certreg.errors import DegenerateProblemError
 from certreg.objective.isotropic import Isotropic
 from certreg.problem.moments import exact_moments
 from certreg.problem.problem import RegistrationProblem
-from certreg.registration.breathing import never_collapses
+from certreg.registration.simulation import never_collapses
 
 AXES = np.array([sign * row for row in np.eye(3) for sign in (1.0, -1.0)])
 

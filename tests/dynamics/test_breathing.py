@@ -20,7 +20,7 @@ from certreg.geometry.so3 import rotation_matrix
 from certreg.native.layout import BREATHING_STATE, plain
 from certreg.objective.isotropic import Isotropic
 from certreg.problem.problem import RegistrationProblem
-from certreg.registration.breathing import never_collapses
+from certreg.registration.simulation import never_collapses
 
 DAMPING = 1.3
 

@@ -64,7 +64,7 @@ ALLOWED = {  # what the last digit of a number to the nearest is worth, and wher
         registration/convention_errors.py {scale:.6g}
         registration/convention_errors.py {shift:.3g}
         registration/valley.py {degrees:.{digits}g}
-        registration/valley.py {run.excess:.2g}
+        registration/valley.py {self.excess:.2g}
         registration/labelled.py {self.cost:.6g}
         report/judged_pose.py {math.degrees(angle):.4g}
         report/overview.py {ratio:.3g}
@@ -141,18 +141,12 @@ ALLOWED = {  # what the last digit of a number to the nearest is worth, and wher
     "seconds, steps and rates of a run": """
         report/any_report.py {EMBEDDED_BYTES / 2 ** 20:.0f}
         report/breaking.py {stage.time:.4g}
-        report/breathing.py {run.speed:.3g}
-        report/breathing.py {run.times[-1]:.6g}
-        report/cards.py {trajectory.times[-1]:.6g}
         report/methods.py {1000.0 * each.seconds:.2f}
         report/reload.py {damping:.6g}
         report/reload.py {problem.damping:g}
         report/rest_sections.py {run.times[-1]:.6g}
-        report/spring_equilibria.py {1000.0 * each.seconds:.1f}
-        report/spring_simulation.py {run.speed:.3g}
-        report/spring_simulation.py {run.time:.6g}
-        report/summary.py {trajectory.speed:.3g}
-        report/summary.py {trajectory.times[-1]:.6g}
+        report/simulation.py {run.speed:.3g}
+        report/simulation.py {run.time:.6g}
         report/words.py {damping:.6g}
         cli/progress.py {self.made / self.seconds:,.0f}
         cli/reproducing.py {progress.seconds:.1f}
@@ -162,21 +156,20 @@ ALLOWED = {  # what the last digit of a number to the nearest is worth, and wher
     "numbers of a table or a card, computed; proved bounds stand apart from them": """
         report/breaking.py {stage.energy:.6g}
         report/breaking.py {stage.width:.4g}
-        report/breathing.py {math.degrees(each.component.angle_to_optimum):.6g}
-        report/breathing.py {run.best_scale:.6g}
-        report/breathing.py {scale:.6g}
+        report/equilibria.py {math.degrees(each.component.angle_to_optimum):.6g}
+        report/simulation.py {run.best_scale:.6g}
+        report/simulation.py {first:.6g}
+        report/simulation.py {last:.6g}
         report/cards.py {math.degrees(away or 0.0):.4g}
-        report/cards.py {math.degrees(part.angle_to_optimum):.6g}
         report/cards.py {value:.6g}
         report/pair_page.py {share[row]:.3g}
         report/methods.py {e:.10g}
-        report/spring_equilibria.py {math.degrees(part.angle_to_first):.6g}
-        report/spring_equilibria.py {part.above:.1e}
-        report/spring_listed.py {math.degrees(part.angle_to_first):.4g}
+        report/equilibria.py {math.degrees(part.angle_to_first):.6g}
+        report/equilibria.py {part.above:.1e}
         report/springs.py {100.0 * of_it:.3g}
         report/springs.py {100.0 * share:.3g}
         report/springs.py {math.degrees(away):.1g}
-        report/equilibria.py {100 * margin.relative:.3g}
+        report/lines.py {100 * margin.relative:.3g}
         report/lines.py {context.divide(Decimal(value.numerator), Decimal(value.denominator)):.9e}
         report/lines.py {degrees:.{digits}g}
         report/equilibria.py {math.degrees(component.angle_to_optimum):.6g}

@@ -16,7 +16,6 @@ from certreg.registration.certification import certify
 from certreg.registration.enumeration import equilibria
 from certreg.registration.headlines import headline_of
 from certreg.registration.outlying import independent_rows
-from certreg.report.equilibria import equilibria_words
 from certreg.report.lines import warnings
 from certreg.report.page import Report
 from certreg.report.pages import html_page
@@ -46,7 +45,7 @@ def test_a_strip_that_is_wider_than_its_noise_is_certified_with_a_note(options):
     assert [words for words in warnings(registration, "") if words.startswith(note)]
     assert NEARLY_AMBIGUOUS not in registration_summary(registration)
     assert "turn the answer over" not in registration_summary(registration).split("warning")[0]
-    assert "The margin is small: " in equilibria_words(registration.equilibria)
+    assert "The margin is small: " in str(registration.equilibria)
     judged = assess(registration.problem, registration.pose.rotation, registration.pose.translation)
     assert "The margin is small: " in judged.words
     assert NEARLY_AMBIGUOUS not in judged.words
@@ -64,7 +63,7 @@ def test_a_strip_that_is_narrower_than_its_noise_is_nearly_ambiguous(options):
 
     assert headline_of(registration) is listed.NEARLY_AMBIGUOUS
     assert NEARLY_AMBIGUOUS in registration_summary(registration)
-    assert NEARLY_AMBIGUOUS in equilibria_words(registration.equilibria)
+    assert NEARLY_AMBIGUOUS in str(registration.equilibria)
     assert not any("margin is small" in words for words in warnings(registration, ""))
 
 
@@ -82,7 +81,7 @@ def test_what_the_noise_rules_out_wrong_pairs_may_have_turned_over(options):
     assert headline_of(registration) is listed.NEARLY_AMBIGUOUS
     assert PAIRS_IN_DOUBT in summary
     assert "unique, but the poor fit may have turned the answer over" in summary
-    assert PAIRS_IN_DOUBT in equilibria_words(equilibria(problem))
+    assert PAIRS_IN_DOUBT in str(equilibria(problem))
     assert PAIRS_IN_DOUBT in judged.words
     assert judged.headline.endswith("; the poor fit may have turned the answer over.")
     for told in (summary, judged.words):

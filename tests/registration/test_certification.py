@@ -94,9 +94,9 @@ def test_energies_of_a_simulation_are_potential_and_kinetic_in_objective_units()
     unit *= Fraction(2) ** (2 * one.length_exponent)
 
     assert one.kinetic[-1] > 0
-    assert found.energy_unit == unit
+    assert one.energy_unit == unit
     ends = [float(Fraction(float(one.potential[k] + one.kinetic[k])) * unit) for k in (0, -1)]
-    assert list(found.energies) == ends
+    assert list(one.energies) == ends
 
 
 def test_the_damping_is_that_of_the_fastest_decay_unless_one_is_given(bare: Registration):

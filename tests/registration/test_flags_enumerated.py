@@ -21,7 +21,15 @@ from certreg.equilibrium.line_set import Finiteness, LineSet
 from certreg.objective.classification import Classification
 from certreg.registration import headlines
 from certreg.registration.breaking import BreakingEquilibria, BreakingEquilibrium, SimulatedBreaking
-from certreg.registration.breathing import ScaledEquilibria
+from certreg.registration.equilibria import (
+    SAME_ENERGY,
+    TIED,
+    ScaledEquilibria,
+    SpringEquilibria,
+    SpringEquilibrium,
+    _margin,
+    _optimal,
+)
 from certreg.registration.findings import Findings
 from certreg.registration.label_assessment import (
     KeptPairs,
@@ -37,14 +45,6 @@ from certreg.registration.labelled import (
 from certreg.registration.pair_words import ranges_words
 from certreg.registration.quartic import QuarticSolution
 from certreg.registration.result import Registration
-from certreg.registration.spring_equilibria import (
-    SAME_ENERGY,
-    TIED,
-    SpringEquilibria,
-    SpringEquilibrium,
-    _margin,
-    _optimal,
-)
 from certreg.registration.valley import SimulatedSprings
 from certreg.results import Absent, ComponentKind, Guarantee, Limits, Optimality, Ruling
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 import spring_families
+from commands import checked
 from exact_springs import two_optima
 from springs_certified import moved_springs
 
@@ -16,19 +17,15 @@ import certreg
 from certreg import RegistrationProblem
 from certreg.errors import InvalidFileError, InvalidProblemError, OutOfRangeError
 from certreg.registration.enumeration import enumerated, equilibrium_poses
+from certreg.report.equilibria import SpringRests
 from certreg.report.reload import report_of
-from certreg.report.spring_equilibria import (
-    spring_enumeration_summary,
-    spring_equilibria_document,
-    spring_equilibria_words,
-)
-from certreg.report.spring_listed import listed
+from certreg.report.rest_sections import springs_listed
 from certreg.report.springs import springs_words
 from certreg.results import Absent
 
 if TYPE_CHECKING:
     from certreg.registration.enumeration import Enumeration
-    from certreg.registration.spring_equilibria import SpringEquilibria
+    from certreg.registration.equilibria import SpringEquilibria
     from certreg.registration.valley import SimulatedSprings
 
 
@@ -38,6 +35,11 @@ SIX, SEVEN = (spring_families.instance(spring_families.LISTED[k], 0) for k in (0
 
 def problem_of(made: spring_families.Instance) -> RegistrationProblem:
     return RegistrationProblem(**spring_families.statement(made))
+
+
+def searched(found: Enumeration[SpringEquilibria]) -> SpringRests:
+    """What is said of a list with the searches for it."""
+    return SpringRests(found.equilibria, found)
 
 
 @cache
@@ -134,23 +136,22 @@ def test_a_method_that_is_none_of_general_springs_is_refused_by_those_there_are(
 @pytest.mark.slow
 def test_of_several_that_are_as_good_none_is_called_the_optimum():
     found = six().equilibria
-    reasons = spring_equilibria_document(six())["reasons"]
+    reasons = searched(six()).document()["reasons"]
 
     words = (
         "Not decided which is best: the first 2 have the same energy, as far as 300 digits tell."
     )
-    assert spring_equilibria_words(found).endswith(words)
+    assert str(found).endswith(words)
     tied = "as good as another equilibrium, as far as 300 digits tell"
     assert [each.stated("optimal") for each in found.components[:2]] == [Absent(tied)] * 2
     assert reasons["equilibria.spurious"] == "which are the best is not decided"
     certified: Any = certreg.certify(problem_of(SIX))
-    rows = listed(certified)
-    assert rows is not None
-    assert [row.words.split("; ")[0] for row in rows.rows[:3]] == ["may be optimal"] * 2 + [""]
+    rows = checked(checked(springs_listed(certified)).table).rows
+    assert [row[-1].split("; ")[0] for row in rows[:3]] == ["may be optimal"] * 2 + [""]
 
 
 def test_what_general_springs_do_not_have_is_said_in_the_document():
-    reasons = spring_equilibria_document(six())["reasons"]
+    reasons = searched(six()).document()["reasons"]
 
     absent = "defined for one weight per pair: general springs have no eigenvalues"
     assert reasons["equilibria.pattern"] == absent
@@ -159,8 +160,8 @@ def test_what_general_springs_do_not_have_is_said_in_the_document():
 
 
 def test_where_no_list_is_complete_the_methods_are_not_compared():
-    told = spring_enumeration_summary(circles())
-    reasons = spring_equilibria_document(circles())["reasons"]
+    told = searched(circles()).words()
+    reasons = searched(circles()).document()["reasons"]
 
     assert "  road      solutions  index 0 1 2 3  time" in told
     assert reasons["agreement.rotation_deg"] == "no list was proved complete"
@@ -176,7 +177,7 @@ def test_where_a_list_is_in_doubt_no_equilibrium_is_called_the_optimum():
 
 
 def test_springs_that_are_one_weight_per_pair_have_four_equilibria_each_proved_in_a_box():
-    told = spring_equilibria_words(enumerated(full_springs(0)).equilibria)
+    told = str(enumerated(full_springs(0)).equilibria)
 
     assert "exactly 4, of which 1 stable." in told
     assert (

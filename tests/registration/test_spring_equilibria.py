@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from certreg.registration.spring_equilibria import (
+from certreg.registration.equilibria import (
     NOT_LISTED_WHOLE,
     NOT_SEPARATED,
     SAME_ENERGY,

@@ -22,11 +22,12 @@ from certreg.registration.enumeration import enumerated
 from certreg.registration.headlines import headline_of, is_green
 from certreg.registration.simulation import SimulatedRegistration
 from certreg.report.any_report import EMBEDDED_BYTES
-from certreg.report.document import dumps, result_document, simulation_document
-from certreg.report.methods import methods_fields, methods_summary, methods_table
+from certreg.report.document import dumps, result_document
+from certreg.report.methods import methods_fields, methods_summary, methods_table, road_fields
 from certreg.report.overview import split
 from certreg.report.page import Report
 from certreg.report.pages import html_page
+from certreg.report.simulation import ended
 from certreg.report.summary import registration_summary
 from certreg.results import OUT_OF_RANGE, Absent, Limits, Optimality
 
@@ -266,7 +267,7 @@ def test_the_fields_of_methods_are_those_of_the_searches(enumeration: Enumeratio
     said = methods_summary(replace(enumeration, comparison=apart))
     assert "agree: rotations to 1 degrees, energies to 0.3 of their range." in said
     assert words.startswith(methods_table(enumeration) + "\n")
-    alone = replace(enumeration, comparison=None)
+    alone = replace(enumeration, searches=enumeration.searches[:1], comparison=None)
     assert methods_summary(alone) == methods_table(alone)
     assert methods_fields(alone) == {}
     for field in fields["roads"]:
@@ -283,7 +284,7 @@ def test_what_a_method_leaves_in_doubt_is_said_beside_it(enumeration: Enumeratio
     one = next(each for each in enumeration.searches if each.critical is not None)
     critical = replace(checked(one.critical), completeness=None, doubt="a path was lost")
     doubtful = replace(enumeration, searches=(replace(one, critical=critical),))
-    (field,) = methods_fields(doubtful)["roads"]
+    field = road_fields(doubtful.searches[0], doubtful)
 
     assert methods_table(doubtful).splitlines()[1].endswith(f"{critical.guarantee.label}, in doubt")
     assert (field["complete"].value, field["complete"].reason) == (False, "a path was lost")
@@ -291,9 +292,7 @@ def test_what_a_method_leaves_in_doubt_is_said_beside_it(enumeration: Enumeratio
         parts = tuple(replace(part, index=None) for part in critical.components)
         known = critical.completeness if doubt else checked(one.critical).completeness
         given = replace(critical, components=parts, completeness=known, doubt=doubt)
-        (field,) = methods_fields(replace(doubtful, searches=(replace(one, critical=given),)))[
-            "roads"
-        ]
+        field = road_fields(replace(one, critical=given), doubtful)
         assert field["indices"].reason.startswith(reason)
 
 
@@ -307,7 +306,7 @@ def test_a_simulation_alone_has_the_fields_of_one_in_a_result(registration: Regi
             in_certified_basin=proved,
             unique=True,
         )
-        told = simulation_document(alone)
+        told = ended(alone).document()
         whole = result_document(registration)["simulation"]
 
         assert {key: told[key] for key in whole} == {**whole, "in_certified_basin": proved}

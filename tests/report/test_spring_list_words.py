@@ -15,14 +15,11 @@ from commands import certreg, write_csv
 
 from certreg import RegistrationProblem, equilibria, verify
 from certreg.cli import dynamics
+from certreg.objective.structure import Structure
 from certreg.registration.enumeration import certified_list, enumerated
-from certreg.registration.spring_equilibria import spring_equilibria
-from certreg.report.spring_equilibria import (
-    _road,
-    spring_enumeration_summary,
-    spring_equilibria_document,
-    spring_equilibria_words,
-)
+from certreg.registration.equilibria import spring_equilibria
+from certreg.report.equilibria import SpringRests
+from certreg.report.methods import COLUMNS, _row
 from certreg.results import Absent, Guarantee
 
 if TYPE_CHECKING:
@@ -30,10 +27,11 @@ if TYPE_CHECKING:
 
     from certreg.equilibrium.line_set import LineSet
     from certreg.registration.enumeration import Enumeration
-    from certreg.registration.spring_equilibria import SpringEquilibria
+    from certreg.registration.equilibria import SpringEquilibria
 
 
 STATED = spring_families.statement(spring_families.instance(spring_families.LISTED[0], 0))
+SPRINGS = COLUMNS[Structure.QUARTIC]
 LEVEL = np.array([0.0, 0.0, 1.0])
 
 
@@ -44,6 +42,11 @@ def planes(count: int, seed: int, across: float = 1.0) -> RegistrationProblem:
     normals[:, 2] *= across
     target = source + 0.05 * draw.normal(size=(count, 3))
     return RegistrationProblem(source, target, normals=normals)
+
+
+def searched(found: Enumeration[SpringEquilibria]) -> SpringRests:
+    """What is said of a list with the searches for it."""
+    return SpringRests(found.equilibria, found)
 
 
 @cache
@@ -74,7 +77,7 @@ def without(count: int) -> SpringEquilibria:
 
 def test_a_row_at_which_the_energy_falls_is_never_said_to_be_perhaps_the_optimum():
     found = without(2)
-    told = spring_equilibria_words(found)
+    told = str(found)
 
     assert found.components[0].morse_index == 1
     assert [part.optimal for part in found.components] == [False] * len(found.components)
@@ -87,7 +90,7 @@ def test_a_row_at_which_the_energy_falls_is_never_said_to_be_perhaps_the_optimum
 
 def test_a_minimum_that_is_listed_first_may_be_the_optimum():
     found = without(1)
-    told = spring_equilibria_words(found)
+    told = str(found)
 
     assert [part.optimal for part in found.components][:2] == [None, False]
     assert "may be optimal" in told
@@ -107,11 +110,11 @@ def test_of_five_planes_no_row_that_is_listed_is_said_to_be_the_optimum():
 
 def test_where_the_optimum_is_not_decided_angles_are_to_the_first_row():
     found = six().equilibria
-    document = spring_equilibria_document(six())
+    document = searched(six()).document()
     rows = document["equilibria"]["components"]
 
-    assert "  to row 1" in spring_equilibria_words(found)
-    assert "to optimum" not in spring_equilibria_words(found)
+    assert "  to row 1" in str(found)
+    assert "to optimum" not in str(found)
     assert [part.angle_to_optimum for part in found.components] == [None] * len(rows)
     assert found.components[1].stated("angle_to_optimum") == Absent(
         "which equilibrium is the optimum is not decided"
@@ -125,14 +128,14 @@ def test_where_the_optimum_is_known_angles_are_to_it():
 
     assert found.unique
     assert all(part.angle_to_optimum == part.angle_to_first for part in found.components)
-    assert "  to optimum" in spring_equilibria_words(found)
+    assert "  to optimum" in str(found)
 
 
 # --- energies
 
 
 def test_an_energy_below_what_is_known_of_it_is_0_to_rounding():
-    told = spring_equilibria_words(six().equilibria).splitlines()
+    told = str(six().equilibria).splitlines()
     energies = [part.energy or 0.0 for part in six().equilibria.components]
 
     assert [line.count("0 to rounding") for line in told[2:5]] == [2, 2, 0]
@@ -144,10 +147,10 @@ def test_of_a_row_that_shows_the_energy_of_the_first_it_is_said_by_how_much_it_i
     found = enumerated(planes(12, 0)).equilibria
     first, second, *_ = found.components
     near = replace(second, energy=first.energy, above=1.24e-16)
-    told = spring_equilibria_words(replace(found, components=(first, near)))
+    told = str(replace(found, components=(first, near)))
 
     assert told.splitlines()[3].endswith("higher by 1.2e-16")
-    assert "higher by" not in spring_equilibria_words(found)
+    assert "higher by" not in str(found)
 
 
 @pytest.mark.slow
@@ -164,7 +167,7 @@ def test_a_bound_below_zero_is_told_as_zero_since_the_energy_is_a_sum_of_squares
 
 
 def test_of_one_wall_the_list_names_what_is_undetermined_and_that_there_are_infinitely_many():
-    told = spring_equilibria_words(wall().equilibria)
+    told = str(wall().equilibria)
 
     assert told.startswith("Equilibria (exact): infinitely many; none proved to be isolated.")
     assert told.endswith(
@@ -175,7 +178,7 @@ def test_of_one_wall_the_list_names_what_is_undetermined_and_that_there_are_infi
 
 def test_of_a_corridor_the_list_says_that_a_shift_is_hardly_resisted():
     found = enumerated(planes(12, 0, across=1e-13)).equilibria
-    told = spring_equilibria_words(found)
+    told = str(found)
 
     assert found.complete
     assert "\nA shift along (0, 0, 1) is resisted by next to nothing: springs changed by " in told
@@ -183,7 +186,7 @@ def test_of_a_corridor_the_list_says_that_a_shift_is_hardly_resisted():
 
 
 def test_where_all_is_resisted_nothing_is_said_of_it():
-    document = spring_equilibria_document(six())
+    document = searched(six()).document()
 
     assert document["equilibria"]["undetermined"] is None
     assert document["reasons"]["equilibria.undetermined"] == (
@@ -198,9 +201,9 @@ def test_a_list_without_rows_says_so_and_counts_nothing():
     (search,) = wall().searches
     bare = replace(search, critical=replace(cast("LineSet", search.critical), components=()))
     found = replace(wall().equilibria, components=())
-    told = spring_enumeration_summary(
+    told = searched(
         replace(wall(), searches=(bare, bare), equilibria=found, comparison=None)
-    )
+    ).words()
 
     assert told.startswith("Equilibria (exact): infinitely many; none is listed.")
     assert told.splitlines()[-1].split("  ")[1:3] == ["homotopy", "none"]
@@ -242,24 +245,30 @@ def _clouds(folder: Path, count: int) -> tuple[Path, Path]:
 
 def test_a_method_is_known_as_well_as_the_least_known_of_its_equilibria():
     for one, other in product(Guarantee, repeat=2):
-        parts = [SimpleNamespace(guarantee=kind) for kind in (one, other)]
+        parts = [SimpleNamespace(guarantee=kind, quaternion=(1, 0, 0, 0)) for kind in (one, other)]
         for complete in (False, True):
             critical: Any = SimpleNamespace(components=parts, indices=(0, 1), complete=complete)
             search: Any = SimpleNamespace(method="paths", seconds=0.5, critical=critical)
             doubt = "" if complete else ", in doubt"
 
-            assert _road(search)[-1] == f"{min(one, other).label}{doubt}"
+            assert _row(search, six(), SPRINGS)[-1] == f"{min(one, other).label}{doubt}"
 
 
 def test_a_method_is_told_with_how_many_equilibria_of_each_index_it_found():
-    part = SimpleNamespace(guarantee=Guarantee.ENCLOSED)
+    part = SimpleNamespace(guarantee=Guarantee.ENCLOSED, quaternion=(1, 0, 0, 0))
     critical: Any = SimpleNamespace(
         components=[part] * 5, indices=(0, 3, 1, 1, None), complete=False
     )
     search: Any = SimpleNamespace(method="paths", seconds=0.5, critical=critical, reason=None)
 
-    assert _road(search) == ("paths", "5", "1 2 0 1", "500.0 ms", "enclosed, in doubt")
+    assert _row(search, six(), SPRINGS) == (
+        "paths",
+        "5",
+        "1 2 0 1",
+        "500.00 ms",
+        "enclosed, in doubt",
+    )
     critical.components = []
-    assert _road(search) == ("paths", "none", "-", "500.0 ms", "in doubt")
+    assert _row(search, six(), SPRINGS) == ("paths", "none", "-", "500.00 ms", "in doubt")
     search.critical = None
-    assert _road(search) == ("paths", "-", "-", "500.0 ms", "undecided")
+    assert _row(search, six(), SPRINGS) == ("paths", "-", "-", "500.00 ms", "undecided")

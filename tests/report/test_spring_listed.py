@@ -10,16 +10,16 @@ from typing import Any
 
 import numpy as np
 import pytest
+from commands import checked
 from test_spring_page import registered, words_of
 
 from certreg.errors import MissingToolError
 from certreg.problem.problem import RegistrationProblem
-from certreg.registration import spring_release
+from certreg.registration import equilibria
 from certreg.registration.certification import certify
-from certreg.report import spring_listed
 from certreg.report.page import Report
 from certreg.report.pages import html_page
-from certreg.report.spring_listed import Listed, listed
+from certreg.report.rest_sections import Listed, is_trap, springs_listed
 from certreg.report.words import ALONE, not_claimed, sentences
 from certreg.results import Guarantee
 from derivations.spring_counterexamples import STABLE
@@ -32,7 +32,7 @@ def springs_of(problem: RegistrationProblem) -> Any:
 
 def parts_of(registration: Any) -> Any:
     """The equilibria beside a result."""
-    found = spring_release.listed_springs(registration.problem, registration.solution.objective)
+    found = equilibria.listed_springs(registration.problem, registration.solution.objective)
     assert found is not None
     return found.components
 
@@ -48,22 +48,23 @@ def eighteen() -> Any:
 
 @pytest.fixture(scope="module")
 def forty() -> Listed:
-    found = listed(eighteen())
+    found = springs_listed(eighteen())
     assert found is not None
     return found
 
 
 @pytest.mark.slow
 def test_the_eighteen_planes_have_three_stable_equilibria_that_are_wrong_and_hold_the_body(forty):
-    traps = [row for row in forty.rows if row.trap]
+    table = checked(forty.table)
+    traps = [table.rows[k] for k in sorted(table.stressed)]
 
     assert "exactly 40, of which 4 stable" in forty.words
-    assert [row.energy for row in traps] == ["16.000000"] * 3
-    assert {row.angle for row in traps} == {"180°"}
-    assert {row.words for row in traps} == {"stable, and wrong; a body comes back"}
-    assert forty.rows[0].words == "the optimum; a body comes back"
-    assert {row.words for row in forty.rows if row.stable == "no"} == {""}
-    assert [row.index for row in forty.rows].count("0") == 4
+    assert [row[3] for row in traps] == ["16.000000"] * 3
+    assert {row[4] for row in traps} == {"180 deg"}
+    assert {row[-1] for row in traps} == {"stable, and wrong; a body comes back"}
+    assert table.rows[0][-1] == "optimal; a body comes back"
+    assert {row[-1] for row in table.rows if row[1] == "no"} == {""}
+    assert [row[0] for row in table.rows].count("0") == 4
 
 
 @pytest.mark.slow
@@ -84,31 +85,32 @@ def test_the_page_has_a_row_for_each_equilibrium_and_marks_the_traps():
 
 
 def test_a_problem_with_one_stable_equilibrium_has_no_trap():
-    found = listed(registered("plane"))
+    found = springs_listed(registered("plane"))
 
-    assert found is not None
-    assert not any(row.trap for row in found.rows)
-    assert [row.stable for row in found.rows].count("yes") == 1
-    assert not any("stays there" in note for note in found.notes)
+    table = checked(checked(found).table)
+    assert not table.stressed
+    assert [row[1] for row in table.rows].count("yes") == 1
+    assert not any("stays there" in note for note in checked(found).notes)
 
 
 def test_one_wall_is_not_said_to_be_listed_and_no_row_is_called_stable():
     points = np.random.default_rng(0).standard_normal((9, 3))
     wall = RegistrationProblem(points, points, normals=np.tile([0.0, 0.0, 1.0], (9, 1)))
-    found = listed(springs_of(wall))
+    found = springs_listed(springs_of(wall))
 
     assert found is not None
     assert found.words == "Equilibria (exact): infinitely many; none proved to be isolated."
-    assert found.angle == "to the first row"
-    assert {row.words for row in found.rows} == {"not told apart from others"}
-    assert {(row.index, row.stable, row.trap) for row in found.rows} == {("–", "–", False)}
+    table = checked(found.table)
+    assert table.head[4] == "to row 1"
+    assert {(row[0], row[1], row[-1]) for row in table.rows} == {("-", "-", "not separated")}
+    assert not table.stressed
 
 
 def test_where_nothing_is_listed_the_page_has_no_such_section(monkeypatch):
-    monkeypatch.setattr(spring_listed, "listed_springs", lambda *_: None)
+    monkeypatch.setattr(equilibria, "listed_springs", lambda *_: None)
     page = html_page(Report.of(registered("plane")))
 
-    assert listed(registered("plane")) is None
+    assert springs_listed(registered("plane")) is None
     assert b"All equilibria" not in page
     said = words_of(page)
     assert (
@@ -123,7 +125,7 @@ def test_without_the_library_of_the_list_the_page_is_made_and_says_what_the_list
     def no_list(*_: object):
         raise missing
 
-    monkeypatch.setattr(spring_listed, "listed_springs", no_list)
+    monkeypatch.setattr(equilibria, "listed_springs", no_list)
     said = words_of(html_page(Report.of(registered("plane"))))
 
     assert f"None is listed here: {missing}." in said
@@ -146,7 +148,7 @@ def test_of_springs_alike_in_every_way_no_certificate_of_the_list_is_promised():
     rng = np.random.default_rng(0)
     source, information = rng.standard_normal((4, 3)), np.tile(np.eye(3), (4, 1, 1))
     found = springs_of(RegistrationProblem(source, source + 0.1, information=information))
-    rows = listed(found)
+    rows = springs_listed(found)
 
     assert rows is not None
     (said,) = [one for one in sentences(found, None, rows) if "The list was made" in one.words]
@@ -179,11 +181,11 @@ def test_what_is_not_decided_is_under_what_is_not_claimed_and_not_among_what_is_
 
 @pytest.mark.parametrize("seen", [False, None])
 def test_only_what_came_back_is_said_to_have_come_back(monkeypatch, seen):
-    monkeypatch.setattr(spring_listed, "returns", lambda *_: seen)
-    found = listed(registered("plane"))
+    monkeypatch.setattr(equilibria, "returns", lambda *_: seen)
+    found = springs_listed(registered("plane"))
 
     assert found is not None
-    assert found.rows[0].words == "the optimum"
+    assert checked(found.table).rows[0][-1] == "optimal"
 
 
 @pytest.mark.slow
@@ -193,8 +195,8 @@ def test_a_body_released_at_a_saddle_does_not_come_back():
     parts = parts_of(found)
     saddle = next(part for part in parts if part.morse_index == 1)
 
-    assert spring_release.returns(problem, objective, parts[1]) is True
-    assert spring_release.returns(problem, objective, saddle) is False
+    assert equilibria.returns(problem, objective, parts[1]) is True
+    assert equilibria.returns(problem, objective, saddle) is False
 
 
 @pytest.mark.slow
@@ -206,24 +208,11 @@ def test_springs_on_collinear_points_have_no_motion_and_nothing_is_said_of_it():
     found = springs_of(RegistrationProblem(points, target, normals=normals))
     part = parts_of(eighteen())[0]
 
-    assert spring_release.returns(found.problem, found.solution.objective, part) is None
+    assert equilibria.returns(found.problem, found.solution.objective, part) is None
 
 
-def test_a_trap_is_a_stable_equilibrium_that_is_proved_not_to_be_optimal(monkeypatch):
-    monkeypatch.setattr(spring_listed, "magnitude", lambda *_: "")
+def test_a_trap_is_a_stable_equilibrium_that_is_proved_not_to_be_optimal():
     for stable, optimal in product((None, False, True), repeat=2):
-        part: Any = SimpleNamespace(
-            stable=stable,
-            optimal=optimal,
-            morse_index=None,
-            energy=None,
-            rmse=None,
-            angle_to_first=0.0,
-            separated=True,
-        )
-        row = spring_listed._row(part, returned=None)
-        wrong = stable is True and optimal is False
+        part: Any = SimpleNamespace(stable=stable, optimal=optimal)
 
-        assert row.trap == wrong
-        assert ("wrong" in row.words) == wrong
-        assert ("may be optimal" in row.words) == (optimal is None)
+        assert is_trap(part) == (stable is True and optimal is False)

@@ -26,8 +26,9 @@ from certreg.registration.agreement import Agreement
 from certreg.registration.assessment import assess
 from certreg.registration.certification import certify
 from certreg.report import lines, scene_words, words
-from certreg.report.equilibria import count_words, margin_words
+from certreg.report.equilibria import count_words
 from certreg.report.judged_pose import assessment_summary
+from certreg.report.lines import margin_words
 from certreg.report.pose_facts import aligned
 from certreg.report.reload import report_of
 from certreg.report.summary import registration_summary

@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from certreg import RegistrationProblem, certify
 from certreg.geometry.so3 import rotation_matrix
-from certreg.report.cards import equilibria_card, registration_card
+from certreg.report.cards import registration_card
 from certreg.report.picture import SOURCE, registration_picture
 from certreg.report.thinning import PUSH, simulated_escapes
 
@@ -73,17 +73,17 @@ def test_a_card_draws_rings_empty_and_dots_in_the_colour_of_the_source(found: Re
 
 
 def test_the_columns_of_a_card_are_what_their_heads_say(found: Registration):
-    card = equilibria_card(found.equilibria)
+    card = found.equilibria._repr_html_()
     heads = re.findall(r"<th[^>]*>(.*?)</th>", card)
     cells = np.array(re.findall(r"<td[^>]*>(.*?)</td>", card)).reshape(-1, len(heads))
     columns = dict(zip(heads, cells.T.tolist(), strict=True))
     parts = found.equilibria.components
 
-    assert heads == ["index", "kind", "RMSE", "energy", "to the optimum"]
+    assert heads == ["index", "kind", "RMSE", "energy", "to optimum", "unstable", ""]
     assert columns["index"] == [str(part.morse_index) for part in parts]
     assert columns["kind"] == ["point"] * 4
     assert [float(each) for each in columns["RMSE"]] == pytest.approx([p.rmse for p in parts])
     assert [float(each) for each in columns["energy"]] == pytest.approx([p.energy for p in parts])
-    assert [float(each.removesuffix(" degrees")) for each in columns["to the optimum"]] == (
+    assert [float(each.removesuffix(" deg")) for each in columns["to optimum"]] == (
         pytest.approx([np.degrees(p.angle_to_optimum) for p in parts], rel=1e-5)
     )

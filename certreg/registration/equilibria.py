@@ -1,4 +1,10 @@
-"""The equilibria of general springs as they are handed to the user: poses, energies, stability."""
+"""The equilibria of general springs, and of a free scale, as they are handed to the user.
+
+With the asymmetric scale the size of the body is a state, and the equilibria are the eigenlines
+with a positive eigenvalue. The symmetric scale is the same whatever the rotation: a body of that
+size is rigid, and has the equilibria of the rigid body. Those of one weight per pair and scale 1
+are an `EquilibriumSet`.
+"""
 
 from __future__ import annotations
 
@@ -10,13 +16,19 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from certreg._loading import late
+from certreg.dynamics.simulation import simulate
+from certreg.dynamics.springs import spring_body
+from certreg.equilibrium.breathing import breathing_equilibria
 from certreg.equilibrium.equilibrium_set import unit_double
 from certreg.equilibrium.line_set import Finiteness
+from certreg.equilibrium.methods import FINDERS, search
 from certreg.errors import DegenerateProblemError
 from certreg.exact.dyadic import nearest_double, nearest_root
 from certreg.geometry.so3 import canonical, dot, squared_norm
+from certreg.native.kernels import MissingLibraryError
 from certreg.objective.springs import Springs
 from certreg.registration.curvature import slope_and_curvature, soft_axes
+from certreg.registration.exit_codes import code_of_list
 from certreg.registration.loose_turns import axis_words
 from certreg.registration.optimum import pose_at
 from certreg.registration.outlying import LISTED
@@ -26,10 +38,15 @@ from certreg.registration.weakly_constrained import weak_shift_words, weak_shift
 from certreg.results import OUT_OF_RANGE, Absent, ComponentKind, Explained, Guarantee, Presented
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import NDArray
 
+    from certreg.equilibrium.breathing import BreathingEquilibria
+    from certreg.equilibrium.equilibrium_set import Component, EquilibriumSet
     from certreg.equilibrium.line_set import LineSet
     from certreg.geometry.pose import Pose
+    from certreg.objective.isotropic import Isotropic
     from certreg.problem.problem import RegistrationProblem
     from certreg.relaxation import optimum
 else:
@@ -38,12 +55,15 @@ else:
 
 LINES = 40
 SAME_ENERGY = Fraction(1, 1 << 90)  # of the oscillation
+RELEASED = math.radians(1.0)  # from the equilibrium: far above what runs end within
+RETURNED = math.radians(0.1)  # to it: ten times what a run that ends is off
 KNOWN = Fraction(1, 1 << 300)  # of the oscillation: to this the energy of a proved one is known
 NOT_SEPARATED = Absent("not proved to be one equilibrium: it may be several, or none")
 TIED = Absent("as good as another equilibrium, as far as 300 digits tell")
 DEEPEST = Absent("the energy falls in no direction")
 BEST_UNKNOWN = Absent("which equilibrium is the optimum is not decided")
 ALL_RESISTED = Absent("no shift or turn is known to be left open, or hardly resisted")
+CONTINUUM = Absent("the equilibria form a continuum: there are infinitely many")
 NOT_LISTED_WHOLE = Absent("the list is not proved complete: a better rotation may be missing")
 
 
@@ -109,6 +129,8 @@ class SpringEquilibria(Explained, Presented):
         such one is known.
     relative_margin
         (E2 - E1) / (Emax - E1) of the two best energies; None where the best is not known.
+    enumeration
+        The searches for them, an `Enumeration`; None beside a registration.
     """
 
     components: tuple[SpringEquilibrium, ...]
@@ -120,6 +142,7 @@ class SpringEquilibria(Explained, Presented):
     tied: int
     undetermined: str | None
     relative_margin: float | None
+    enumeration: Any = None
 
     def __repr__(self) -> str:
         known = "complete" if self.complete else "not proved complete"
@@ -155,21 +178,17 @@ class SpringEquilibria(Explained, Presented):
         return self.complete and self.finiteness is Finiteness.CONSTANT
 
     @property
+    def exit_code(self) -> int:
+        """What `equilibria` ends with: 0; 3 where every rotation is optimal; 4 for less."""
+        return code_of_list(unique=False if self.all_optimal else self.unique or None)
+
+    @property
     def euler_sum(self) -> int | None:
         """The sum of (-1)^index, which is 0 where all are listed and none is degenerate."""
         indices = [part.morse_index for part in self.components]
         if self.count is None or None in indices:
             return None
         return sum(-1 if index % 2 else 1 for index in indices if index is not None)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class ListedSpringEquilibria(SpringEquilibria):
-    """The same with the searches for them, an `Enumeration`."""
-
-    enumeration: Any
-
-    __repr__ = SpringEquilibria.__repr__
 
 
 def spring_equilibria(
@@ -286,6 +305,129 @@ def _margin(critical: LineSet) -> float | None:
         return None
     apart = max(values[1] - values[0], Fraction(0))  # known to be positive, in more digits
     return float(apart / (values[-1] - values[0]))
+
+
+def listed_springs(problem: RegistrationProblem, objective: Springs) -> SpringEquilibria | None:
+    """The equilibria by the first method; None where it decides nothing."""
+    first, *_ = FINDERS[objective.structure]
+    found: Any = search(objective, first).critical
+    critical: LineSet | None = found
+    return None if critical is None else spring_equilibria(critical, objective, problem)
+
+
+def returns(
+    problem: RegistrationProblem, objective: Springs, part: SpringEquilibrium
+) -> bool | None:
+    """Whether a body released at rest 1 degree from an equilibrium comes back to it.
+
+    Turned about the first axis of the source, with the translation that is best there. None where
+    the equations of motion are not defined or not compiled, or the run did not come to rest.
+    """
+    w, x, y, z = part.basis[:, 0]
+    c, s = math.cos(RELEASED / 2.0), math.sin(RELEASED / 2.0)
+    turned = (c * w - s * x, c * x + s * w, c * y + s * z, c * z - s * y)
+    try:
+        start = spring_body(objective.moments, problem.damping).balanced(turned)
+        run = simulate(objective, problem.damping, start=start)
+    except (DegenerateProblemError, MissingLibraryError):
+        return None
+    if not run.at_rest:
+        return None
+    cosine = min(1.0, abs(float(np.dot(part.basis[:, 0], run.quaternion))))
+    return 2.0 * math.acos(cosine) < RETURNED
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ScaledEquilibrium(Explained):
+    """A connected component of the rest states of a body whose scale is free.
+
+    component: its rotations, kind, index and energy. scale: target over source, rounded once.
+    rmse: sqrt(sum w r^2 / sum w), in the unit of the target.
+    """
+
+    component: Component
+    scale: float | None
+    rmse: float | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ScaledEquilibria(Presented):
+    """All equilibria with a scale above 0, the optimum first.
+
+    rigid: those of the body of scale 1, which has the same rotations. breathing: with the scale as
+    a state, their exact count and the inside-out states; None of the symmetric scale. enumeration:
+    the searches for them, an `Enumeration`; None beside a registration.
+    """
+
+    rigid: EquilibriumSet
+    components: tuple[ScaledEquilibrium, ...]
+    breathing: BreathingEquilibria | None
+    enumeration: Any = None
+
+    def __repr__(self) -> str:
+        count = "infinitely many" if self.count is None else self.count
+        return f"<ScaledEquilibria: {count}; {self.rigid.guarantee.label}>"
+
+    @property
+    def finite(self) -> bool:
+        """Whether there are finitely many."""
+        return all(each.component.kind.dimension == 0 for each in self.components)
+
+    @property
+    def count(self) -> int | None:
+        """Their number, exact; None means infinitely many."""
+        return len(self.components) if self.finite else None
+
+    @property
+    def spurious(self) -> int | None:
+        """The number of those that are not optimal; None means infinitely many."""
+        others = [each.component for each in self.components if not each.component.optimal]
+        return len(others) if all(each.kind.dimension == 0 for each in others) else None
+
+    @property
+    def unique(self) -> bool:
+        """Whether there is one optimum."""
+        return self.rigid.classification.unique
+
+    @property
+    def exit_code(self) -> int:
+        """What `equilibria` ends with: 0; 3 where several are optimal; 4 where more may be."""
+        return code_of_list(unique=self.unique if self.rigid.complete else None)
+
+    def stated(self, name: str) -> Any:
+        """The number of that name, or why it is none."""
+        value = getattr(self, name)
+        return CONTINUUM if value is None else value
+
+
+def scaled_equilibria(
+    objective: Isotropic, rigid: EquilibriumSet, enumeration: Any = None
+) -> ScaledEquilibria:
+    """The equilibria of a problem whose scale is free. rigid: those of its rotations."""
+    scaling, breathing = objective.scaling, None
+    kept = len(rigid.components)
+    if scaling is None or not scaling.symmetric:
+        breathing = breathing_equilibria(objective)
+        kept = len(breathing.upright)  # rigid ones come with the largest eigenvalue first
+    return ScaledEquilibria(
+        rigid=rigid,
+        components=tuple(
+            _with_scale(objective, component, objective.quaternions[place])
+            for place, component in enumerate(rigid.components[:kept])
+        ),
+        breathing=breathing,
+        enumeration=enumeration,
+    )
+
+
+def _with_scale(objective: Isotropic, component: Component, q: Sequence[int]) -> ScaledEquilibrium:
+    scale = objective.best_scale(q)
+    return ScaledEquilibrium(
+        component=component,
+        scale=nearest_double(scale) or None,
+        rmse=component.rmse,
+        absent=dict.fromkeys(("scale", "rmse"), OUT_OF_RANGE),
+    )
 
 
 def spring_pose(problem: RegistrationProblem) -> Pose:
