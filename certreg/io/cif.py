@@ -12,8 +12,8 @@ import numpy as np
 
 from certreg.errors import InvalidFileError
 from certreg.io.atoms import Atom, carbon_alphas
+from certreg.io.cloud import Cloud
 from certreg.io.optional import optional_library
-from certreg.io.parsed import Parsed
 from certreg.io.streams import MAX_TEXT_BYTES, Place, refused
 from certreg.verify import shown
 
@@ -30,7 +30,7 @@ UNCERTAIN = re.compile(r"\([0-9]+\)")  # 1.234(5)
 NOTHING = {"?", "."}
 
 
-def parse_cif(stream: BinaryIO, file: Path) -> Parsed:
+def parse_cif(stream: BinaryIO, file: Path) -> Cloud:
     """The Cα atoms of the first model of the only block that has atoms."""
     cif = optional_library("gemmi", file, CONVERTER).cif
     content = stream.read(MAX_TEXT_BYTES + 1)
@@ -48,7 +48,9 @@ def parse_cif(stream: BinaryIO, file: Path) -> Parsed:
         ) from error
     found = carbon_alphas(_atoms(document, cif, file), file)
     points = np.array(found.coordinates).reshape(-1, 3)
-    return Parsed(points=points, labels=found.labels, identifiers=found.labels, notes=found.notes)
+    return Cloud(
+        path=file, points=points, labels=found.labels, identifiers=found.labels, notes=found.notes
+    )
 
 
 def _atoms(document: Any, cif: Any, file: Path) -> Iterator[Atom]:

@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
 
 from certreg._loading import found_late, late
+from certreg.io.cloud import Cloud
 from certreg.io.optional import unknown_format
 from certreg.io.streams import is_standard_input, reading, refused, standard_input
 from certreg.io.text import TEXT_FORMATS, parse_points
 from certreg.problem.arrays import first_row, remedy_of_shape
-from certreg.results import Brief
 
 if TYPE_CHECKING:
     import os
@@ -22,9 +22,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.io import npy
-    from certreg.io.parsed import Parsed, RowNumbers
 
-    Parser = Callable[[BinaryIO, Path], Parsed]
+    Parser = Callable[[BinaryIO, Path], Cloud]
 else:  # for arrays in files
     npy = late("certreg.io.npy")
 
@@ -40,33 +39,6 @@ PARSERS: dict[str, Callable[[], Parser]] = {  # each is loaded where a file has 
     ".kitti": found_late("certreg.io.trajectories", "parse_kitti"),
 }
 FORMATS = (*TEXT_FORMATS, ".npy", *PARSERS)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Cloud(Brief):
-    """Points read from a file: (N, 3), labels if the file has them, names of columns not read.
-
-    Points of a large .npy or binary .ply file are mapped from it: they stay there, as doubles or
-    floats, and nobody may change the file meanwhile.
-    """
-
-    path: Path
-    points: NDArray[np.float64]
-    labels: tuple[str, ...] | None
-    ignored: tuple[str, ...]
-    identifiers: tuple[str, ...] | None = None  # labels, or what a column not read calls the points
-    numbers: RowNumbers | None = None  # what names the rows of a large file, in their place
-    sigma: NDArray[np.float64] | None = None  # of the column of this name: one for each point
-    weights: NDArray[np.float64] | None = None  # of the column `weight`
-    normals: NDArray[np.float64] | None = None  # of nx, ny, nz, where `load` was asked for all
-    covariances: NDArray[np.float64] | None = None  # (N, 6), of cxx, cxy, cxz, cyy, cyz, czz
-    times: NDArray[np.float64] | None = None  # seconds, of a trajectory: they pair rows
-    notes: tuple[str, ...] = ()  # on how the file was read
-
-    def __array__(self, dtype: Any = None, *, copy: bool | None = None) -> NDArray[Any]:
-        """The points, where NumPy asks for an array."""
-        points = np.asarray(self.points, dtype=dtype)
-        return points.copy() if copy else points
 
 
 def read_cloud(path: str | os.PathLike[str], *, noise: bool = True) -> Cloud:
@@ -114,32 +86,23 @@ def parse_cloud(stream: BinaryIO, file: Path, *, noise: bool = True) -> Cloud:
             notes=text.notes,
         )
     if suffix in PARSERS:
-        return _of_parsed(PARSERS[suffix]()(stream, file), file, noise=noise)
+        return _with_noise(PARSERS[suffix]()(stream, file), noise=noise)
     points = npy.parse_array(stream, file)
     if points.ndim != 2 or points.shape[1] != 3 or len(points) == 0:
         what = f"holds an array of shape {points.shape}"
         remedy = remedy_of_shape(points.shape, "array")
         raise refused(file, f"{what}: expected (N, 3) with N >= 1{remedy}", value=points.shape)
-    return Cloud(path=file, points=points, labels=None, ignored=())
+    return Cloud(path=file, points=points)
 
 
-def _of_parsed(read: Parsed, file: Path, *, noise: bool) -> Cloud:
+def _with_noise(read: Cloud, *, noise: bool) -> Cloud:
     """A cloud with its noise checked, or named among what is not used."""
     columns = {"sigma": read.sigma, "weight": read.weights}
     given = {name: values for name, values in columns.items() if values is not None}
-    kept = {name: _checked_noise(file, name, given[name]) for name in given if noise}
-    return Cloud(
-        path=file,
-        points=read.points,
-        labels=read.labels,
-        ignored=read.ignored if noise else (*read.ignored, *given),
-        identifiers=read.identifiers,
-        numbers=read.numbers,
-        times=read.times,
-        sigma=kept.get("sigma"),
-        weights=kept.get("weight"),
-        notes=read.notes,
-    )
+    if not noise:
+        return replace(read, sigma=None, weights=None, ignored=(*read.ignored, *given))
+    kept = {name: _checked_noise(read.path, name, values) for name, values in given.items()}
+    return replace(read, sigma=kept.get("sigma"), weights=kept.get("weight"))
 
 
 def _checked_noise(file: Path, name: str, values: NDArray[Any]) -> NDArray[np.float64]:

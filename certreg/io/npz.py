@@ -16,8 +16,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, BinaryIO
 
 from certreg.errors import InvalidFileError
+from certreg.io.cloud import Cloud
 from certreg.io.npy import NOT_NPY, parse_array, read_header
-from certreg.io.parsed import Parsed
 from certreg.io.streams import MAX_HEADER_BYTES, MAX_UNPACKED_BYTES, held_bytes, refused
 from certreg.verify import shown
 
@@ -55,13 +55,13 @@ class Member:
         return self.info.filename.removesuffix(".npy")
 
 
-def parse_npz(stream: BinaryIO, file: Path) -> Parsed:
+def parse_npz(stream: BinaryIO, file: Path) -> Cloud:
     """The points of an archive, and the names of what else is in it."""
     with _opened(stream, file) as (archive, members):
         chosen = _chosen(members, file)
         content = _unpacked(archive, chosen, file)
     others = tuple(member.name for member in members if member is not chosen)
-    return Parsed(points=parse_array(io.BytesIO(content), file), ignored=others)
+    return Cloud(path=file, points=parse_array(io.BytesIO(content), file), ignored=others)
 
 
 @contextmanager

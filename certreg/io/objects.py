@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from certreg.errors import InvalidProblemError
-from certreg.io.clouds import Cloud, read_cloud
+from certreg.io.cloud import Cloud
+from certreg.io.clouds import read_cloud
 from certreg.io.columns import NOISE, axes_of
 from certreg.io.labels import Match
 from certreg.io.pairing import Pair, Pairing, pair_of

@@ -10,6 +10,7 @@ import numpy as np
 
 from certreg._loading import late
 from certreg.errors import InvalidFileError
+from certreg.io.cloud import RowNumbers
 from certreg.io.clouds import read_cloud
 from certreg.io.columns import notes_on
 from certreg.io.labels import (
@@ -21,7 +22,6 @@ from certreg.io.labels import (
     rows_by_label,
     unused_labels_note,
 )
-from certreg.io.parsed import RowNumbers
 from certreg.io.streams import is_standard_input, refused
 from certreg.results import Brief
 from certreg.verify import shown
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 
     from certreg.io import pairs as paired
     from certreg.io import trajectories
-    from certreg.io.clouds import Cloud
+    from certreg.io.cloud import Cloud
 else:  # for a file of pairs, and for two of poses
     paired = late("certreg.io.pairs")
     trajectories = late("certreg.io.trajectories")

@@ -14,9 +14,8 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
 
-from certreg.errors import InvalidFileError
+from certreg.io.cloud import Cloud
 from certreg.io.npy import points_of_columns
-from certreg.io.parsed import Parsed
 from certreg.io.streams import (
     MAX_UNPACKED_BYTES,
     NUMBER,
@@ -24,11 +23,10 @@ from certreg.io.streams import (
     count,
     header,
     held_bytes,
-    in_column,
     refused,
     require_held,
     rows_of_words,
-    typed_number,
+    typed_numbers,
 )
 from certreg.verify import shown
 
@@ -73,7 +71,7 @@ class Header:
         return self.points * sum(field.size for field in self.fields)
 
 
-def parse_pcd(stream: BinaryIO, file: Path, further: frozenset[str] = frozenset()) -> Parsed:
+def parse_pcd(stream: BinaryIO, file: Path, further: frozenset[str] = frozenset()) -> Cloud:
     """The points of a .pcd file, and the names of the fields beside x, y, z.
 
     further: fields of COUNT 1 that are read, too, where there are such.
@@ -88,7 +86,8 @@ def parse_pcd(stream: BinaryIO, file: Path, further: frozenset[str] = frozenset(
     else:
         columns = _of_blocks(_unpacked(stream, file, declared), declared)
     others = (f.name for f in declared.fields if f.name not in {"x", "y", "z", "_"})
-    return Parsed(
+    return Cloud(
+        path=file,
         points=points_of_columns(file, [columns[axis] for axis in "xyz"]),
         ignored=tuple(others),
         further={name: columns[name] for name in declared.kept[3:]},
@@ -195,10 +194,9 @@ def _from_text(
     for field in declared.fields:
         slots[field.name], at = at, at + field.count
     types = {field.name: field.type for field in declared.fields}
-    columns = {name: array("d") for name in declared.kept}
-    held = 0
-    for place, words in rows_of_words(stream, file, line):
-        held += 1
+    wanted = [(slots[name], types[name], name) for name in declared.kept]
+    numbers, held = array("d"), 0
+    for held, (place, words) in enumerate(rows_of_words(stream, file, line), 1):
         if held > declared.points:
             raise place.refusal(
                 f"row {held}, the header declares {declared.points} rows: mend the header",
@@ -211,11 +209,7 @@ def _from_text(
                 value=len(words),
                 limit=width,
             )
-        for axis, column in columns.items():
-            try:
-                column.append(typed_number(place, words[slots[axis]], types[axis]))
-            except InvalidFileError as error:
-                raise in_column(error, place, axis) from error
+        numbers.extend(typed_numbers(place, words, wanted))
     if held != declared.points:
         raise refused(
             file,
@@ -224,22 +218,18 @@ def _from_text(
             value=held,
             limit=declared.points,
         )
-    return {name: np.array(column) for name, column in columns.items()}
+    columns = np.array(numbers).reshape(held, len(wanted))
+    return {name: columns[:, k] for k, name in enumerate(declared.kept)}
 
 
 def _of_rows(data: bytes, declared: Header) -> dict[str, NDArray[Any]]:
     """The columns that are read, of rows one behind the other."""
-    starts, at = dict[str, int](), 0
-    for field in declared.fields:
-        starts[field.name], at = at, at + field.size
-    types = {field.name: f"<{field.type}" for field in declared.fields}
-    rows = np.frombuffer(data, np.uint8).reshape(declared.points, at)
-    return {
-        name: rows[:, starts[name] : starts[name] + int(types[name][2])]
-        .copy()
-        .view(types[name])[:, 0]
-        for name in declared.kept
-    }
+    fields: list[Any] = [
+        (str(k), f"<{field.type}", (field.count,)) for k, field in enumerate(declared.fields)
+    ]
+    rows = np.frombuffer(data, np.dtype(fields))
+    names = [field.name if field.count == 1 else "" for field in declared.fields]
+    return {name: rows[str(names.index(name))][:, 0] for name in declared.kept}
 
 
 def _of_blocks(data: bytes, declared: Header) -> dict[str, NDArray[Any]]:

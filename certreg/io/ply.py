@@ -18,10 +18,10 @@ import numpy as np
 
 from certreg.errors import InvalidFileError
 from certreg.io.atomic import write_atomically
+from certreg.io.cloud import Cloud, RowNumbers
 from certreg.io.columns import LABEL, NOISE
 from certreg.io.labels import IDENTIFIERS
 from certreg.io.npy import points_of_columns, side_by_side
-from certreg.io.parsed import Parsed, RowNumbers
 from certreg.io.streams import (
     COUNT,
     MAX_BINARY_BYTES,
@@ -30,11 +30,10 @@ from certreg.io.streams import (
     count,
     header,
     held_bytes,
-    in_column,
     large_file,
     refused,
     rows_of_words,
-    typed_number,
+    typed_numbers,
 )
 from certreg.verify import shown
 
@@ -88,7 +87,7 @@ class Header:
     elements: list[Element]
 
 
-def parse_ply(stream: BinaryIO, file: Path, further: frozenset[str] = frozenset()) -> Parsed:
+def parse_ply(stream: BinaryIO, file: Path, further: frozenset[str] = frozenset()) -> Cloud:
     """The vertices of a .ply file, their labels and noise, the names of what else is in it.
 
     further: properties of vertices that are read, too, where there are such.
@@ -135,7 +134,8 @@ def parse_ply(stream: BinaryIO, file: Path, further: frozenset[str] = frozenset(
     read = {*"xyz", *NOISE, *({LABEL} & names.keys())}
     others = [p.name for p in vertex.properties if p.name not in read or p.count is not None]
     others += [e.name for e in declared.elements if e is not vertex]
-    return Parsed(
+    return Cloud(
+        path=file,
         points=points_of_columns(file, [columns[axis] for axis in "xyz"]),
         ignored=tuple(others),
         labels=names.get(LABEL),
@@ -242,25 +242,27 @@ def _ascii_columns(
     rows: Iterator[tuple[Place, list[str]]], element: Element, file: Path
 ) -> dict[str, NDArray[Any]]:
     """The columns that are kept, where the element has them, of as many rows as it declares."""
-    columns = {p.name: array("d") for p in element.properties if p.kept}
-    plain = all(p.count is None for p in element.properties)
-    slots = [(k, p.type, columns[p.name]) for k, p in enumerate(element.properties) if p.kept]
+    numbers, plain = array("d"), all(p.count is None for p in element.properties)
+    wanted = [(k, p.type, p.name) for k, p in enumerate(element.properties) if p.kept]
     for k in range(element.count):
         place, words = next(rows, (None, list[str]()))
         if place is None:
             raise _truncated(file, element, k)
-        numbers = words if plain else _without_lists(place, words, element)
-        if len(numbers) != len(element.properties):
+        row = words if plain else _without_lists(place, words, element)
+        if len(row) != len(element.properties):
             what = f"{len(words)} numbers do not fit element '{shown(element.name)}'"
             raise place.refusal(
                 f"{what}: mend the row", value=len(words), limit=len(element.properties)
             )
-        for slot, kind, column in slots:
-            try:
-                column.append(typed_number(place, numbers[slot], kind))
-            except InvalidFileError as error:
-                raise in_column(error, place, element.properties[slot].name) from error
-    return {name: np.array(column) for name, column in columns.items()}
+        numbers.extend(typed_numbers(place, row, wanted))
+    return _by_name(element, numbers)
+
+
+def _by_name(element: Element, numbers: array[float]) -> dict[str, NDArray[Any]]:
+    """The columns that are kept, of their numbers row by row."""
+    names = [p.name for p in element.properties if p.kept]
+    columns = np.array(numbers).reshape(element.count, len(names))
+    return {name: columns[:, k] for k, name in enumerate(names)}
 
 
 def _binary_columns(
@@ -356,9 +358,7 @@ def _walked(
         except struct.error as error:
             raise _truncated(file, element, k) from error
         numbers.extend(values)
-    names = [p.name for p in element.properties if p.kept]
-    columns = np.array(numbers).reshape(element.count, len(names))
-    return {name: columns[:, k] for k, name in enumerate(names)}, offset
+    return _by_name(element, numbers), offset
 
 
 def _without_lists(place: Place, words: list[str], element: Element) -> list[str]:

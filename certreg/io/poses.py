@@ -7,7 +7,7 @@ import json
 import math
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, BinaryIO, NamedTuple, cast
+from typing import TYPE_CHECKING, Any, BinaryIO, cast
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from certreg.errors import InvalidFileError
 from certreg.geometry.given import GivenPose
 from certreg.geometry.pose_matrix import ROTATION_TOLERANCE, last_row_fault
 from certreg.io.npy import parse_array
-from certreg.io.streams import lines, reading
+from certreg.io.streams import Place, lines, reading
 from certreg.verify import FILE_MAX, FORMAT, RefusalError, parse, shown
 
 if TYPE_CHECKING:
@@ -75,7 +75,7 @@ def read_pose(path: str | os.PathLike[str], line: int | None = None) -> GivenPos
 def parse_pose(stream: BinaryIO, file: Path) -> GivenPose:
     """As `read_result_pose`, from a stream; `file` is the name in errors."""
     content = stream.read(MAX_POSE_BYTES + 1)
-    source = PoseSource(file)
+    source = Place(file)
     if len(content) > MAX_POSE_BYTES:
         if content.lstrip().startswith(b"{"):  # a certificate carries its points
             return pose_of_certificate(source, content + stream.read(FILE_MAX + 1 - len(content)))
@@ -97,7 +97,7 @@ def parse_line(stream: BinaryIO, file: Path, line: int) -> GivenPose:
     last = 0
     for last, text in enumerate(lines(stream, file), 1):
         if last == line:
-            return _pose_of_line(PoseSource(file, line), _words(text))
+            return _pose_of_line(Place(file, line), _words(text))
     raise InvalidFileError(
         f"{shown(file)} has {last} lines: --line {line} is none of them",
         path=file,
@@ -106,7 +106,7 @@ def parse_line(stream: BinaryIO, file: Path, line: int) -> GivenPose:
     )
 
 
-def _pose_of_text(source: PoseSource, text: str) -> GivenPose:
+def _pose_of_text(source: Place, text: str) -> GivenPose:
     places = {n: row for n, line in enumerate(text.splitlines(), 1) if (row := _words(line))}
     rows, sizes = list(places.values()), {len(row) for row in places.values()}
     if len(rows) == 1 and sizes <= set(FORMS):
@@ -127,7 +127,7 @@ def _pose_of_text(source: PoseSource, text: str) -> GivenPose:
     return of_matrix(source, numbers)
 
 
-def _pose_of_line(source: PoseSource, words: list[str]) -> GivenPose:
+def _pose_of_line(source: Place, words: list[str]) -> GivenPose:
     numbers = _numbers(source, words)
     if len(numbers) == 7:
         return of_quaternion(source, numbers[:4], numbers[4:])
@@ -149,7 +149,7 @@ def _words(line: str) -> list[str]:
     return [] if line.lstrip().startswith("#") else line.replace(",", " ").split()
 
 
-def _numbers(source: PoseSource, words: list[str]) -> list[float]:
+def _numbers(source: Place, words: list[str]) -> list[float]:
     numbers = list[float]()
     for word in words:
         try:
@@ -167,7 +167,7 @@ BOUNDED = "consensus", "truncated"  # what only results of pairs with bounds hol
 SCALE = 64  # bits: the root of the norm is then right beyond a double
 
 
-def pose_of_json(source: PoseSource, content: bytes, text: str) -> GivenPose:
+def pose_of_json(source: Place, content: bytes, text: str) -> GivenPose:
     """The pose in a document; content: the bytes of the text, of which certificates are parsed."""
     try:
         document: Any = json.loads(text)
@@ -190,7 +190,7 @@ def pose_of_json(source: PoseSource, content: bytes, text: str) -> GivenPose:
     return replace(_pose_of_fields(source, fields), of_some=some)
 
 
-def pose_of_certificate(source: PoseSource, content: bytes) -> GivenPose:
+def pose_of_certificate(source: Place, content: bytes) -> GivenPose:
     """The rotation that a certificate is about, rounded to doubles; nothing in it is believed.
 
     The file holds no translation: it is the best one for the points that it is about.
@@ -220,7 +220,7 @@ def _pose_of_fit(fit: Any) -> tuple[int, ...]:
     return tuple(entries) if right else (0,)
 
 
-def _pose_of_fields(source: PoseSource, fields: dict[str, Any]) -> GivenPose:
+def _pose_of_fields(source: Place, fields: dict[str, Any]) -> GivenPose:
     """Rotation, quaternion or both, which must agree, and a translation."""
     translation = finite_array(source, fields["translation"], (3,), "translation")
     matrix = None
@@ -242,7 +242,7 @@ def _pose_of_fields(source: PoseSource, fields: dict[str, Any]) -> GivenPose:
     return replace(pose, scale=scale)
 
 
-def _scale(source: PoseSource, value: Any) -> float | None:
+def _scale(source: Place, value: Any) -> float | None:
     """Of y = s R x + t; None where there is none, as in the result of a rigid problem."""
     if value is None:
         return None
@@ -257,21 +257,8 @@ def _scale(source: PoseSource, value: Any) -> float | None:
     return scale
 
 
-class PoseSource(NamedTuple):
-    """The file, and the line of it, from 1, where a pose is not the whole file."""
-
-    file: Path
-    line: int | None = None
-
-    def refusal(self, words: str, **evidence: Any) -> InvalidFileError:
-        """The error that says what is wrong here."""
-        line = "" if self.line is None else f", line {self.line}"
-        message = f"{shown(self.file)}{line}: {words}"
-        return InvalidFileError(message, path=self.file, line=self.line, **evidence)
-
-
 def finite_array(
-    source: PoseSource, values: Any, shape: tuple[int, ...], name: str
+    source: Place, values: Any, shape: tuple[int, ...], name: str
 ) -> NDArray[np.float64]:
     """The values as finite doubles of a shape. Raises InvalidFileError."""
     try:
@@ -288,7 +275,7 @@ def finite_array(
     return array
 
 
-def of_quaternion(source: PoseSource, quaternion: Any, translation: Any) -> GivenPose:
+def of_quaternion(source: Place, quaternion: Any, translation: Any) -> GivenPose:
     """The pose of w x y z, which must be a unit quaternion, and a translation."""
     shift = finite_array(source, translation, (3,), "translation")
     q = np.array(quaternion, dtype=np.float64)
@@ -303,7 +290,7 @@ def of_quaternion(source: PoseSource, quaternion: Any, translation: Any) -> Give
     return GivenPose(turn=q, translation=shift)
 
 
-def of_array(source: PoseSource, array: NDArray[np.float64]) -> GivenPose:
+def of_array(source: Place, array: NDArray[np.float64]) -> GivenPose:
     """The pose of an array (4, 4) or (3, 4)."""
     if array.shape not in {(4, 4), (3, 4)}:
         stack = array.ndim == 3 and array.shape[1:] in {(4, 4), (3, 4)}
@@ -316,7 +303,7 @@ def of_array(source: PoseSource, array: NDArray[np.float64]) -> GivenPose:
     return of_matrix(source, array.tolist())
 
 
-def of_matrix(source: PoseSource, rows: Any) -> GivenPose:
+def of_matrix(source: Place, rows: Any) -> GivenPose:
     """The pose of a matrix 4x4 or 3x4; the rotation is not checked."""
     if isinstance(rows, list) and len(cast("list[Any]", rows)) == 3:
         rows = [*rows, [0.0, 0.0, 0.0, 1.0]]

@@ -18,9 +18,9 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 import numpy as np
 
 from certreg.errors import InvalidFileError
+from certreg.io.cloud import Cloud
 from certreg.io.npy import points_of_columns
 from certreg.io.optional import CLOUDCOMPARE, PDAL, optional_library
-from certreg.io.parsed import Parsed
 from certreg.io.streams import MAX_BINARY_BYTES, MAX_UNPACKED_BYTES, held_bytes, refused
 from certreg.verify import shown
 
@@ -38,7 +38,7 @@ SIGNATURE = b"LASF"
 WORKING_BYTES = 1 << 28  # for what unpacking needs beside the points
 
 
-def parse_las(stream: BinaryIO, file: Path) -> Parsed:
+def parse_las(stream: BinaryIO, file: Path) -> Cloud:
     """The points of a .las or .laz file, scaled and shifted as its header says."""
     laspy = optional_library("laspy", file, PDAL)
     held = held_bytes(stream, file)
@@ -64,10 +64,10 @@ def parse_las(stream: BinaryIO, file: Path) -> Parsed:
         columns = _columns_of_packed(stream.read(held), file)
     if columns.shape[1] != declared:
         raise _not_read(file, f"declares {declared} points, holds {columns.shape[1]}")
-    return Parsed(points=points_of_columns(file, list(columns)), ignored=tuple(others))
+    return Cloud(path=file, points=points_of_columns(file, list(columns)), ignored=tuple(others))
 
 
-def parse_e57(stream: BinaryIO, file: Path) -> Parsed:
+def parse_e57(stream: BinaryIO, file: Path) -> Cloud:
     """The valid points of a .e57 file with one scan, moved to where its pose puts them."""
     pye57 = optional_library("pye57", file, CLOUDCOMPARE)
     held_bytes(stream, file)
@@ -83,8 +83,10 @@ def parse_e57(stream: BinaryIO, file: Path) -> Parsed:
     if valid == 0:
         raise _not_read(file, "no valid points")
     note = f"{declared - valid} of {declared} points are not valid, and left out"
-    return Parsed(
-        points=points_of_columns(file, columns), notes=(note,) if valid < declared else ()
+    return Cloud(
+        path=file,
+        points=points_of_columns(file, columns),
+        notes=(note,) if valid < declared else (),
     )
 
 

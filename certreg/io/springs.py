@@ -34,8 +34,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.io import npy
+    from certreg.io.cloud import Cloud
     from certreg.io.pairing import Pair
-    from certreg.io.parsed import Parsed
     from certreg.io.streams import Place
 else:
     npy = late("certreg.io.npy")
@@ -204,7 +204,7 @@ def _taken(values: Any, kind: str, pair: Pair) -> Any:
 
 
 TABLES = (".csv", ".txt", ".xyz", ".asc", ".pts")
-CLOUDS: dict[str, Callable[[], Callable[..., Parsed]]] = {  # loaded when needed
+CLOUDS: dict[str, Callable[[], Callable[..., Cloud]]] = {  # loaded when needed
     ".ply": found_late("certreg.io.ply", "parse_ply"),
     ".pcd": found_late("certreg.io.pcd", "parse_pcd"),
 }

@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, BinaryIO
 
 import numpy as np
 
+from certreg.io.cloud import Cloud
 from certreg.io.npy import points_of_columns
-from certreg.io.parsed import Parsed
 from certreg.io.streams import held_bytes, number, refused, rows_of_words
 from certreg.verify import shown
 
@@ -28,7 +28,7 @@ LINES = ("facet", "outer", "vertex", "vertex", "vertex", "endloop", "endfacet")
 WIDTHS = {"facet": 5, "outer": 2, "vertex": 4, "endloop": 1, "endfacet": 1}
 
 
-def parse_stl(stream: BinaryIO, file: Path) -> Parsed:
+def parse_stl(stream: BinaryIO, file: Path) -> Cloud:
     """The vertices; a file is binary where its size is that of the facets that it declares."""
     held = held_bytes(stream, file)
     content = stream.read(held)
@@ -52,7 +52,7 @@ def parse_stl(stream: BinaryIO, file: Path) -> Parsed:
     points = points_of_columns(file, list(corners.T))
     first = np.sort(np.unique(points, axis=0, return_index=True)[1])
     note = f"{len(first)} vertices of {len(points) // 3} triangles"
-    return Parsed(points=points[first], notes=(note,))
+    return Cloud(path=file, points=points[first], notes=(note,))
 
 
 def _of_text(content: bytes, file: Path) -> NDArray[np.float64]:

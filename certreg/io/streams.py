@@ -40,40 +40,33 @@ MAX_MAPPED_BYTES = 1 << 44  # of such a file: nothing but its own pages is ever 
 
 
 class Place(NamedTuple):
-    """Where something stands in a text file: the line, from 1, and what that calls it, if it does.
+    """Where something stands in a file: the line, from 1, and what that calls it, if it does.
 
-    Its text begins every message about it.
+    Its text begins every message about it. Without a line it is about the whole file.
     """
 
     file: Path
-    line: int
+    line: int | None = None
     column: str | None = None
 
     def __str__(self) -> str:
+        line = "" if self.line is None else f", line {self.line}"
         column = "" if self.column is None else f", {self.column}"
-        return f"{shown(self.file)}, line {self.line}{column}"
+        return f"{shown(self.file)}{line}{column}"
 
     def at(self, column: str) -> Place:
         """The same line, what `column` calls."""
         return self._replace(column=column)
 
-    def refusal(
-        self, words: str, *, column: str | None = None, value: object = None, limit: object = None
-    ) -> InvalidFileError:
-        """The error that says what is wrong here, and holds the evidence."""
-        return InvalidFileError(
-            f"{self}: {words}",
-            path=self.file,
-            line=self.line,
-            column=column or self.column,
-            value=value,
-            limit=limit,
-        )
+    def refusal(self, words: str, **evidence: Any) -> InvalidFileError:
+        """The error that says what is wrong here; evidence: row, column, value, limit."""
+        evidence = {"column": self.column, **evidence}
+        return InvalidFileError(f"{self}: {words}", path=self.file, line=self.line, **evidence)
 
 
 def refused(file: Path, words: str, **evidence: Any) -> InvalidFileError:
     """The error that says what is wrong with a file; evidence: row, column, value, limit."""
-    return InvalidFileError(f"{shown(file)}: {words}", path=file, **evidence)
+    return Place(file).refusal(words, **evidence)
 
 
 class HeaderLine(NamedTuple):
@@ -247,6 +240,17 @@ def typed_number(place: Place, text: str, kind: str) -> float:
                 limit=kind,
             )
     return value
+
+
+def typed_numbers(
+    place: Place, words: list[str], wanted: list[tuple[int, str, str]]
+) -> Iterator[float]:
+    """The numbers of a row that are wanted; of each the number of its word, its type, its name."""
+    for slot, kind, name in wanted:
+        try:
+            yield typed_number(place, words[slot], kind)
+        except InvalidFileError as error:
+            raise in_column(error, place, name) from error
 
 
 DASH = "-"

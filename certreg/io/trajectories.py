@@ -14,7 +14,7 @@ import numpy as np
 
 from certreg.errors import InvalidFileError
 from certreg.exact.decimals import as_given, at_most
-from certreg.io.parsed import Parsed
+from certreg.io.cloud import Cloud
 from certreg.io.streams import number, refused
 from certreg.io.text import parse_rows
 from certreg.verify import shown
@@ -40,7 +40,7 @@ class TimedRows:
     note: str
 
 
-def parse_tum(stream: BinaryIO, file: Path) -> Parsed:
+def parse_tum(stream: BinaryIO, file: Path) -> Cloud:
     """Positions and times of a file of TUM lines; the orientations are not read."""
     positions, times = list[list[float]](), list[float]()
     for place, fields in parse_rows(stream, file):
@@ -68,7 +68,7 @@ def parse_tum(stream: BinaryIO, file: Path) -> Parsed:
     return _trajectory(positions, file, np.array(times))
 
 
-def parse_kitti(stream: BinaryIO, file: Path) -> Parsed:
+def parse_kitti(stream: BinaryIO, file: Path) -> Cloud:
     """Positions of a file of KITTI lines: the last column of each [R | t]."""
     positions = list[list[float]]()
     for place, fields in parse_rows(stream, file):
@@ -121,8 +121,8 @@ def _nearest(times: NDArray[np.float64], others: NDArray[np.float64]) -> NDArray
 
 def _trajectory(
     positions: list[list[float]], file: Path, times: NDArray[np.float64] | None
-) -> Parsed:
+) -> Cloud:
     if not positions:
         raise refused(file, "no poses: add lines", value=0, limit=1)
     left = ("the orientations",)
-    return Parsed(points=np.array(positions), ignored=left, times=times)
+    return Cloud(path=file, points=np.array(positions), ignored=left, times=times)

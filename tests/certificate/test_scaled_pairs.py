@@ -1,4 +1,4 @@
-"""Certificates of wrong pairs with a free scale: their form, and that no right pair is struck."""
+"""Certificates of wrong pairs with a free scale: their form, their budget, what is never struck."""
 
 from __future__ import annotations
 
@@ -6,21 +6,27 @@ import json
 from fractions import Fraction
 from importlib import import_module
 from pathlib import Path
+from typing import Any
 
 import jsonschema
 import numpy as np
 import pytest
 
+from certreg.certificate import producing_consensus as made
 from certreg.certificate.checking import verify
 from certreg.certificate.consensus import ScaleRange
 from certreg.certificate.consistency import ConsistentPairs
 from certreg.certificate.envelope import Certificate
 from certreg.certificate.producing_consensus import ConsensusProver, consensus_certificate
-from certreg.certificate.proof_stages import Stager
+from certreg.certificate.proof_stages import Stager, length_of
 from certreg.certificate.vertex_elimination import Graph
+from certreg.errors import UndecidedError
 from certreg.geometry.so3 import rotation_matrix
+from certreg.problem.bounds import bounded
 from certreg.problem.losses import Consensus
 from certreg.problem.problem import RegistrationProblem
+from certreg.registration.consensus import proved_consensus
+from certreg.verify import check
 
 checker = import_module("certreg.verify")
 ROOT = Path(__file__).parents[2]
@@ -121,3 +127,65 @@ def _similarity(x, y):
     U, S, V = np.linalg.svd(b.T @ a)
     signs = np.array([1.0, 1.0, np.linalg.det(U @ V)])
     return U * signs @ V, S, float((S * signs).sum() / (a * a).sum())
+
+
+def all_wrong(n: int, seed: int = 1) -> RegistrationProblem:
+    rng = np.random.default_rng(seed)
+    points = rng.uniform(-1.0, 1.0, (2, n, 3))
+    return bounded(RegistrationProblem(*points, scale="asymmetric"), 0.06)
+
+
+def searched(problem: RegistrationProblem) -> Any:
+    found = proved_consensus(problem, made.ConsensusProver(problem), 1.0)
+    assert found is not None
+    return found
+
+
+@pytest.mark.parametrize("n", [16, pytest.param(100, marks=pytest.mark.long)])
+@pytest.mark.slow
+def test_what_is_proved_where_pairs_agree_by_chance_is_accepted(n: int):
+    problem = all_wrong(n)
+    found = searched(problem)
+    outcome = check(consensus_certificate(problem, found, None).line())
+
+    assert outcome.verified, outcome.reason
+    assert len(found.met) <= found.upper < n
+
+
+@pytest.mark.slow
+def test_cutting_ends_where_ever_more_ranges_stay_open(monkeypatch):
+    problem = all_wrong(20)
+    monkeypatch.setattr(made, "MOST_OPEN", 2)
+    few = searched(problem)
+    monkeypatch.setattr(made, "MOST_OPEN", 8)
+    more = searched(problem)
+
+    assert few.states.count("?") <= 4
+    assert len(few.pieces) <= len(more.pieces)
+    assert more.upper <= few.upper
+    for found in (few, more):
+        assert check(consensus_certificate(problem, found, None).line()).verified
+
+
+@pytest.mark.slow
+def test_stages_of_all_ranges_together_are_no_longer_than_they_may_be(monkeypatch):
+    problem = all_wrong(20)
+    whole = searched(problem)
+    length = sum(length_of(piece.stages) for piece in whole.pieces)
+    monkeypatch.setattr(made, "MOST", length - 1)
+    short = searched(problem)
+
+    assert len(short.pieces) <= len(whole.pieces)
+    assert whole.upper <= short.upper
+    assert sum(length_of(piece.stages) for piece in short.pieces) < length
+    assert check(consensus_certificate(problem, short, None).line()).verified
+
+
+@pytest.mark.slow
+def test_a_proof_that_no_certificate_holds_is_undecided(monkeypatch):
+    problem = all_wrong(12)
+    found = searched(problem)
+    monkeypatch.setattr(made, "MOST", 3)
+
+    with pytest.raises(UndecidedError, match="12 pairs with a free scale is longer than a certif"):
+        consensus_certificate(problem, found, None)

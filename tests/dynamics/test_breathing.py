@@ -120,22 +120,6 @@ def test_a_step_loses_what_damping_takes_and_nothing_else(seed, size):
     assert ends[1] - ends[0] == pytest.approx(-h * DAMPING * lost, rel=1e-9, abs=1e-12)
 
 
-@pytest.mark.one_in(4)
-@pytest.mark.parametrize("scale", [1e-3, 1.0, 1e3])
-@pytest.mark.parametrize("seed", range(4))
-def test_the_body_grows_or_shrinks_to_the_optimum(seed, scale):
-    objective = objective_of(*clouds(seed, scale=scale))
-    run = moved(objective, DAMPING)
-    (best, *_) = breathing_equilibria(objective).upright
-    energy = run.potential + run.kinetic
-
-    assert run.status is BreathingStatus.AT_REST
-    assert run.scales[-1] == pytest.approx(best.scale, rel=1e-3)
-    assert abs(unit_double(objective.quaternions[0]) @ run.quaternion) > 1.0 - 1e-6
-    assert run.escapes or (np.diff(energy) <= 1e-12 * energy[:-1]).all()
-    assert run.speed < 1e-4
-
-
 def test_from_a_saddle_the_body_is_perturbed_and_leaves():
     source = np.array([s * row for row in np.eye(3) for s in (1.0, -1.0)])
     objective = objective_of(source, source * [4.0, 3.0, -2.0])

@@ -13,13 +13,11 @@ import spring_families
 from scipy.optimize import least_squares
 
 import certreg
-from certreg import RegistrationProblem, solve_many_springs
+from certreg import solve_many_springs
 from certreg.equilibrium.equilibrium_set import unit_double
-from certreg.equilibrium.methods import search
 from certreg.equilibrium.paths import PathsOutcome
 from certreg.errors import InvalidProblemError
 from certreg.geometry.so3 import rotation_matrix
-from certreg.objective.springs import Springs
 from certreg.results import Guarantee
 
 EACH = 2  # problems of a family
@@ -38,46 +36,11 @@ def instances(cell):
     return [spring_families.instance(cell, seed) for seed in range(EACH)]
 
 
-def listed_alone(one) -> Any:
-    """The proved list of one instance, by itself."""
-    problem = RegistrationProblem(one.source, one.target, **one.springs)
-    return search(Springs.of(problem), "homotopy").critical
-
-
-@pytest.mark.one_in(4)
-@pytest.mark.parametrize("cell", CELLS, ids=map(str, CELLS))
-def test_many_have_the_equilibria_that_each_has_by_itself(cell):
-    source, target, springs = arrays(instances(cell))
-
-    found = solve_many_springs(source, target, **springs)
-
-    for k, one in enumerate(instances(cell)):
-        alone = listed_alone(one)
-        here = slice(found.counts[k])
-        assert found.outcomes[k] is PathsOutcome.FOUND
-        assert list(alone.indices) == found.indices[k, here].tolist()
-        energies = np.array([float(part.value) for part in alone.components])
-        assert np.abs(found.energies[k, here] - energies).max() < 1e-12 * np.ptp(energies)
-        quaternions = np.array([unit_double(part.quaternion) for part in alone.components])
-        overlaps = np.abs(quaternions @ found.quaternions[k, here].T)
-        assert np.abs(overlaps.max(axis=1) - 1.0).max() < 1e-14  # in any order: energies may tie
-    assert not found.decided.any()
-    assert found.guarantee is Guarantee.NUMERICAL
-    assert np.isnan(found.energies[found.indices == -1]).all()
-
-
 def turned(start, turn):
     """The unit quaternion along start (1, turn)."""
     w, v = start[0], start[1:]
     q = np.concatenate([[w - v @ turn], v + w * turn + np.cross(v, turn)])
     return q / np.linalg.norm(q)
-
-
-def energy(x, one, W):
-    """Sum r^T W r from the points, at the quaternion x[6:] turned by x[:3], translation x[3:6]."""
-    rotation = np.array(rotation_matrix(turned(x[6:], x[:3]).tolist()))
-    rest = one.target - one.source @ rotation.T - x[3:6]
-    return float(np.einsum("ia,iab,ib->", rest, W, rest))
 
 
 def descended(one, start):
@@ -110,23 +73,6 @@ def test_all_minima_that_descent_finds_are_listed_and_every_listed_one_is_found(
     apart = np.abs(found.energies[0, minima] - np.array(ends)[:, np.newaxis])
     assert (apart.min(axis=1) < 1e-9).all()
     assert set(apart.argmin(axis=1)) == set(range(minima.sum()))
-
-
-def test_the_energies_are_those_of_the_points_at_the_listed_poses():
-    (one,) = [spring_families.instance(spring_families.Cell("aniso", 20, 0.05), 1)]
-    source, target, springs = arrays([one])
-
-    found = solve_many_springs(source, target, **springs)
-
-    W = one.springs["information"]
-    for q, t, listed in zip(
-        found.quaternions[0], found.translations[0], found.energies[0], strict=True
-    ):
-        x = np.concatenate([np.zeros(3), t, q])
-        assert energy(x, one, W) == pytest.approx(listed, rel=1e-9)
-        for direction in np.eye(10)[:6]:
-            up, down = (energy(x + s * 1e-5 * direction, one, W) for s in (1.0, -1.0))
-            assert abs(up - down) / 2e-5 < 1e-6 * abs(np.ptp(found.energies[0]))
 
 
 def test_what_is_proved_of_each_stands_beside_the_rows():

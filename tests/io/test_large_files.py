@@ -19,9 +19,9 @@ from test_formats import REFUSED
 
 from benchmarks.rates import broken_files
 from certreg.errors import InvalidFileError
-from certreg.io import parsed, streams
+from certreg.io import cloud, streams
+from certreg.io.cloud import RowNumbers
 from certreg.io.clouds import read_cloud
-from certreg.io.parsed import RowNumbers
 from certreg.io.problems import read_problem, read_weights
 from certreg.problem.arrays import mapped_file
 
@@ -101,7 +101,7 @@ def test_large_files_with_the_labels_in_their_order_or_other_labels_pair_by_row(
 
 def test_numbers_of_rows_are_compared_in_blocks_and_whatever_they_are(monkeypatch):
     blocks = [slice(0, 300), slice(300, 500)]
-    monkeypatch.setattr(parsed, "row_blocks", lambda _: blocks)
+    monkeypatch.setattr(cloud, "row_blocks", lambda _: blocks)
     numbers = np.arange(500.0)
     numbers[7] = np.nan
     rolled, other = np.roll(numbers, 1), numbers.copy()

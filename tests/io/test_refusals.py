@@ -16,7 +16,8 @@ from refusals import wrong_evidence
 from certreg.errors import InvalidFileError, InvalidProblemError
 from certreg.io import atomic, labels, npz, pairs, problems
 from certreg.io.atomic import write_files, write_together
-from certreg.io.clouds import Cloud, read_cloud
+from certreg.io.cloud import Cloud
+from certreg.io.clouds import read_cloud
 from certreg.io.pairing import Pair, Pairing, read_pair
 from certreg.io.problems import read_problem
 from certreg.io.streams import MAX_LINE_BYTES, Place, typed_number

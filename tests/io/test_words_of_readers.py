@@ -12,7 +12,8 @@ import pytest
 
 from certreg.errors import InvalidFileError
 from certreg.io import scans
-from certreg.io.clouds import Cloud, parse_cloud
+from certreg.io.cloud import Cloud, RowNumbers
+from certreg.io.clouds import parse_cloud
 from certreg.io.columns import (
     DecimalCommas,
     named_columns,
@@ -31,8 +32,7 @@ from certreg.io.labels import (
 from certreg.io.objects import pair
 from certreg.io.pairing import require_same_rows
 from certreg.io.pairs import parse_pairs, repeated_rows_note
-from certreg.io.parsed import RowNumbers
-from certreg.io.poses import PoseSource, of_array, parse_line
+from certreg.io.poses import of_array, parse_line
 from certreg.io.problems import read_problem
 from certreg.io.streams import MAX_LINE_BYTES, Place, lines, typed_number
 from certreg.problem import arrays
@@ -292,7 +292,7 @@ def test_the_cloud_without_labels_is_named_as_such():
 
 @pytest.mark.parametrize("shape", [(2, 4, 4), (5, 3, 4)])
 def test_a_stack_of_poses_of_either_form_is_told_as_one(shape: tuple[int, ...]):
-    error = refused(lambda: of_array(PoseSource(A), np.zeros(shape)))
+    error = refused(lambda: of_array(Place(A), np.zeros(shape)))
     assert f"a stack of {shape[0]}: save one of them" in str(error)
 
 

@@ -70,16 +70,6 @@ def test_published_pairs_are_proved_without_their_scale(n, met, true, scale):
     assert result.undecided_scales == ()
 
 
-@pytest.mark.parametrize("factor", [1e-6, 1.0, 1e6])
-def test_labels_and_scale_follow_the_units_of_both_clouds(factor):
-    source, target = wrong_pairs(3)
-    plain = certified(source, target)
-    other = certified(source * factor + 1e3 * factor, target / factor, BOUND / factor)
-
-    assert plain.labels == other.labels == ("inlier",) * 14 + ("outlier",) * 6
-    assert other.pose.scale * factor**2 == pytest.approx(plain.pose.scale, rel=1e-9)
-
-
 def test_the_text_the_document_and_the_page_say_the_scale(tmp_path):
     source, target = wrong_pairs(1)
     result = certified(source, target, about={"labels": [f"P{k}" for k in range(20)]})

@@ -13,10 +13,12 @@ import flint
 import numpy as np
 import pytest
 from commands import checked
+from oracles import kabsch
+from oracles.kabsch import Oracle
 from strategies import ZOO, random_problem
 
 from benchmarks.rates import brackets
-from benchmarks.rates.brackets import BITS, FAMILIES, Oracle, bounds_of, made
+from benchmarks.rates.brackets import BITS, FAMILIES, bounds_of, made
 from certreg.certificate.bounds import ExactPose, PoseBounds, pose_bounds
 from certreg.exact.dyadic import Dyadic
 from certreg.registration.certification import certify
@@ -105,11 +107,11 @@ def test_the_oracle_knows_the_zoo(specimen):
         assert oracle.unique == (specimen.pattern[0] == 1)
         if oracle.unique:
             pairs = zip(oracle.optimum, oracle.C, strict=True)
-            terms = [a * brackets.ball(b) for r, s in pairs for a, b in zip(r, s, strict=True)]
+            terms = [a * kabsch.ball(b) for r, s in pairs for a, b in zip(r, s, strict=True)]
             assert sum(terms, flint.arb(0)).overlaps(oracle.best)
-            gram = brackets.product(brackets.transpose(oracle.optimum), oracle.optimum)
+            gram = kabsch.product(kabsch.transpose(oracle.optimum), oracle.optimum)
             assert all(gram[i][j].overlaps(flint.arb(i == j)) for i in range(3) for j in range(3))
-            assert brackets.det(oracle.optimum).overlaps(flint.arb(1))
+            assert kabsch.det(oracle.optimum).overlaps(flint.arb(1))
 
 
 # Each kind of rounding by itself -----------------------------------------------------------------
@@ -208,15 +210,15 @@ def test_a_certificate_of_another_rotation_bounds_the_gap_of_every_pose(registra
     for q in (off, certificate.body.quaternion, (3, 1, -1, 2)):
         exact = [Fraction(entry) for entry in q]
         x, y = oracle.mean(oracle.source), oracle.mean(oracle.target)
-        R = brackets.rotation(exact)
+        R = kabsch.rotation(exact)
         t = [
             b - sum(a * c for a, c in zip(row, x, strict=True)) for row, b in zip(R, y, strict=True)
         ]
         place = ExactPose(quaternion=q, translation=tuple(t))
         bounds = pose_bounds(objective.objective, body, place)
         with flint.ctx.workprec(BITS):
-            assert brackets.ball(bounds.greatest_gap) >= oracle.gap(exact, t)
-            assert not bounds.least_gap or brackets.ball(bounds.least_gap) <= oracle.gap(exact, t)
+            assert kabsch.ball(bounds.greatest_gap) >= oracle.gap(exact, t)
+            assert not bounds.least_gap or kabsch.ball(bounds.least_gap) <= oracle.gap(exact, t)
 
 
 @pytest.mark.parametrize("degrees", ["1.2e-5", "7.0e-15", "90"])
@@ -226,7 +228,7 @@ def test_the_checkers_degrees_are_no_fewer_than_its_radians(registration: Regist
     statement: Any = parse(content)
     with flint.ctx.workprec(BITS):
         least = Fraction(degrees) * (1 + Fraction(1, 10**9))
-        radians = brackets.ball(least) * flint.arb.pi() / 180
+        radians = kabsch.ball(least) * flint.arb.pi() / 180
         angle = Fraction(Decimal(radians.str(40, radius=False)))
     weigh = partial(replace, WORTH, angle=angle)
     words = list(statement._words(weigh, [1, 1, 1, 1], solid=True, equal=True))

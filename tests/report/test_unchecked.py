@@ -1,12 +1,14 @@
-"""Nothing is called exact that was not checked: forged states, other dampings, edited results."""
+"""Nothing is called exact that was not checked, and no more is said than is proved."""
 
 from __future__ import annotations
 
 import functools
 import html
 import json
+import math
 import re
 import shutil
+from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,8 +16,10 @@ import numpy as np
 import pytest
 from commands import certreg
 
+from certreg.certificate.bounds import PoseBounds
 from certreg.dynamics.integrators import SimulationSettings
 from certreg.report import reload
+from certreg.report.reload import WEAKER, _weaker
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -145,3 +149,31 @@ def test_an_edited_result_changes_no_report_and_no_judgement(folder: Path, data:
     assert not wrong.out.startswith(("OPTIMAL", "NEAR-OPTIMAL"))
     moved = certreg("apply", folder, pair[0], "--out", folder / "moved.csv")
     assert "unchecked: certreg assess judges it" in moved.out
+
+
+TINY, PROVED = Fraction(1, 1 << 200), Fraction(1, 3)
+MOST = Fraction(WEAKER) * PROVED
+
+
+def bounds(gap: Fraction, angle: float | None) -> PoseBounds:
+    return PoseBounds(
+        least_gap=Fraction(0), greatest_gap=gap, angle_upper=angle, least_range_squared=Fraction(1)
+    )
+
+
+@pytest.mark.parametrize(
+    ("gap", "angle", "weaker"),
+    [
+        (PROVED, 0.5, False),
+        (MOST, WEAKER * 0.5, False),
+        (MOST + TINY, 0.5, True),
+        (PROVED, math.nextafter(WEAKER * 0.5, math.inf), True),
+        (PROVED, None, True),
+    ],
+)
+def test_a_certificate_that_proves_far_less_is_told_from_one_that_does_not(
+    gap: Fraction, angle: float | None, weaker
+):
+    assert _weaker(bounds(gap, angle), bounds(PROVED, 0.5)) is weaker
+    assert _weaker(bounds(gap, angle), bounds(PROVED, None)) is (gap > MOST)
+    assert not _weaker(bounds(gap, angle), None)

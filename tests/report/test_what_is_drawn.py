@@ -1,22 +1,27 @@
-"""What a card draws and lists, and where a motion of the page begins: each at its own place."""
+"""What a card and a page draw and list: from where, whose names, each at its own place."""
 
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
+from strategies import random_rotation
 
 from certreg import RegistrationProblem, certify
 from certreg.geometry.so3 import rotation_matrix
 from certreg.report.cards import registration_card
 from certreg.report.picture import SOURCE, registration_picture
 from certreg.report.thinning import PUSH, simulated_escapes
+from certreg.report.viewer import NAMED, Names, scene_document
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
     from certreg.registration.result import Registration
+
 
 AXES = np.array([[3, 0, 0], [-3, 0, 0], [0, 2, 0], [0, -2, 0], [0, 0, 1], [0, 0, -1]], float)
 TURN = Rotation.from_rotvec([0.4, -0.7, 1.1]).as_matrix()
@@ -87,3 +92,63 @@ def test_the_columns_of_a_card_are_what_their_heads_say(found: Registration):
     assert [float(each.removesuffix(" deg")) for each in columns["to optimum"]] == (
         pytest.approx([np.degrees(p.angle_to_optimum) for p in parts], rel=1e-5)
     )
+
+
+RNG = np.random.default_rng(23)
+
+
+def scene(target: NDArray[np.float64], labels: list[str] | None = None) -> dict[str, Any]:
+    problem = RegistrationProblem(target[:, [1, 2, 0]], target)
+    registration = certify(problem, relaxation=False, simulation=False)
+    about = {} if labels is None else {"labels": labels}
+    return scene_document(registration, Names.of(about, len(target)))
+
+
+def cloud(n: int) -> NDArray[np.float64]:
+    return RNG.normal(size=(n, 3)) * [3.0, 2.0, 1.0]
+
+
+@pytest.mark.parametrize("size", [1e-150, 1.0, 1e150])
+def test_z_points_up_and_the_longest_way_goes_across(size: float):
+    points = cloud(50) @ random_rotation(RNG).T * size
+    axes = np.array(scene(points)["axes"])
+    flat = (points - points.mean(axis=0))[:, :2] / size
+    across = flat @ axes[0, :2]
+
+    assert axes[2].tolist() == [0.0, 0.0, 1.0]
+    assert np.allclose(axes @ axes.T, np.eye(3))
+    assert np.linalg.det(axes) == pytest.approx(1.0)
+    assert across.var() == pytest.approx(np.linalg.eigvalsh(np.cov(flat.T, bias=True))[-1])
+
+
+@pytest.mark.parametrize("slope", [-0.6, 0.6])
+def test_a_slope_rises_to_the_back(slope: float):
+    points = cloud(50) * [1.0, 1.0, 0.0]
+    points[:, 2] = slope * points[:, 1]
+    away = np.array(scene(points)["axes"])[1]
+
+    assert (points - points.mean(axis=0)) @ away @ points[:, 2] > 0.0
+
+
+def test_a_single_spot_and_a_vertical_line_are_seen_from_somewhere():
+    for points in (np.ones((3, 3)), np.outer(np.arange(4.0), [0.0, 0.0, 1.0])):
+        axes = np.array(scene(points)["axes"])
+        assert np.allclose(axes @ axes.T, np.eye(3))
+
+
+@pytest.mark.slow
+def test_all_of_few_points_are_named_and_of_many_those_that_do_not_fit():
+    few, many = cloud(NAMED), cloud(NAMED + 1)
+    names = [f"P{i}" for i in range(NAMED + 1)]
+    wrong = many + 1e-3 * RNG.normal(size=many.shape)
+    wrong[5] += 40.0
+    registration = certify(RegistrationProblem(many, wrong), relaxation=False, simulation=False)
+
+    def named(labels: list[str] | None) -> Any:
+        about = {} if labels is None else {"labels": labels}
+        return scene_document(registration, Names.of(about, len(many)))["named"]
+
+    assert scene(few, names[:NAMED])["named"] == list(enumerate(names[:NAMED]))
+    assert scene(few)["named"] == scene(many, names)["named"] == []
+    assert named(names) == [(5, "P5")]
+    assert named(None) == [(5, "row 5")]

@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-import ast
 import itertools
-import re
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
-from syntax import nodes
+from laws.zoo import GENERIC, cells
 
 import certreg
+from certreg.equilibrium.methods import FINDERS
 from certreg.errors import InvalidProblemError
-from certreg.problem.motion import Motion, Scale, checked_motion
+from certreg.objective.structure import Structure
+from certreg.problem.motion import Scale
 from certreg.problem.support import TABLE, Cell, Loss, Verb, refusal, supported
+from certreg.registration.certification import PROVERS, prover_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -49,11 +49,6 @@ LOSSES: dict[Loss, dict[str, Any]] = {
 }
 ACCEPTED = 18  # of 60; a cell that opens, or closes, changes this number knowingly
 CELLS = list(itertools.product(DATA, MOTIONS, LOSSES))
-
-
-def motion_of(motion: str) -> Motion:
-    moves = MOTIONS[motion]
-    return checked_motion(moves.get("scale", "none"), moves.get("rotation_only", False))
 
 
 def cell_of(data: str, motion: str, loss: Loss) -> Cell:
@@ -179,100 +174,42 @@ def test_no_rule_of_the_table_is_without_a_case() -> None:
         )
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize(("data", "motion"), SQUARES)
-def test_parameters_are_counted_in_one_place(
-    data: str, motion: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """One parameter more, and every number of degrees of freedom follows."""
-    cell = cell_of(data, motion, Loss.SQUARES)
-    if not supported(cell):
-        return
-    options = options_of(cell, data)
-    told: list[dict[str, Any]] = []
-    for more in (0, 1):
-        count = {one: one.parameters + more for one in (motion_of(motion),)}
-        monkeypatch.setattr(Motion, "parameters", property(count.get))
-        result = certreg.certify(SOURCE, target_of(cell), **options)
-        noisy = certreg.certify(SOURCE, target_of(cell), sigma=0.01, **options)
-        document = result.to_dict()
-        told.append(
-            {
-                "degrees": result.degrees_of_freedom,
-                "variance": float(np.trace(document["pose"]["covariance"] or [[0.0]])),
-                "chi2": (noisy.to_dict()["fit"]["chi2"] or {"dof": None, "p": None}),
-            }
-        )
-        monkeypatch.undo()
-    one, two = told
-    assert two["degrees"] == one["degrees"] - 1
-    asymmetric = cell.scale is not Scale.SYMMETRIC  # of the other neither is computed
-    assert (one["variance"] != two["variance"]) is (asymmetric and data != "covariances")
-    assert (one["chi2"] != two["chi2"]) is asymmetric
+ACCEPTED_CELLS = list(cells())
+METHODS = (Verb.SPECTRAL, Verb.GROEBNER, Verb.HOMOTOPY)
 
 
-FITTED = [key for key in CELLS if supported(cell_of(*key)) and key[2] is not Loss.TRUNCATED]
-FORMS = {"covariances": {"information": DATA["covariances"]["covariances"]}}  # that say no noise
+def test_the_zoo_is_of_every_accepted_cell() -> None:
+    assert len(ACCEPTED_CELLS) == 13
+    assert {one.cell for one in GENERIC} == set(ACCEPTED_CELLS)
 
 
-def told(data: str, motion: str, loss: Loss, *, noise: bool) -> dict[str, Any]:
-    """What rests on the number of parameters, of a fit; noise: whether its size is given."""
-    cell = cell_of(data, motion, loss)
-    options = options_of(cell, data)
-    if noise and data != "covariances":
-        options["sigma"] = 0.01
-    elif not noise and data in FORMS:
-        options = {**options, **FORMS[data]}
-        del options["covariances"]
-    result: Any = certreg.certify(SOURCE, target_of(cell), **options)
-    fitted = result if loss is Loss.SQUARES else result.fit
-    found: dict[str, Any] = {"degrees": fitted.degrees_of_freedom}
-    if cell.scale is Scale.SYMMETRIC:  # without a covariance and a test, as noise shifts it
-        return found
-    document = {name: part for name, part in result.to_dict().items() if name != "timings_ms"}
-    found["document"] = str(document)
-    if noise:
-        return {**found, "chi2": (fitted.fit.chi2.dof, fitted.fit.chi2.p)}
-    covariance = fitted.covariance
-    sigmas = covariance.rotation_sigma, covariance.translation_sigma
-    return {**found, "+-": str(sigmas), "matrix": str(covariance.matrix)}
+@pytest.mark.parametrize("cell", ACCEPTED_CELLS, ids=str)
+def test_one_prover_accepts_each_declared_problem(cell: Cell) -> None:
+    found = PROVERS.get(cell.loss) or PROVERS[Structure.of(cell)]
+
+    assert sum(load().accepts(cell) for load in found) == 1
+    assert prover_of(cell).accepts(cell)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize(("data", "motion", "loss"), FITTED)
-@pytest.mark.parametrize("noise", [False, True])
-def test_parameters_are_counted_by_the_motion_alone(
-    data: str, motion: str, loss: Loss, *, noise: bool, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """One more changes degrees of freedom, +-, chi-squared, covariance and JSON in every cell.
+def test_each_prover_accepts_a_declared_problem() -> None:
+    made = [load() for provers in PROVERS.values() for load in provers]
 
-    But of truncated squares, of which no fit is told.
-    """
-    right = told(data, motion, loss, noise=noise)
-    assert told(data, motion, loss, noise=noise) == right
-    count: Any = Motion.parameters
-    monkeypatch.setattr(Motion, "parameters", property(lambda self: count.fget(self) + 1))
-    wrong = told(data, motion, loss, noise=noise)
-
-    assert right.keys() == wrong.keys()
-    assert [name for name in right if right[name] == wrong[name]] == []
-    assert right["degrees"] == wrong["degrees"] + 1
+    assert all(any(prover_of(cell) is prover for cell in ACCEPTED_CELLS) for prover in made)
+    assert len(made) == 5
 
 
-def test_nobody_else_subtracts_parameters() -> None:
-    """No 3 n - 6 and no 3 n - 7: what is left of observations is said by the motion."""
-    package = Path(certreg.__file__).parent
-    wings = ("problem", "registration", "report")
-    files = [file for wing in wings for file in (package / wing).glob("*.py")]
-    found = [
-        f"{file.name}: {ast.unparse(node)}"
-        for file in files
-        if file.name != "motion.py"
-        for node in nodes(file.read_text("utf-8"))
-        if isinstance(node, ast.BinOp)
-        and isinstance(node.op, ast.Sub)
-        and re.search(r"^[67]$|\bparameters$", ast.unparse(node.right))
-    ]
+@pytest.mark.parametrize("verb", METHODS)
+@pytest.mark.parametrize(
+    "cell", [cell for cell in ACCEPTED_CELLS if cell.loss is Loss.SQUARES], ids=str
+)
+def test_finders_are_those_of_the_methods_that_the_table_accepts(cell: Cell, verb: Verb) -> None:
+    finder = FINDERS[Structure.of(cell)].get(verb.value)
+    accepted = refusal(cell, verb) is None
 
-    assert len(files) > 100
-    assert found == []
+    assert accepted == (finder is not None and finder.accepts(cell))
+
+
+def test_each_finder_loads_its_function() -> None:
+    for name, finder in (pair for finders in FINDERS.values() for pair in finders.items()):
+        assert finder.verb.value == name
+        assert callable(finder.method)

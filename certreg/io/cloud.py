@@ -1,4 +1,4 @@
-"""What a reader that is no reader of text makes of a file: points, and what calls its rows."""
+"""What a reader makes of a file: points, and what calls its rows."""
 
 from __future__ import annotations
 
@@ -11,6 +11,8 @@ from certreg.problem.arrays import row_blocks
 from certreg.results import Brief
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from numpy.typing import NDArray
 
 
@@ -60,16 +62,28 @@ class RowNumbers(Brief):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Parsed:
-    """Points (N, 3) and what is told of them, as in a cloud."""
+class Cloud(Brief):
+    """Points read from a file: (N, 3), labels if the file has them, names of columns not read.
 
+    Points of a large .npy or binary .ply file are mapped from it: they stay there, as doubles or
+    floats, and nobody may change the file meanwhile.
+    """
+
+    path: Path
     points: NDArray[np.float64]
-    ignored: tuple[str, ...] = ()
     labels: tuple[str, ...] | None = None
-    identifiers: tuple[str, ...] | None = None
-    numbers: RowNumbers | None = None
-    sigma: NDArray[np.float64] | None = None
-    weights: NDArray[np.float64] | None = None
-    times: NDArray[np.float64] | None = None  # seconds, ascending, of the poses of a trajectory
-    notes: tuple[str, ...] = ()
-    further: dict[str, NDArray[Any]] = field(default_factory=dict[str, Any])  # columns asked for
+    ignored: tuple[str, ...] = ()
+    identifiers: tuple[str, ...] | None = None  # labels, or what a column not read calls the points
+    numbers: RowNumbers | None = None  # what names the rows of a large file, in their place
+    sigma: NDArray[np.float64] | None = None  # of the column of this name: one for each point
+    weights: NDArray[np.float64] | None = None  # of the column `weight`
+    normals: NDArray[np.float64] | None = None  # of nx, ny, nz, where `load` was asked for all
+    covariances: NDArray[np.float64] | None = None  # (N, 6), of cxx, cxy, cxz, cyy, cyz, czz
+    times: NDArray[np.float64] | None = None  # ascending, of a trajectory: they pair rows
+    notes: tuple[str, ...] = ()  # on how the file was read
+    further: dict[str, NDArray[Any]] = field(default_factory=dict[str, Any], repr=False)  # asked
+
+    def __array__(self, dtype: Any = None, *, copy: bool | None = None) -> NDArray[Any]:
+        """The points, where NumPy asks for an array."""
+        points = np.asarray(self.points, dtype=dtype)
+        return points.copy() if copy else points
