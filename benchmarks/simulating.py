@@ -16,9 +16,8 @@ from scipy.integrate import solve_ivp
 
 from benchmarks.clouds import random_problem
 from benchmarks.measuring import Figure, Quantity, fastest
-from certreg.dynamics.basin import certified_basin
 from certreg.dynamics.batch import Bodies, bodies_of
-from certreg.dynamics.body import steps_of
+from certreg.dynamics.body import certified_basin, steps_of
 from certreg.dynamics.integrators import SimulationSettings, step_parameters
 from certreg.dynamics.rigid import rigid_body
 from certreg.dynamics.simulation import simulate

@@ -1,6 +1,6 @@
 """Certificates of kind "count": at most four equilibria, by a rank modulo a prime.
 
-The theorem is in `certreg.equilibrium.counting`; the checker proves it again from the data, with
+The theorem is in `certreg.equilibrium.torques`; the checker proves it again from the data, with
 formulas of its own.
 """
 

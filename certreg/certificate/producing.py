@@ -174,7 +174,7 @@ def count_certificate(problem: RegistrationProblem) -> Certificate[CountBody] | 
             f"no certificate counts equilibria with {problem.motion.options}: leave --out out",
             array="problem",
         )
-    from certreg.equilibrium.counting import at_most_four  # loads FLINT, which few need
+    from certreg.equilibrium.torques import at_most_four  # loads FLINT, which few need
 
     proof = at_most_four(exact_moments(problem).cross)
     if proof is None:

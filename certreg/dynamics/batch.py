@@ -29,8 +29,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.dynamics.basin import basins_of
-from certreg.dynamics.body import SMALLEST_INERTIA, steps_of
+from certreg.dynamics.body import SMALLEST_INERTIA, basins_of, steps_of
 from certreg.dynamics.integrators import SimulationSettings, integrate, step_parameters
 from certreg.dynamics.springs import body_on_springs
 from certreg.dynamics.states import with_matrices

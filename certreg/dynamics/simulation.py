@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 
 from certreg._loading import late
-from certreg.dynamics.basin import basin_gaps
+from certreg.dynamics.body import basin_gaps
 from certreg.dynamics.integrators import (
     DEFAULT_SETTINGS,
     integrate,
@@ -53,8 +53,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.dynamics import breathing, springs
-    from certreg.dynamics.basin import Basin
-    from certreg.dynamics.body import AnyBody
+    from certreg.dynamics.body import AnyBody, Basin
     from certreg.dynamics.integrators import SimulationSettings
     from certreg.native.layout import Records
     from certreg.objective.springs import Springs

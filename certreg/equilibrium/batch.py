@@ -56,8 +56,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from certreg.equilibrium.critical_set import by_eigenspaces
 from certreg.equilibrium.equilibrium_set import equilibrium_set
-from certreg.equilibrium.spectral import by_eigenspaces
 from certreg.equilibrium.stability import Oscillations
 from certreg.errors import InvalidProblemError
 from certreg.native.engine import current_engine

@@ -14,17 +14,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from certreg.geometry.so3 import quaternion_from_matrix, rotation_matrix
-from certreg.paper.equilibria import angle, signs, unstable_counts
+from certreg.paper.experiments import STEP, angle, descend, signs, unstable_counts
 from certreg.paper.observations import STATES
 from certreg.paper.particles import SAME_SUM, Particles, at_rest, parts
-from certreg.paper.scheme import STEP, descend
 from certreg.problem.problem import RegistrationProblem
 from certreg.registration.enumeration import equilibria
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
 
-    from certreg.paper.equilibria import EquilibriumRun, StationaryPose
+    from certreg.paper.experiments import EquilibriumRun, StationaryPose
     from certreg.paper.observations import Observations
 
 

@@ -36,6 +36,20 @@ PACKAGE = Path(__file__).resolve().parent.parent
 CHECKOUT = PACKAGE.parent / "derivations"
 NAME = "certreg._derivations"
 LATEX_FILE, CODE_FOLDER = "claims.tex", "generated"
+WIDTH = 24  # of a claim's name
+_PLAIN = (
+    (r"\\(?:mathrm|operatorname|mathsf|text)\{([^}]*)\}", r"\1"),
+    (r"\\dot\{?(\w)\}?", r"\1'"),
+    (r"\\(?:l|r)?Vert|\\\|", "|"),
+    (r"\\le\b", "<="),
+    (r"\\ge\b", ">="),
+    (r"\\to\b", "->"),
+    (r"\\times\b", "x"),
+    (r"\\circ\b", "°"),
+    (r"\\[,;! ]", " "),
+    (r"[$`*{}]", ""),
+    (r"\\(\w+)", r"\1"),
+)
 
 
 class UnknownClaimError(CertregError):
@@ -132,9 +146,6 @@ def _module(name: str) -> Any:
     return importlib.import_module(f"{NAME}.{name}")
 
 
-WIDTH = 24  # of a claim's name
-
-
 def claim_line(outcome: Any) -> str:
     """One line about a claim (kernel.Outcome): name, verdict, what it rests on, time."""
     used = len(outcome.claim.standard)
@@ -184,18 +195,3 @@ def plain(words: str) -> str:
     for pattern, text in _PLAIN:
         words = re.sub(pattern, text, words)
     return words
-
-
-_PLAIN = (
-    (r"\\(?:mathrm|operatorname|mathsf|text)\{([^}]*)\}", r"\1"),
-    (r"\\dot\{?(\w)\}?", r"\1'"),
-    (r"\\(?:l|r)?Vert|\\\|", "|"),
-    (r"\\le\b", "<="),
-    (r"\\ge\b", ">="),
-    (r"\\to\b", "->"),
-    (r"\\times\b", "x"),
-    (r"\\circ\b", "°"),
-    (r"\\[,;! ]", " "),
-    (r"[$`*{}]", ""),
-    (r"\\(\w+)", r"\1"),
-)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.paper.equilibria import sides
+from certreg.paper.experiments import sides
 from certreg.paper.pictures import construction_drawing, polygon_drawing, pose_drawing
 from certreg.paper.style import (
     BLACK,
@@ -25,9 +25,8 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from certreg.paper.equilibria import EquilibriumRun
+    from certreg.paper.experiments import EquilibriumRun, SimulationRun
     from certreg.paper.observations import Observations
-    from certreg.paper.scheme import SimulationRun
 
 SHOWN = 200  # runs in a figure: more would only be darker
 EXACT = 3e-17  # degrees: where an error of exactly zero is drawn

@@ -9,7 +9,7 @@ import numpy as np
 
 from certreg.dynamics.rigid import rigid_body
 from certreg.geometry.so3 import rotation_matrix
-from certreg.paper.equilibria import EquilibriumRun, equilibrium_run
+from certreg.paper.experiments import EquilibriumRun, SimulationRun, equilibrium_run, simulation_run
 from certreg.paper.particles import RAW_UNIT, Particles, parts
 from certreg.paper.scenes import (
     SQUARE,
@@ -22,7 +22,6 @@ from certreg.paper.scenes import (
     scene,
     turn,
 )
-from certreg.paper.scheme import SimulationRun, simulation_run
 from certreg.problem.moments import exact_moments
 from certreg.problem.problem import RegistrationProblem
 from certreg.problem.random_instances import (

@@ -17,7 +17,7 @@ import numpy as np
 from certreg._loading import library
 from certreg.dynamics.rigid import rigid_body
 from certreg.geometry.so3 import rotation_matrix
-from certreg.paper.equilibria import signs
+from certreg.paper.experiments import signs
 from certreg.paper.particles import RAW_UNIT, Particles, at_rest
 from certreg.problem.moments import exact_moments
 from certreg.problem.problem import RegistrationProblem
@@ -41,6 +41,8 @@ TURN = (math.cos(0.4), math.sin(0.4) * 0.36, math.sin(0.4) * 0.48, math.sin(0.4)
 SHIFT = (2.9, -0.9, 0.5)
 NOISE = 0.08  # large enough to be seen
 COILS, ZIGZAG = 16, 0.05  # of a drawn spring: turns, and half its width in the unit of length
+HEAD = STORIES[1]
+LANDMARKS = {"nose": 2, "left ear": 0, "right ear": 1}  # rows Nz, LPA, RPA of both files
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -195,10 +197,6 @@ def turned_over(polygon: Polygon, theta: float) -> NDArray[np.float64]:
             [0.0, 0.0, -1.0],
         ]
     )
-
-
-HEAD = STORIES[1]
-LANDMARKS = {"nose": 2, "left ear": 0, "right ear": 1}  # rows Nz, LPA, RPA of both files
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

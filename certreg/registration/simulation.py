@@ -28,7 +28,7 @@ from certreg.results import OUT_OF_RANGE, Absent, Brief, Presented
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-    from certreg.dynamics.basin import Basin
+    from certreg.dynamics.body import Basin
     from certreg.dynamics.integrators import SimulationSettings
     from certreg.objective.springs import Springs
     from certreg.problem.problem import RegistrationProblem

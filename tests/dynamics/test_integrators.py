@@ -14,9 +14,8 @@ from sympy import Matrix, Rational
 from test_simulation import proved_end
 
 from certreg.dynamics import integrators
-from certreg.dynamics.basin import basins_of, certified_basin
 from certreg.dynamics.batch import Bodies, Ends, bodies_of, simulate_many
-from certreg.dynamics.body import SimulationStatus
+from certreg.dynamics.body import SimulationStatus, basins_of, certified_basin
 from certreg.dynamics.integrators import (
     SimulationSettings,
     _halved,

@@ -14,18 +14,17 @@ from strategies import random_problem
 
 from certreg.paper import (
     claims,
+    experiments,
     monte_carlo,
     observations,
     pictures,
-    scheme,
     verdicts,
 )
-from certreg.paper.equilibria import equilibrium_run, signs
+from certreg.paper.experiments import descend, equilibrium_run, signs
 from certreg.paper.figures import _first_rises, angle_errors, typical
 from certreg.paper.monte_carlo import MonteCarlo, pieces, solved
 from certreg.paper.observations import Setup
 from certreg.paper.scenes import SQUARE, TRIANGLE, flipped
-from certreg.paper.scheme import descend
 from certreg.problem.problem import RegistrationProblem
 
 CLOUD: Any = [None]  # of what is not looked at
@@ -131,15 +130,15 @@ def test_a_simulation_out_of_steps_did_not_diverge_and_one_beyond_the_doubles_di
 
 
 def test_rises_are_counted_of_each_energy_and_rest_is_told_by_the_rates(monkeypatch):
-    real = scheme.simulate
+    real = experiments.simulate
 
     def faster(*arguments: Any) -> Any:
         found = replace(real(*arguments))
         vars(found)["speed"] = 1.1e-4
         return found
 
-    monkeypatch.setattr(scheme, "simulate", faster)
-    run = scheme.simulation_run(problem(), np.eye(3))
+    monkeypatch.setattr(experiments, "simulate", faster)
+    run = experiments.simulation_run(problem(), np.eye(3))
     energy, potential = run.descent.energy, run.descent.potential
     least = 1e-12 * energy[0]
 

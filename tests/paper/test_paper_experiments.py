@@ -10,13 +10,16 @@ import pytest
 from strategies import random_problem, random_rotation
 
 from certreg.geometry.so3 import quaternion_from_matrix
-from certreg.paper.equilibria import (
+from certreg.paper.experiments import (
+    STEP,
     angle,
     arccos_angle,
+    descend,
     equilibrium_run,
     half_turn_error,
     sides,
     signs,
+    simulation_run,
 )
 from certreg.paper.observations import compare
 from certreg.paper.particles import Particles, at_rest, hat, parts
@@ -33,7 +36,6 @@ from certreg.paper.scenes import (
     turn,
     turned_over,
 )
-from certreg.paper.scheme import STEP, descend, simulation_run
 from certreg.problem.problem import RegistrationProblem
 
 each_polygon = pytest.mark.parametrize("polygon", [TRIANGLE, SQUARE], ids=lambda p: p.name)

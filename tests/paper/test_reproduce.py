@@ -19,7 +19,7 @@ from matplotlib.figure import Figure
 from certreg.cli.progress import Stages
 from certreg.native.engine import current_engine
 from certreg.native.layout import plain
-from certreg.paper import claims, derivation, equilibria, scheme, verdicts
+from certreg.paper import claims, derivation, experiments, verdicts
 from certreg.paper.claims import MEASURED, listed, rough
 from certreg.paper.derivation import proving
 from certreg.paper.documents import (
@@ -237,7 +237,7 @@ def test_springs_that_push_are_seen(monkeypatch):
     def mistake(batch) -> None:
         batch.bodies["cross"] *= -1.0
 
-    monkeypatch.setattr(scheme, "current_engine", lambda: WrongEngine(mistake))
+    monkeypatch.setattr(experiments, "current_engine", lambda: WrongEngine(mistake))
 
     assert failed(SMALL) >= {"15a"}
 
@@ -247,7 +247,7 @@ def test_a_wrong_inertia_is_seen(monkeypatch):
     def mistake(batch) -> None:
         batch.bodies["inertia_inverse"] *= 1.1  # J alpha is not the torque any more
 
-    monkeypatch.setattr(scheme, "current_engine", lambda: WrongEngine(mistake))
+    monkeypatch.setattr(experiments, "current_engine", lambda: WrongEngine(mistake))
 
     assert failed(SMALL) >= {"13b"}
 
@@ -267,14 +267,14 @@ def test_a_step_without_projection_is_seen(monkeypatch):
                 state += step * current_engine().evaluate("certreg_rate", state, body)[0]
             batch.status[0] = 1
 
-    monkeypatch.setattr(scheme, "current_engine", Unprojected)
+    monkeypatch.setattr(experiments, "current_engine", Unprojected)
 
     assert "15a" in failed(SMALL)
 
 
 def test_an_eigenvalue_counted_on_the_wrong_side_is_seen(monkeypatch, seen):
-    right = equilibria.sides
-    monkeypatch.setattr(equilibria, "sides", lambda values: -right(values))
+    right = experiments.sides
+    monkeypatch.setattr(experiments, "sides", lambda values: -right(values))
 
     assert evidence("11", seen).agrees is False
     assert evidence("12", seen).agrees is False
