@@ -156,7 +156,7 @@ PROVED = (
         "equilibrium/line_boxes", "proved_root _krawczyk are_distinct", "equilibrium/test_krawczyk"
     ),
     _of("equilibrium/line_boxes", "index_of", "equilibrium/test_line_edges"),
-    _of("equilibrium/line_ranks", "at_most_forty", "equilibrium/test_line_edges"),
+    _of("equilibrium/line_set", "at_most_forty", "equilibrium/test_line_edges"),
     _of(
         "equilibrium/homotopy",
         "_least proved_lines",
@@ -166,7 +166,7 @@ PROVED = (
         "equilibrium/line_boxes", "BoxedLine.is_real all_different", "equilibrium/test_spring_lists"
     ),
     _of(
-        "equilibrium/line_ranks",
+        "equilibrium/line_set",
         "infinitely_many _misses _rank_is_below",
         "equilibrium/test_spring_lists",
     ),

@@ -58,8 +58,7 @@ class UnknownClaimError(CertregError):
 
 def chapters() -> tuple[Any, ...]:
     """The chapters of the book: each a title and the names of its claims."""
-    every: tuple[Any, ...] = _module("book").CHAPTERS
-    return every
+    return _module("book").CHAPTERS
 
 
 def outcomes(names: Sequence[str] = ()) -> Iterator[Any]:
@@ -70,8 +69,7 @@ def outcomes(names: Sequence[str] = ()) -> Iterator[Any]:
     book, prove = _module("book"), _module("kernel").prove
     for name in names:
         if name not in book.names():
-            every: tuple[str, ...] = book.names()
-            meant = difflib.get_close_matches(name, every, n=1)
+            meant = difflib.get_close_matches(name, book.names(), n=1)
             near = f"did you mean {meant[0]!r}? " if meant else ""
             raise UnknownClaimError(
                 f"there is no claim {name!r}: {near}`certreg derive --list` prints the names"
@@ -82,8 +80,7 @@ def outcomes(names: Sequence[str] = ()) -> Iterator[Any]:
 def verdict(name: str) -> Verdict:
     """The verdict on one claim of the book, proved anew; for a process of its own."""
     (outcome,) = outcomes([name])
-    answer: Verdict = outcome.verdict
-    return answer
+    return outcome.verdict
 
 
 @contextmanager
@@ -98,8 +95,7 @@ def proving(names: Sequence[str]) -> Generator[Mapping[str, Future[Verdict]]]:
 
 def paper_claims() -> tuple[Any, ...]:
     """The claims of the paper (audit.Row), in its order."""
-    rows: tuple[Any, ...] = _module("audit").rows()
-    return rows
+    return _module("audit").rows()
 
 
 def audit(proved: Sequence[Any]) -> list[tuple[Any, Verdict]]:
@@ -120,8 +116,7 @@ def all_hold(proved: Sequence[Any], audited: Sequence[tuple[Any, Verdict]]) -> b
 def write_latex(proved: Sequence[Any], folder: Path) -> None:
     """Write the executed claims as a LaTeX document."""
     folder.mkdir(parents=True, exist_ok=True)
-    document: str = _module("latex").document(proved)
-    write_atomically(folder / LATEX_FILE, document.encode())
+    write_atomically(folder / LATEX_FILE, _module("latex").document(proved).encode())
 
 
 def write_code(folder: Path) -> None:

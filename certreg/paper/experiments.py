@@ -14,7 +14,7 @@ tells for the first step is computed from the paper's equations, as sums over th
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from itertools import combinations
 from typing import TYPE_CHECKING
 
@@ -254,11 +254,12 @@ def descend(
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class SimulationRun:
-    """One instance. Angles in degrees; energies over the energy at the start.
+class SimulationRun(Descent):
+    """That of one instance, and what else is known of it.
 
+    Angles are in degrees, energies over the energy at the start.
     closed_form_error, error: of Horn's rotation and of the simulated one, to the true rotation;
-    distance: between the two. stopped: by the paper's rule. least: V_p at the optimum, not over the
+    distance: between the two. least: V_p at the optimum, not over the
     start's. first_rise: of V in the first step of explicit Euler; predicted_rise: the same by
     h^2/2 (M |a|^2 + alpha^T J alpha). rises: how many steps raise V by more than rounding;
     potential_rises: V_p. midpoint_at_rest, midpoint_rise: of the implicit midpoint rule, whether it
@@ -266,7 +267,6 @@ class SimulationRun:
     beyond the doubles.
     """
 
-    descent: Descent
     closed_form_error: float
     error: float
     distance: float
@@ -277,21 +277,6 @@ class SimulationRun:
     potential_rises: int
     midpoint_at_rest: bool
     midpoint_rise: float
-
-    @property
-    def steps(self) -> int:
-        """How many steps the simulation took."""
-        return self.descent.steps
-
-    @property
-    def diverged(self) -> bool:
-        """Whether the steps went beyond the doubles."""
-        return self.descent.diverged
-
-    @property
-    def stopped(self) -> bool:
-        """Whether the paper's rule stopped it before the steps ran out."""
-        return self.descent.stopped
 
 
 def simulation_run(
@@ -310,7 +295,7 @@ def simulation_run(
     midpoint = simulate(Isotropic(moments), problem.damping, Integrator.MIDPOINT)
     falling = midpoint.potential + midpoint.kinetic
     return SimulationRun(
-        descent=descent,
+        **{field.name: getattr(descent, field.name) for field in fields(Descent)},
         closed_form_error=angle(best, truth),
         error=angle(end, truth),
         distance=angle(end, best),

@@ -21,14 +21,13 @@ from certreg.paper.experiments import (
     signs,
     simulation_run,
 )
-from certreg.paper.observations import compare
-from certreg.paper.particles import Particles, at_rest, hat, parts
-from certreg.paper.scenes import (
+from certreg.paper.observations import (
     LANDMARKS,
     LINKS,
     SQUARE,
     TRIANGLE,
     coil,
+    compare,
     exact_sums,
     gallery,
     projected,
@@ -36,6 +35,7 @@ from certreg.paper.scenes import (
     turn,
     turned_over,
 )
+from certreg.paper.particles import Particles, at_rest, hat, parts
 from certreg.problem.problem import RegistrationProblem
 
 each_polygon = pytest.mark.parametrize("polygon", [TRIANGLE, SQUARE], ids=lambda p: p.name)
