@@ -69,7 +69,8 @@ def outcomes(names: Sequence[str] = ()) -> Iterator[Any]:
     book, prove = _module("book"), _module("kernel").prove
     for name in names:
         if name not in book.names():
-            meant = difflib.get_close_matches(name, book.names(), n=1)
+            every: tuple[str, ...] = book.names()
+            meant = difflib.get_close_matches(name, every, n=1)
             near = f"did you mean {meant[0]!r}? " if meant else ""
             raise UnknownClaimError(
                 f"there is no claim {name!r}: {near}`certreg derive --list` prints the names"

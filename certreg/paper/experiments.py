@@ -23,7 +23,7 @@ import numpy as np
 from certreg.dynamics.integrators import SimulationSettings
 from certreg.dynamics.rigid import rigid_body
 from certreg.dynamics.simulation import simulate
-from certreg.dynamics.states import start_at_rest
+from certreg.dynamics.states import start_at_rest, state_at_rest
 from certreg.equilibrium.equilibrium_set import rotation_double, unit_double
 from certreg.equilibrium.methods import FINDERS
 from certreg.geometry.so3 import quaternion_from_matrix, rotation_matrix
@@ -31,7 +31,7 @@ from certreg.native.engine import current_engine
 from certreg.native.layout import BASIN, MATRIX_STATE, named, plain
 from certreg.native.loops import Batch, Ending, Integrator, Log
 from certreg.objective.isotropic import Isotropic
-from certreg.paper.particles import RAW_UNIT, SAME_SUM, Particles, at_rest, parts
+from certreg.paper.particles import RAW_UNIT, SAME_SUM, Particles, parts
 from certreg.problem.moments import exact_moments
 from certreg.registration.closed_form import horn
 
@@ -173,7 +173,7 @@ def _stationary_pose(
     best: NDArray[np.float64],
 ) -> StationaryPose:
     quaternion, rotation = unit_double(integers), rotation_double(integers)
-    state = at_rest(rotation)
+    state = state_at_rest(rotation)
     return StationaryPose(
         quaternion=quaternion,
         rotation=rotation,
@@ -299,7 +299,7 @@ def simulation_run(
         closed_form_error=angle(best, truth),
         error=angle(end, truth),
         distance=angle(end, best),
-        least=particles.potential(at_rest(np.array(rotation_matrix(best.tolist())))),
+        least=particles.potential(state_at_rest(np.array(rotation_matrix(best.tolist())))),
         first_rise=float((energy[1] - energy[0]) / energy[0]) if descent.steps else 0.0,
         predicted_rise=_predicted_rise(particles, STEP) / float(energy[0]),
         rises=_rises(energy, least * energy[0]),

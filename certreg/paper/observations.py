@@ -17,6 +17,7 @@ import numpy as np
 
 from certreg._loading import library
 from certreg.dynamics.rigid import rigid_body
+from certreg.dynamics.states import state_at_rest
 from certreg.geometry.so3 import rotation_matrix
 from certreg.paper.experiments import (
     EquilibriumRun,
@@ -25,7 +26,7 @@ from certreg.paper.experiments import (
     signs,
     simulation_run,
 )
-from certreg.paper.particles import RAW_UNIT, Particles, at_rest, parts
+from certreg.paper.particles import RAW_UNIT, Particles, parts
 from certreg.problem.moments import exact_moments
 from certreg.problem.problem import RegistrationProblem
 from certreg.problem.random_instances import (
@@ -191,7 +192,7 @@ def turn(polygon: Polygon, damping: float, steps: int = 360) -> Turn:
     problem = RegistrationProblem(cloud, cloud, damping=damping)
     moving = rigid_body(exact_moments(problem), damping, length_exponent=RAW_UNIT)
     angles = np.linspace(0.0, 2.0 * math.pi, steps + 1)
-    states = [at_rest(turned_over(polygon, theta)) for theta in angles.tolist()]
+    states = [state_at_rest(turned_over(polygon, theta)) for theta in angles.tolist()]
     pulls = [
         torques(flipped(polygon, tuple(map(tuple, corners)), math.cos(t), math.sin(t)), corners)  # pyright: ignore[reportArgumentType]
         for t in angles.tolist()

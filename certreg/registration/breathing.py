@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from certreg.dynamics.breathing import BreathingBody
+    from certreg.dynamics.valleys import BreathingBody
     from certreg.equilibrium.breathing import BreathingEquilibria
     from certreg.equilibrium.equilibrium_set import Component, EquilibriumSet
     from certreg.objective.isotropic import Isotropic

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from certreg.dynamics.simulation import simulate
-from certreg.dynamics.springs import spring_body
+from certreg.dynamics.valleys import spring_body
 from certreg.equilibrium.methods import FINDERS, search
 from certreg.errors import DegenerateProblemError
 from certreg.native.kernels import MissingLibraryError

@@ -13,8 +13,8 @@ from benchmarks.rates.spring_stability import counted, unstable_directions
 from certreg.dynamics.body import SpringStatus, steps_of
 from certreg.dynamics.integrators import SimulationSettings
 from certreg.dynamics.simulation import simulate
-from certreg.dynamics.springs import SprungBody, spring_body, without_traces
 from certreg.dynamics.states import CUBE
+from certreg.dynamics.valleys import SprungBody, spring_body, without_traces
 from certreg.errors import DegenerateProblemError, InvalidProblemError
 from certreg.geometry.so3 import rotation_matrix
 from certreg.native.layout import QUATERNION_STATE, plain

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from strategies import random_problem, random_rotation
 
+from certreg.dynamics.states import state_at_rest
 from certreg.geometry.so3 import quaternion_from_matrix
 from certreg.paper.experiments import (
     STEP,
@@ -35,7 +36,7 @@ from certreg.paper.observations import (
     turn,
     turned_over,
 )
-from certreg.paper.particles import Particles, at_rest, hat, parts
+from certreg.paper.particles import Particles, hat, parts
 from certreg.problem.problem import RegistrationProblem
 
 each_polygon = pytest.mark.parametrize("polygon", [TRIANGLE, SQUARE], ids=lambda p: p.name)
@@ -328,4 +329,4 @@ def test_a_rotation_is_read_back_from_its_quaternion():
     assert angle(quaternion_from_matrix(R), quaternion_from_matrix(np.eye(3))) == pytest.approx(
         arccos_angle(R, np.eye(3)), rel=1e-9
     )
-    np.testing.assert_allclose(parts(at_rest(R))[1], R)
+    np.testing.assert_allclose(parts(state_at_rest(R))[1], R)
