@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 from benchmarks.clouds import random_problem
 from benchmarks.measuring import Figure, Quantity, fastest
 from certreg.certificate.isotropic import produce
+from certreg.equilibrium.critical_set import by_eigenspaces
 from certreg.equilibrium.equilibrium_set import equilibrium_set
-from certreg.equilibrium.spectral import by_eigenspaces
 from certreg.exact.eigenbasis import integer_eigenbasis
 from certreg.objective.classification import classify
 from certreg.objective.isotropic import Isotropic
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
     from certreg.equilibrium.equilibrium_set import EquilibriumSet
+
 
 SIZES = (10, 100, 1000, 100_000)
 ROUNDS = 3

@@ -19,11 +19,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from benchmarks.measuring import Figure, Quantity, fastest
-from certreg.equilibrium.counting import at_most_four
 from certreg.equilibrium.four_paths import HomotopyStatus, continuation
 from certreg.equilibrium.groebner import eliminate, fibres
 from certreg.equilibrium.homotopy import EigenBalls
-from certreg.equilibrium.krawczyk import proved_root
+from certreg.equilibrium.line_boxes import proved_root
+from certreg.equilibrium.torques import at_most_four
 from certreg.exact.balls import exact_matrix
 from certreg.geometry.so3 import davenport_matrix
 from certreg.io.problems import read_problem

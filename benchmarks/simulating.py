@@ -16,14 +16,13 @@ from scipy.integrate import solve_ivp
 
 from benchmarks.clouds import random_problem
 from benchmarks.measuring import Figure, Quantity, fastest
-from certreg.dynamics.basin import certified_basin
 from certreg.dynamics.batch import Bodies, bodies_of
-from certreg.dynamics.body import steps_of
+from certreg.dynamics.body import certified_basin, steps_of
 from certreg.dynamics.integrators import SimulationSettings, step_parameters
 from certreg.dynamics.rigid import rigid_body
 from certreg.dynamics.simulation import simulate
-from certreg.dynamics.springs import SprungBody, spring_body
 from certreg.dynamics.states import start_at_rest
+from certreg.dynamics.valleys import SprungBody, spring_body
 from certreg.native.engine import current_engine
 from certreg.native.layout import MATRIX_STATE, named
 from certreg.native.layout import plain as doubles

@@ -27,6 +27,7 @@ from derivations.kernel import prove
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+
 ROOT = Path(__file__).resolve().parent.parent
 
 
@@ -45,7 +46,7 @@ SO3, MOTION = "certreg/geometry/so3.py", "derivations/motion.py"
 CHECKER = "certreg/verify.py"
 CLASSES = "certreg/objective/classification.py"
 FORM, SPRINGS = "certreg/objective/form.py", "certreg/objective/springs.py"
-QUARTIC, SPRING_BODY = "certreg/objective/quartics.py", "certreg/dynamics/springs.py"
+QUARTIC, SPRING_BODY = "certreg/objective/quartics.py", "certreg/dynamics/valleys.py"
 SPRING_MOTION, SPRING_STEPS = "derivations/spring_motion.py", "derivations/spring_integrators.py"
 SPRING_REST = "derivations/claims/spring_rest.py"
 LINEAR, STEPS = "derivations/linearisation.py", "derivations/integrators.py"

@@ -132,7 +132,7 @@ PROVED = (
         "objective/test_springs",
     ),
     _of(
-        "equilibrium/eigenlines",
+        "equilibrium/breaking",
         "energy_is_at_least _splits _eigenline",
         "equilibrium/test_breaking_edges equilibrium/test_breaking_springs",
     ),
@@ -152,9 +152,11 @@ PROVED = (
         "breathing_equilibria BreathingEquilibria.count BreathingEquilibrium.stable",
         "equilibrium/test_breathing_equilibria",
     ),
-    _of("equilibrium/krawczyk", "proved_root _krawczyk are_distinct", "equilibrium/test_krawczyk"),
+    _of(
+        "equilibrium/line_boxes", "proved_root _krawczyk are_distinct", "equilibrium/test_krawczyk"
+    ),
     _of("equilibrium/line_boxes", "index_of", "equilibrium/test_line_edges"),
-    _of("equilibrium/line_ranks", "at_most_forty", "equilibrium/test_line_edges"),
+    _of("equilibrium/line_set", "at_most_forty", "equilibrium/test_line_edges"),
     _of(
         "equilibrium/homotopy",
         "_least proved_lines",
@@ -164,7 +166,7 @@ PROVED = (
         "equilibrium/line_boxes", "BoxedLine.is_real all_different", "equilibrium/test_spring_lists"
     ),
     _of(
-        "equilibrium/line_ranks",
+        "equilibrium/line_set",
         "infinitely_many _misses _rank_is_below",
         "equilibrium/test_spring_lists",
     ),
@@ -174,7 +176,7 @@ PROVED = (
         "QuarticSolutions.guarantee",
         "registration/test_flags_enumerated",
     ),
-    _of("equilibrium/counting", "at_most_four", "certificate/test_count_certificate"),
+    _of("equilibrium/torques", "at_most_four", "certificate/test_count_certificate"),
     _of(
         "equilibrium/critical_set",
         "CriticalSet.complete CriticalSet.guarantee",
@@ -313,7 +315,7 @@ PROVED = (
     _of("report/document", "_growth", "report/test_printed_angles"),
     _of("report/methods", "_row", "report/test_spring_list_words"),
     _of("report/rest_sections", "is_trap", "report/test_spring_listed"),
-    _of("dynamics/basin", "certified_basin basin_gaps", "dynamics/test_basin_edges"),
+    _of("dynamics/body", "certified_basin basin_gaps", "dynamics/test_basin_edges"),
     _of("dynamics/body", "clearly_thick", "dynamics/test_basin_edges"),
     _of("registration/simulation", "never_collapses", "dynamics/test_basin_edges"),
     _of("problem/lifting", "ExactSprings.broken_energy", "equilibrium/test_breaking_springs"),

@@ -19,8 +19,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from certreg.dynamics.breathing import breathing_body
-from certreg.dynamics.states import breathing_state
+from certreg.dynamics.states import state_of
+from certreg.dynamics.valleys import breathing_body
 from certreg.equilibrium.breathing import BreathingEquilibrium, breathing_equilibria
 from certreg.equilibrium.equilibrium_set import unit_double
 from certreg.objective.isotropic import Isotropic
@@ -28,7 +28,7 @@ from certreg.problem.moments import exact_moments
 from certreg.problem.problem import RegistrationProblem
 
 if TYPE_CHECKING:
-    from certreg.dynamics.breathing import BreathingBody
+    from certreg.dynamics.valleys import BreathingBody
 
 INSTANCES = 5_000
 AT_REST = 1e-9  # |s'| at an equilibrium, in units near the clouds' sizes
@@ -81,7 +81,7 @@ def _look_at(
     moving: BreathingBody, objective: Isotropic, found: BreathingEquilibrium, tally: Tally
 ) -> None:
     scale = (found.scale or 0.0) / moving.unit_of_scale
-    state = breathing_state(unit_double(objective.quaternions[found.component]), scale)
+    state = state_of(unit_double(objective.quaternions[found.component]), scale=scale)
     unstable = int((np.linalg.eigvals(moving.jacobian(state)).real > 0.0).sum())
     tally.equilibria += 1
     tally.misindexed += unstable != found.morse_index

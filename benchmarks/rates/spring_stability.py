@@ -17,7 +17,7 @@ import numpy as np
 from spring_families import FAMILIES, statement
 
 from certreg.certificate.listing import list_body
-from certreg.dynamics.springs import spring_body
+from certreg.dynamics.valleys import spring_body
 from certreg.equilibrium.paths import critical_lines
 from certreg.objective.springs import Springs
 from certreg.problem.problem import RegistrationProblem
@@ -26,7 +26,7 @@ from certreg.problem.stiffness import spring_moments
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from certreg.dynamics.springs import SprungBody
+    from certreg.dynamics.valleys import SprungBody
 
 
 DAMPING = 1.3

@@ -1,6 +1,6 @@
 """Certificates of kind "count": at most four equilibria, by a rank modulo a prime.
 
-The theorem is in `certreg.equilibrium.counting`; the checker proves it again from the data, with
+The theorem is in `certreg.equilibrium.torques`; the checker proves it again from the data, with
 formulas of its own.
 """
 
@@ -15,6 +15,7 @@ from certreg.problem.moments import exact_moments
 
 if TYPE_CHECKING:
     from certreg.problem.problem import RegistrationProblem
+
 
 AT_MOST = 4
 
@@ -50,7 +51,7 @@ def count_certificate(problem: RegistrationProblem) -> Certificate[CountBody] | 
             f"no certificate counts equilibria with {problem.motion.options}: leave --out out",
             array="problem",
         )
-    from certreg.equilibrium.counting import at_most_four  # loads FLINT, which few need
+    from certreg.equilibrium.torques import at_most_four  # loads FLINT, which few need
 
     proof = at_most_four(exact_moments(problem).cross)
     if proof is None:

@@ -29,11 +29,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.dynamics.basin import basins_of
-from certreg.dynamics.body import SMALLEST_INERTIA, steps_of
+from certreg.dynamics.body import SMALLEST_INERTIA, basins_of, steps_of
 from certreg.dynamics.integrators import SimulationSettings, integrate, step_parameters
-from certreg.dynamics.springs import body_on_springs
 from certreg.dynamics.states import with_matrices
+from certreg.dynamics.valleys import body_on_springs
 from certreg.equilibrium.batch import clouds, stationary_poses
 from certreg.equilibrium.line_batch import many_springs
 from certreg.errors import DegenerateProblemError
@@ -48,7 +47,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import ArrayLike, NDArray
 
-    from certreg.dynamics.springs import SprungBody
+    from certreg.dynamics.valleys import SprungBody
     from certreg.native.layout import Records
     from certreg.native.stationary import StationaryPoses
 

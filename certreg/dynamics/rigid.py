@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.dynamics.basin import certified_basin
 from certreg.dynamics.body import (
     AnyBody,
     SimulationStatus,
+    certified_basin,
     exponent_of,
     require_rank,
     require_thick,
@@ -45,7 +45,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from certreg.dynamics.basin import Basin
+    from certreg.dynamics.body import Basin
     from certreg.dynamics.integrators import SimulationSettings
     from certreg.geometry.so3 import Matrix3
     from certreg.native.layout import Records

@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 
 from certreg._loading import late
-from certreg.dynamics.basin import basin_gaps
+from certreg.dynamics.body import basin_gaps
 from certreg.dynamics.integrators import (
     DEFAULT_SETTINGS,
     integrate,
@@ -45,22 +45,21 @@ from certreg.native.loops import (
     Integrator,
     Log,
 )
-from certreg.objective.isotropic import Isotropic
+from certreg.objective.structure import Structure
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable, Iterator, Mapping
 
     from numpy.typing import NDArray
 
-    from certreg.dynamics import breathing, springs
-    from certreg.dynamics.basin import Basin
-    from certreg.dynamics.body import AnyBody
+    from certreg.dynamics import valleys
+    from certreg.dynamics.body import AnyBody, Basin
     from certreg.dynamics.integrators import SimulationSettings
     from certreg.native.layout import Records
+    from certreg.objective.isotropic import Isotropic
     from certreg.objective.springs import Springs
 else:
-    breathing = late("certreg.dynamics.breathing")
-    springs = late("certreg.dynamics.springs")
+    valleys = late("certreg.dynamics.valleys")
 
 
 Run = TypeVar("Run")
@@ -123,11 +122,20 @@ def moving_body(objective: Isotropic | Springs, damping: float) -> AnyBody:
 
     Raises DegenerateProblemError where the dynamics is not defined, or not in doubles.
     """
-    if not isinstance(objective, Isotropic):
-        return springs.body_on_springs(objective, damping)
+    return BODIES[objective.structure](objective, damping)
+
+
+def _on_weights(objective: Isotropic, damping: float) -> AnyBody:
     if objective.scaling is not None:
-        return breathing.breathing_body(objective.moments, damping)
+        return valleys.breathing_body(objective.moments, damping)
     return body_on_weights(objective, damping)
+
+
+BODIES: Mapping[Structure, Callable[[Any, float], AnyBody]] = {
+    Structure.LINEAR: _on_weights,
+    # so that it is loaded when the first is asked for
+    Structure.QUARTIC: lambda springs, damping: valleys.body_on_springs(springs, damping),  # noqa: PLW0108
+}
 
 
 def _require_no_gain(moving: AnyBody, batch: Batch) -> None:

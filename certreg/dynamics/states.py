@@ -54,20 +54,16 @@ def state_at_rest(rotation: ArrayLike, c: ArrayLike = (0.0, 0.0, 0.0)) -> NDArra
 
 
 def state_of(
-    q: Sequence[float] | NDArray[np.float64], c: Sequence[float] = (0.0, 0.0, 0.0)
+    q: Sequence[float] | NDArray[np.float64],
+    c: Sequence[float] = (0.0, 0.0, 0.0),
+    *,
+    scale: float | None = None,
 ) -> Records:
-    """The state () at rest with a quaternion and a c."""
-    state = np.zeros((), dtype=QUATERNION_STATE)
+    """The state () at rest with a quaternion and a c, and a scale where that is a state."""
+    state = np.zeros((), dtype=QUATERNION_STATE if scale is None else BREATHING_STATE)
     state["q"], state["c"] = q, c
-    return state
-
-
-def breathing_state(
-    q: Sequence[float] | NDArray[np.float64], scale: float, c: Sequence[float] = (0.0, 0.0, 0.0)
-) -> Records:
-    """The state () at rest with a quaternion, a scale and a c."""
-    state = np.zeros((), dtype=BREATHING_STATE)
-    state["q"], state["scale"], state["c"] = q, scale, c
+    if scale is not None:
+        state["scale"] = scale
     return state
 
 

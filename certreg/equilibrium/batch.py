@@ -56,8 +56,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from certreg.equilibrium.critical_set import by_eigenspaces
 from certreg.equilibrium.equilibrium_set import equilibrium_set
-from certreg.equilibrium.spectral import by_eigenspaces
 from certreg.equilibrium.stability import Oscillations
 from certreg.errors import InvalidProblemError
 from certreg.native.library import MANY, library_for
@@ -77,6 +77,7 @@ if TYPE_CHECKING:
 
     from certreg.equilibrium.equilibrium_set import EquilibriumSet
     from certreg.native.stationary import StationaryPoses
+
 
 Array = Any  # NDArray[np.float64]
 MODES = 12  # of the linearised dynamics

@@ -1,4 +1,10 @@
-"""What every search for equilibria returns, whatever it searches with: a critical set."""
+"""What every search for equilibria returns, whatever it searches with: a critical set.
+
+By the spectral theorem that of one weight per pair is the eigenspaces of the Davenport matrix.
+Exact where it decides (how many components, of which kind, which index), and precise where it
+proposes: the eigenspaces are refined in integer arithmetic until eigenvalues that are exactly
+distinct are well apart in them, however close they are.
+"""
 
 from __future__ import annotations
 
@@ -6,14 +12,14 @@ import enum
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from certreg.results import Brief
+from certreg.results import Brief, Guarantee
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
     from fractions import Fraction
 
     from certreg.exact.spaces import IntegerQuaternion, Resolution
-    from certreg.results import Guarantee
+    from certreg.objective.isotropic import Isotropic
 
 
 class Completeness(enum.Enum):
@@ -116,4 +122,22 @@ def spaces_as_components(
             guarantee=guarantee,
         )
         for q, space, index in parts
+    )
+
+
+SPECTRAL = "spectral"
+
+
+def by_eigenspaces(objective: Isotropic) -> CriticalSet:
+    """The eigenspaces of K; kinds and indices by the exact classification."""
+    return CriticalSet(
+        method=SPECTRAL,
+        components=spaces_as_components(
+            objective.eigenspaces,
+            objective.energy_of_eigenvalue,
+            objective.classification.indices,
+            Guarantee.EXACT,
+        ),
+        bits=objective.eigenspaces.bits,
+        completeness=Completeness.SPECTRAL,
     )

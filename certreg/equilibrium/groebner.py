@@ -27,7 +27,7 @@ from typing import TYPE_CHECKING, Any
 from flint import acb, arb, arb_mat, ctx, fmpq_mat, fmpz_mat, fmpz_poly
 
 from certreg.equilibrium.critical_set import Completeness, CriticalSet, spaces_as_components
-from certreg.equilibrium.torques import COLUMNS, torque_table
+from certreg.equilibrium.torques import CHARTS, COLUMNS, torque_table
 from certreg.errors import ContradictionError
 from certreg.exact.balls import fixed_point, morse_bott_index, orthonormal, radius_bits
 from certreg.exact.spaces import Space, resolved
@@ -40,7 +40,6 @@ if TYPE_CHECKING:
     from certreg.objective.isotropic import Isotropic
 
 GROEBNER = "groebner"
-CHARTS = 13  # four lines lie in at most 4 * 3 = 12 hyperplanes (1, t, t^2, t^3)
 GUARD_BITS = 32  # more than products of four matrices lose; more are taken where not
 SOLUTIONS = 4  # dimension of the quotient ring: the basis 1, u1, u2, u3
 PRODUCTS = 6  # u_i u_j, i <= j

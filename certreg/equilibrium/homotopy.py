@@ -17,25 +17,22 @@ from typing import TYPE_CHECKING
 import numpy as np
 from flint import acb_mat, arb_mat, ctx
 
-from certreg.equilibrium.counting import at_most_four
 from certreg.equilibrium.critical_set import Completeness, CriticalSet, spaces_as_components
 from certreg.equilibrium.four_paths import HomotopyStatus, continuation
-from certreg.equilibrium.krawczyk import (
-    START_BITS,
-    Balls,
-    RootBox,
-    are_distinct,
-    kind_of,
-    proved_root,
-    tightened,
-)
 from certreg.equilibrium.line_boxes import (
+    START_BITS,
     BallQuartic,
+    Balls,
     BoxedLine,
+    RootBox,
     all_different,
+    are_distinct,
     boxed,
     critical_at,
     index_of,
+    kind_of,
+    proved_root,
+    tightened,
 )
 from certreg.equilibrium.line_set import (
     BITS,
@@ -48,6 +45,7 @@ from certreg.equilibrium.line_set import (
     line_set,
 )
 from certreg.equilibrium.paths import REAL, critical_lines
+from certreg.equilibrium.torques import at_most_four
 from certreg.equilibrium.tracking import REGULAR
 from certreg.errors import UndecidedError
 from certreg.exact.balls import exact_matrix, fixed_point, morse_bott_index, orthonormal
@@ -74,6 +72,11 @@ if TYPE_CHECKING:
 HOMOTOPY = "homotopy"
 DOUBLE_BITS = 53  # fractional bits of a double near 1
 ENDS_BITS = 64  # of the ends in fixed point
+SPARE_BITS = 8
+TIE_BITS = 1024  # to which two energies are told apart
+MOST_SINGULAR = 8  # each costs as much as ten that are regular
+SAME_END = 1e-2  # sine between ends that meet: of a line that is sixfold they are 2e-3 apart
+NEARLY_REAL = 1e-2  # of such an end, the sine of the angle to its conjugate
 
 
 class EigenBalls:
@@ -205,13 +208,6 @@ def _ends_in_doubles(ends: Continuation, size: float) -> tuple[Space, ...]:
 def _fixed(value: float) -> int:
     """A double in fixed point."""
     return round(math.ldexp(value, DOUBLE_BITS)) << (ENDS_BITS - DOUBLE_BITS)
-
-
-SPARE_BITS = 8
-TIE_BITS = 1024  # to which two energies are told apart
-MOST_SINGULAR = 8  # each costs as much as ten that are regular
-SAME_END = 1e-2  # sine between ends that meet: of a line that is sixfold they are 2e-3 apart
-NEARLY_REAL = 1e-2  # of such an end, the sine of the angle to its conjugate
 
 
 def proved_list(objective: Springs, ends: CriticalLines | None = None) -> LineSet:

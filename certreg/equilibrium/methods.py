@@ -97,7 +97,7 @@ FINDERS: Mapping[Structure, Mapping[str, Finder]] = {  # the first is the usual 
     Structure.LINEAR: _by_name(
         Finder(
             verb=Verb.SPECTRAL,
-            found=found_late("certreg.equilibrium.spectral", "by_eigenspaces"),
+            found=found_late("certreg.equilibrium.critical_set", "by_eigenspaces"),
             needs=None,
         ),
         Finder(

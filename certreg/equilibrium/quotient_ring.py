@@ -28,22 +28,20 @@ from flint import acb_mat, arb, arb_mat, ctx, nmod_mat
 
 from certreg.equilibrium.groebner import GROEBNER
 from certreg.equilibrium.line_boxes import BallQuartic, critical_at
-from certreg.equilibrium.line_ranks import (
+from certreg.equilibrium.line_set import (
+    LINES,
+    Finiteness,
     LineCount,
+    LineSet,
     at_most_forty,
+    constant_set,
+    finiteness_of,
     forms,
+    line_set,
     minor_terms,
     minors_modulo,
     product_places,
     products,
-)
-from certreg.equilibrium.line_set import (
-    LINES,
-    Finiteness,
-    LineSet,
-    constant_set,
-    finiteness_of,
-    line_set,
 )
 from certreg.errors import UndecidedError
 from certreg.exact.balls import negative_eigenvalues, radius_bits

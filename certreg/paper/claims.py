@@ -13,18 +13,18 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from certreg.dynamics.states import state_at_rest
 from certreg.geometry.so3 import quaternion_from_matrix, rotation_matrix
-from certreg.paper.equilibria import angle, signs, unstable_counts
+from certreg.paper.experiments import STEP, angle, descend, signs, unstable_counts
 from certreg.paper.observations import STATES
-from certreg.paper.particles import SAME_SUM, Particles, at_rest, parts
-from certreg.paper.scheme import STEP, descend
+from certreg.paper.particles import SAME_SUM, Particles, parts
 from certreg.problem.problem import RegistrationProblem
 from certreg.registration.enumeration import equilibria
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
 
-    from certreg.paper.equilibria import EquilibriumRun, StationaryPose
+    from certreg.paper.experiments import EquilibriumRun, StationaryPose
     from certreg.paper.observations import Observations
 
 
@@ -117,7 +117,7 @@ def energy_rate(observed: Observations, clouds: Clouds) -> Evidence:
 def unbounded(_: Observations, clouds: Clouds) -> Evidence:
     """Row 4a: V of a flat cloud, far out in the space of matrices."""
     flat = Particles.of(clouds[0])
-    near, far = (flat.potential(at_rest(_stretched(size))) for size in (0.0, FAR))
+    near, far = (flat.potential(state_at_rest(_stretched(size))) for size in (0.0, FAR))
     return Evidence(
         words=f"V at R = I is {near:.3g}, and at R = I + {rough(FAR)} e₁e₃ᵀ it is {far:.3g}",
         agrees=near == far,
@@ -157,7 +157,7 @@ def no_contradiction(_: Observations, clouds: Clouds) -> Evidence:
     """Row 6c: two optima with the same energy."""
     particles = Particles.of(clouds[0])
     turns = [np.array(rotation_matrix(q)) for q in ((0.0, 1, 0, 0), (0.0, 0, 1, 0))]
-    a, b = (particles.potential(at_rest(R)) for R in turns)
+    a, b = (particles.potential(state_at_rest(R)) for R in turns)
     apart = angle(*map(quaternion_from_matrix, turns))
     least = equilibria(clouds[0]).components[0].energy
     return Evidence(

@@ -36,6 +36,20 @@ PACKAGE = Path(__file__).resolve().parent.parent
 CHECKOUT = PACKAGE.parent / "derivations"
 NAME = "certreg._derivations"
 LATEX_FILE, CODE_FOLDER = "claims.tex", "generated"
+WIDTH = 24  # of a claim's name
+_PLAIN = (
+    (r"\\(?:mathrm|operatorname|mathsf|text)\{([^}]*)\}", r"\1"),
+    (r"\\dot\{?(\w)\}?", r"\1'"),
+    (r"\\(?:l|r)?Vert|\\\|", "|"),
+    (r"\\le\b", "<="),
+    (r"\\ge\b", ">="),
+    (r"\\to\b", "->"),
+    (r"\\times\b", "x"),
+    (r"\\circ\b", "°"),
+    (r"\\[,;! ]", " "),
+    (r"[$`*{}]", ""),
+    (r"\\(\w+)", r"\1"),
+)
 
 
 class UnknownClaimError(CertregError):
@@ -44,8 +58,7 @@ class UnknownClaimError(CertregError):
 
 def chapters() -> tuple[Any, ...]:
     """The chapters of the book: each a title and the names of its claims."""
-    every: tuple[Any, ...] = _module("book").CHAPTERS
-    return every
+    return _module("book").CHAPTERS
 
 
 def outcomes(names: Sequence[str] = ()) -> Iterator[Any]:
@@ -68,8 +81,7 @@ def outcomes(names: Sequence[str] = ()) -> Iterator[Any]:
 def verdict(name: str) -> Verdict:
     """The verdict on one claim of the book, proved anew; for a process of its own."""
     (outcome,) = outcomes([name])
-    answer: Verdict = outcome.verdict
-    return answer
+    return outcome.verdict
 
 
 @contextmanager
@@ -84,8 +96,7 @@ def proving(names: Sequence[str]) -> Generator[Mapping[str, Future[Verdict]]]:
 
 def paper_claims() -> tuple[Any, ...]:
     """The claims of the paper (audit.Row), in its order."""
-    rows: tuple[Any, ...] = _module("audit").rows()
-    return rows
+    return _module("audit").rows()
 
 
 def audit(proved: Sequence[Any]) -> list[tuple[Any, Verdict]]:
@@ -106,8 +117,7 @@ def all_hold(proved: Sequence[Any], audited: Sequence[tuple[Any, Verdict]]) -> b
 def write_latex(proved: Sequence[Any], folder: Path) -> None:
     """Write the executed claims as a LaTeX document."""
     folder.mkdir(parents=True, exist_ok=True)
-    document: str = _module("latex").document(proved)
-    write_atomically(folder / LATEX_FILE, document.encode())
+    write_atomically(folder / LATEX_FILE, _module("latex").document(proved).encode())
 
 
 def write_code(folder: Path) -> None:
@@ -130,9 +140,6 @@ def _module(name: str) -> Any:
             sys.modules[NAME] = package
             spec.loader.exec_module(package)
     return importlib.import_module(f"{NAME}.{name}")
-
-
-WIDTH = 24  # of a claim's name
 
 
 def claim_line(outcome: Any) -> str:
@@ -184,18 +191,3 @@ def plain(words: str) -> str:
     for pattern, text in _PLAIN:
         words = re.sub(pattern, text, words)
     return words
-
-
-_PLAIN = (
-    (r"\\(?:mathrm|operatorname|mathsf|text)\{([^}]*)\}", r"\1"),
-    (r"\\dot\{?(\w)\}?", r"\1'"),
-    (r"\\(?:l|r)?Vert|\\\|", "|"),
-    (r"\\le\b", "<="),
-    (r"\\ge\b", ">="),
-    (r"\\to\b", "->"),
-    (r"\\times\b", "x"),
-    (r"\\circ\b", "°"),
-    (r"\\[,;! ]", " "),
-    (r"[$`*{}]", ""),
-    (r"\\(\w+)", r"\1"),
-)

@@ -17,10 +17,9 @@ from certreg.errors import InvalidFileError
 from certreg.io.atomic import remedy_of, write_atomically
 from certreg.paper.claims import NEAR
 from certreg.paper.derivation import plain
-from certreg.paper.equilibria import unstable_counts
 from certreg.paper.equilibrium_maps import SPRINGS_FILE, spring_rows
+from certreg.paper.experiments import STEP, STOP, unstable_counts
 from certreg.paper.parameter_sweeps import SWEEPS_FILE, sweep_rows
-from certreg.paper.scheme import STEP, STOP
 from certreg.paper.style import written
 from certreg.report.document import dumps
 from certreg.report.markup import rendered
@@ -55,6 +54,13 @@ NOT_PROVED_NOW = "the proofs were left out: `certreg derive` runs them"
 ALL_DIVERGED = "every simulation went beyond the doubles: the step is too large for the damping"
 
 Document = dict[str, Any]
+PAGE, TABLE, DOCUMENT = "verdicts.html", "verdicts.md", "verdicts.json"
+SIGNS = {
+    "true": "✓",
+    "true under a condition": "◐",
+    "false as stated": "✗",
+    "not proved here": "?",
+}
 
 
 def verdict_word(claim: ClaimVerdict) -> str:
@@ -306,15 +312,6 @@ def texts(reproduction: Reproduction) -> Iterator[str]:
     for claim in reproduction.claims:
         yield "\n" + claim_text(claim)
     yield "\n" + closing_text(reproduction)
-
-
-PAGE, TABLE, DOCUMENT = "verdicts.html", "verdicts.md", "verdicts.json"
-SIGNS = {
-    "true": "✓",
-    "true under a condition": "◐",
-    "false as stated": "✗",
-    "not proved here": "?",
-}
 
 
 def html_page(reproduction: Reproduction, drawings: Sequence[Drawing]) -> str:

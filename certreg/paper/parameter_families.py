@@ -12,13 +12,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import product
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from certreg.geometry.so3 import davenport_matrix, rotation_matrices
-from certreg.problem.random_instances import PAPER_DAMPING, PAPER_POINTS, PAPER_SIGMA
-from certreg.problem.random_instances import gaussian_instances as gaussian
+from certreg.problem.random_instances import (
+    PAPER_DAMPING,
+    PAPER_POINTS,
+    PAPER_SIGMA,
+    gaussian_instances,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -99,27 +103,6 @@ def limit_margin(points: int, sigma: float) -> float:
     return float(np.median(margin(np.eye(3) + (W + sigma * G) / np.sqrt(points))))
 
 
-def damped(rng: np.random.Generator, value: float, count: int) -> Sample:
-    """The paper's instances, damped by `value`."""
-    instances = gaussian(rng, count=count)
-    return Sample(
-        sources=instances.sources,
-        targets=instances.targets,
-        damping=value,
-        margins=_constant(np.nan, count),
-    )
-
-
-def noisy(rng: np.random.Generator, value: float, count: int) -> Sample:
-    """Noise of the standard deviation `value`; that of the clouds is 1."""
-    return _limited(rng, PAPER_POINTS, value, count)
-
-
-def sized(rng: np.random.Generator, value: float, count: int) -> Sample:
-    """Clouds of `value` points."""
-    return _limited(rng, int(value), PAPER_SIGMA, count)
-
-
 def broken(rng: np.random.Generator, value: float, count: int) -> Sample:
     """The corners of a cube, each moved by `value` times a Gaussian; without noise.
 
@@ -151,24 +134,23 @@ def degenerate(rng: np.random.Generator, value: float, count: int) -> Sample:
     return Sample(sources=sources, targets=sources @ C.mT, margins=predicted)
 
 
-def released(rng: np.random.Generator, value: float, count: int) -> Sample:
-    """The paper's instances, released `value` radians from the best saddle."""
-    instances = gaussian(rng, count=count)
-    return Sample(
-        sources=instances.sources,
-        targets=instances.targets,
-        margins=_constant(np.nan, count),
-        distance=value,
-        from_saddle=True,
-    )
+def gaussian(
+    rng: np.random.Generator,
+    count: int,
+    *,
+    points: int = PAPER_POINTS,
+    sigma: float = PAPER_SIGMA,
+    limited: bool = True,
+    **special: Any,
+) -> Sample:
+    """The paper's instances, with what is special of them.
 
-
-def _limited(rng: np.random.Generator, points: int, sigma: float, count: int) -> Sample:
-    instances = gaussian(rng, points=points, sigma=sigma, count=count)
-    predicted = limit_margin(points, sigma) if points >= LIMIT_POINTS else np.nan
-    return Sample(
-        sources=instances.sources, targets=instances.targets, margins=_constant(predicted, count)
-    )
+    limited: whether a margin is predicted, as of many points.
+    """
+    made = gaussian_instances(rng, points=points, sigma=sigma, count=count)
+    told = limited and points >= LIMIT_POINTS
+    predicted = _constant(limit_margin(points, sigma) if told else np.nan, count)
+    return Sample(sources=made.sources, targets=made.targets, margins=predicted, **special)
 
 
 def _constant(value: float, count: int) -> NDArray[np.float64]:
@@ -194,7 +176,7 @@ FAMILIES = {
             label="damping μ",
             values=_decades(-1, 1, 6),
             points=PAPER_POINTS,
-            sample=damped,
+            sample=lambda rng, value, count: gaussian(rng, count, limited=False, damping=value),
         ),
         Family(
             name="noise",
@@ -202,7 +184,7 @@ FAMILIES = {
             label="noise σ (clouds: 1)",
             values=(0.0, *_decades(-3, 1, 2)),
             points=PAPER_POINTS,
-            sample=noisy,
+            sample=lambda rng, value, count: gaussian(rng, count, sigma=value),
         ),
         Family(
             name="points",
@@ -210,7 +192,7 @@ FAMILIES = {
             label="points N",
             values=(3.0, 4.0, 6.0, *_decades(1, 5, 2)),
             points=None,
-            sample=sized,
+            sample=lambda rng, value, count: gaussian(rng, count, points=int(value)),
         ),
         Family(
             name="symmetry",
@@ -234,7 +216,9 @@ FAMILIES = {
             label="radians from the best saddle",
             values=_decades(-10, 0),
             points=PAPER_POINTS,
-            sample=released,
+            sample=lambda rng, value, count: gaussian(
+                rng, count, limited=False, distance=value, from_saddle=True
+            ),
         ),
     )
 }

@@ -18,8 +18,8 @@ from certreg.equilibrium.batch import exactly, solve_many
 from certreg.geometry.so3 import rotation_matrices
 from certreg.native.layout import QUATERNION_STATE
 from certreg.native.loops import BASIN_SHARE, Integrator
+from certreg.paper.experiments import NO_BASIN
 from certreg.paper.parameter_families import FAMILIES
-from certreg.paper.scheme import NO_BASIN
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence

@@ -78,7 +78,7 @@ class Particles:
     @property
     def start(self) -> NDArray[np.float64]:
         """The paper's start: at rest where the source is, R = I, (18,)."""
-        return at_rest(np.eye(3), self.centre)
+        return state_at_rest(np.eye(3), self.centre)
 
     def force(self, state: NDArray[np.float64]) -> NDArray[np.float64]:
         """The total force on the body, world frame, (3,)."""
@@ -137,11 +137,6 @@ def parts(
     """c, R, v, omega of a state."""
     record = named(state, MATRIX_STATE)
     return record["c"], record["R"], record["v"], record["omega"]
-
-
-def at_rest(R: NDArray[np.float64], c: NDArray[np.float64] | None = None) -> NDArray[np.float64]:
-    """The state (18,) at rest with a rotation, the centres together unless c is given."""
-    return state_at_rest(R, np.zeros(3) if c is None else c)
 
 
 def hat(vectors: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -41,14 +41,10 @@ if TYPE_CHECKING:
     from certreg.problem.fast_pose import FloatingPose
     from certreg.problem.moments import Moments
     from certreg.registration import equilibria
-else:
-    equilibria = late("certreg.registration.equilibria")
 
-
-if TYPE_CHECKING:
     BestScale = Callable[[float, float, float], float]
 else:
-    spring_equilibria = late("certreg.registration.spring_equilibria")
+    equilibria = late("certreg.registration.equilibria")
 
 
 class SpringArguments(TypedDict, total=False):

@@ -41,19 +41,13 @@ if TYPE_CHECKING:
     from certreg.registration.equilibria import SpringEquilibria
     from certreg.registration.fit import Fit
     from certreg.registration.progress import Progress
-else:
-    count = late("certreg.certificate.count")
-    listing = late("certreg.certificate.listing")
 
-
-if TYPE_CHECKING:
     Certified = Certificate[Any] | Absent
 else:
+    count = late("certreg.certificate.count")
     listed = late("certreg.registration.equilibria")
+    listing = late("certreg.certificate.listing")
     paths = late("certreg.equilibrium.paths")
-    # which of them is made depends on the problem
-    producing = late("certreg.certificate.producing")
-    producing_springs = late("certreg.certificate.producing_springs")
 
 
 ALL = "all"  # methods

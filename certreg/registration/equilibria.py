@@ -17,7 +17,7 @@ import numpy as np
 
 from certreg._loading import late
 from certreg.dynamics.simulation import simulate
-from certreg.dynamics.springs import spring_body
+from certreg.dynamics.valleys import spring_body
 from certreg.equilibrium.breathing import breathing_equilibria
 from certreg.equilibrium.equilibrium_set import unit_double
 from certreg.equilibrium.line_set import Finiteness

@@ -14,7 +14,7 @@ from certreg.certificate.bounds import pose_bounds, pose_energy
 from certreg.certificate.isotropic import SimilarityBody, produce
 from certreg.dynamics.integrators import DEFAULT_SETTINGS
 from certreg.dynamics.simulation import optimal_damping
-from certreg.equilibrium.spectral import by_eigenspaces
+from certreg.equilibrium.critical_set import by_eigenspaces
 from certreg.errors import DegenerateProblemError, InvalidProblemError
 from certreg.native.kernels import MissingLibraryError
 from certreg.native.loops import Integrator

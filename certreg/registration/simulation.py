@@ -30,9 +30,9 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from certreg.dynamics.basin import Basin
-    from certreg.dynamics.breathing import BreathingBody
+    from certreg.dynamics.body import Basin
     from certreg.dynamics.integrators import SimulationSettings
+    from certreg.dynamics.valleys import BreathingBody
     from certreg.equilibrium import breathing
     from certreg.objective.springs import Springs
     from certreg.problem.problem import RegistrationProblem

@@ -29,7 +29,7 @@ from certreg.results import Ruling, Verdict
 if TYPE_CHECKING:
     from certreg.certificate.envelope import Certificate
     from certreg.certificate.listing import SpringsListBody
-    from certreg.dynamics.springs import SprungBody
+    from certreg.dynamics.valleys import SprungBody
     from certreg.native.layout import Records
     from certreg.objective.springs import Springs
     from certreg.relaxation.optimum import Found

@@ -179,7 +179,7 @@ CLAIM = Claim(
     runs=("derivations.motion.rate",),
     used_by=(
         "certreg.dynamics.simulation.simulate",
-        "certreg.dynamics.basin.Basin",
+        "certreg.dynamics.body.Basin",
     ),
     not_in_coq=(
         "Neither that solutions exist nor LaSalle's theorem is proved in Coq; "

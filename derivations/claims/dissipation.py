@@ -177,7 +177,7 @@ CLAIM = Claim(
     ),
     runs=("derivations.motion.newton_euler",),
     used_by=(
-        "certreg.dynamics.basin.Basin",
+        "certreg.dynamics.body.Basin",
         "derivations.motion.rate",
     ),
     coq=(

@@ -7,7 +7,7 @@ from typing import Any
 
 import sympy
 
-from certreg.dynamics.springs import without_traces
+from certreg.dynamics.valleys import without_traces
 
 from ..algebra import combination, contraction, identity
 from ..hypotheses import INERTIA_INVERSE, ROTATION
@@ -280,7 +280,7 @@ CLAIM = Claim(
     needs=("euler_poincare", "kinetic_energy", "midpoint", "splitting"),
     standard=("The fundamental lemma of the calculus of variations.",),
     runs=(
-        "certreg.dynamics.springs.without_traces",
+        "certreg.dynamics.valleys.without_traces",
         "derivations.spring_motion.rate",
         "derivations.spring_integrators.balance",
     ),

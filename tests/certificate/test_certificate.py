@@ -28,7 +28,7 @@ from certreg.certificate.bounds import (
 from certreg.certificate.checking import CertificateVerdict, check_own
 from certreg.certificate.count import count_certificate
 from certreg.certificate.isotropic import produce, proves_optimality
-from certreg.equilibrium.spectral import by_eigenspaces
+from certreg.equilibrium.critical_set import by_eigenspaces
 from certreg.errors import InvalidFileError, InvalidProblemError
 from certreg.exact.elimination import is_positive_definite
 from certreg.objective.isotropic import Isotropic

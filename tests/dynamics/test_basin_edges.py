@@ -9,9 +9,8 @@ from itertools import product
 import numpy as np
 import pytest
 
-from certreg.dynamics import basin, body
-from certreg.dynamics.basin import basin_gaps, certified_basin
-from certreg.dynamics.body import clearly_thick
+from certreg.dynamics import body
+from certreg.dynamics.body import basin_gaps, certified_basin, clearly_thick
 from certreg.errors import DegenerateProblemError
 from certreg.objective.isotropic import Isotropic
 from certreg.problem.moments import exact_moments
@@ -55,9 +54,9 @@ def test_the_gaps_of_a_basin_are_those_of_the_eigenvalues_over_the_mass(
 def test_a_basin_is_given_from_the_smallest_barrier_on(monkeypatch):
     objective = of_axes([4, 3, 2])
     least, *_ = gaps = basin_gaps(objective, 0)
-    monkeypatch.setattr(basin, "SMALLEST_BARRIER", least)
+    monkeypatch.setattr(body, "SMALLEST_BARRIER", least)
     assert basin_gaps(objective, 0) == gaps
-    monkeypatch.setattr(basin, "SMALLEST_BARRIER", math.nextafter(least, math.inf))
+    monkeypatch.setattr(body, "SMALLEST_BARRIER", math.nextafter(least, math.inf))
     with pytest.raises(DegenerateProblemError, match="hardly turn") as refused:
         certified_basin(objective, 0)
     assert refused.value.value == least

@@ -9,10 +9,10 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from certreg.dynamics.body import BreathingStatus
-from certreg.dynamics.breathing import breathing_body
 from certreg.dynamics.integrators import SimulationSettings
 from certreg.dynamics.simulation import simulate
-from certreg.dynamics.states import breathing_state
+from certreg.dynamics.states import state_of
+from certreg.dynamics.valleys import breathing_body
 from certreg.equilibrium.breathing import breathing_equilibria
 from certreg.equilibrium.equilibrium_set import unit_double
 from certreg.errors import DegenerateProblemError
@@ -126,9 +126,8 @@ def test_from_a_saddle_the_body_is_perturbed_and_leaves():
     found, moving = breathing_equilibria(objective), breathing_body(objective.moments, DAMPING)
     saddle = found.upright[2]
     assert saddle.scale is not None
-    start = breathing_state(
-        unit_double(objective.quaternions[saddle.component]), saddle.scale / moving.unit_of_scale
-    )
+    scale = saddle.scale / moving.unit_of_scale
+    start = state_of(unit_double(objective.quaternions[saddle.component]), scale=scale)
     run = moved(objective, DAMPING, start=start)
 
     assert run.escapes
@@ -139,7 +138,7 @@ def test_a_motion_that_goes_to_the_scale_zero_stops_before_it():
     objective = objective_of(*clouds(5))
     moving = breathing_body(objective.moments, DAMPING)
     worst = unit_double(objective.quaternions[3])  # a negative eigenvalue: the springs pull through
-    run = moved(objective, DAMPING, start=breathing_state(worst, 1.0))
+    run = moved(objective, DAMPING, start=state_of(worst, scale=1.0))
 
     assert run.status is BreathingStatus.COLLAPSED
     assert (run.scales > 0.0).all()
@@ -168,8 +167,8 @@ def test_with_less_energy_than_a_point_the_scale_stays_above_its_bound(seed):
     values = np.linalg.eigvalsh(np.array(objective.davenport, dtype=float))
     q = np.array(unit_double(objective.quaternions[0])) + 0.5 * np.eye(4)[seed % 4]
     q /= np.linalg.norm(q)
-    aligned = float(moving.energies(breathing_state(q, 1.0))["alignment"])
-    start = breathing_state(q, 0.05 * aligned / moving.size)
+    aligned = float(moving.energies(state_of(q, scale=1.0))["alignment"])
+    start = state_of(q, scale=0.05 * aligned / moving.size)
     run = moved(objective, 0.05, start=start)
     largest = aligned_most(moving, values, objective)
 
@@ -201,7 +200,7 @@ def test_the_released_body_is_proved_to_keep_its_size_just_below_the_energy_of_a
 
 def aligned_most(moving: Any, values: Any, objective: Isotropic) -> float:
     """The largest eigenvalue of K over the mass, in the units of the body."""
-    state = breathing_state(unit_double(objective.quaternions[0]), 1.0)
+    state = state_of(unit_double(objective.quaternions[0]), scale=1.0)
     assert values[-1] > 0.0
     return float(moving.energies(state)["alignment"])
 
@@ -209,7 +208,7 @@ def aligned_most(moving: Any, values: Any, objective: Isotropic) -> float:
 def test_starts_and_problems_that_make_no_sense_are_refused():
     x, y, _ = clouds(0)
     with pytest.raises(ValueError, match="give one above 0"):
-        moved(objective_of(x, y), 1.0, start=breathing_state((1, 0, 0, 0), -1.0))
+        moved(objective_of(x, y), 1.0, start=state_of((1, 0, 0, 0), scale=-1.0))
     line = np.outer(np.arange(9.0), [1.0, 2.0, 3.0])
     with pytest.raises(DegenerateProblemError, match="collinear"):
         moved(objective_of(line, y), 1.0)

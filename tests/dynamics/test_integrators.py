@@ -14,15 +14,9 @@ from sympy import Matrix, Rational
 from test_simulation import proved_end
 
 from certreg.dynamics import integrators
-from certreg.dynamics.basin import basins_of, certified_basin
 from certreg.dynamics.batch import Bodies, Ends, bodies_of, simulate_many
-from certreg.dynamics.body import SimulationStatus
-from certreg.dynamics.integrators import (
-    SimulationSettings,
-    _halved,
-    spring_ratios,
-    step_parameters,
-)
+from certreg.dynamics.body import SimulationStatus, basins_of, certified_basin
+from certreg.dynamics.integrators import SimulationSettings, _halved, spring_ratios, step_parameters
 from certreg.dynamics.rigid import rigid_body
 from certreg.dynamics.simulation import optimal_damping, simulate
 from certreg.errors import DegenerateProblemError, InvalidProblemError

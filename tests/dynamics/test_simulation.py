@@ -22,8 +22,8 @@ from certreg.dynamics.integrators import SimulationSettings
 from certreg.dynamics.rigid import rigid_body
 from certreg.dynamics.simulation import optimal_damping, simulate
 from certreg.dynamics.states import state_at_rest
+from certreg.equilibrium.critical_set import by_eigenspaces
 from certreg.equilibrium.equilibrium_set import rotation_double, unit_double
-from certreg.equilibrium.spectral import by_eigenspaces
 from certreg.errors import ContradictionError, DegenerateProblemError, InvalidProblemError
 from certreg.exact.dyadic import dyadic_below
 from certreg.geometry.so3 import rotation_matrix

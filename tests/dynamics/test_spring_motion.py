@@ -15,8 +15,8 @@ from certreg import RegistrationProblem, bodies_on_springs, simulate_many, solve
 from certreg.dynamics.body import SpringStatus, steps_of
 from certreg.dynamics.integrators import SimulationSettings
 from certreg.dynamics.simulation import simulate
-from certreg.dynamics.springs import SprungBody, spring_body, without_traces
 from certreg.dynamics.states import CUBE
+from certreg.dynamics.valleys import SprungBody, spring_body, without_traces
 from certreg.errors import DegenerateProblemError, InvalidProblemError
 from certreg.geometry.so3 import rotation_matrix
 from certreg.native.layout import QUATERNION_STATE, plain

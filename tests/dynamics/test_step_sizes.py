@@ -11,9 +11,16 @@ from rotations import saddle_start
 from strategies import ZOO, random_problem
 
 from certreg.dynamics import integrators, trajectory
-from certreg.dynamics.basin import SMALLEST_BARRIER, basins_of, certified_basin
 from certreg.dynamics.batch import bodies_of, simulate_many
-from certreg.dynamics.body import SMALLEST_INERTIA, clearly_thick, exponent_of, require_thick
+from certreg.dynamics.body import (
+    SMALLEST_BARRIER,
+    SMALLEST_INERTIA,
+    basins_of,
+    certified_basin,
+    clearly_thick,
+    exponent_of,
+    require_thick,
+)
 from certreg.dynamics.integrators import (
     EULER_STEP,
     SimulationSettings,

@@ -12,8 +12,16 @@ import numpy as np
 import pytest
 
 from certreg.equilibrium import breaking
-from certreg.equilibrium.breaking import Labels, SpringSet, _agree, _Residuals, _roots
-from certreg.equilibrium.eigenlines import _eigenline, _splits, energy_is_at_least
+from certreg.equilibrium.breaking import (
+    Labels,
+    SpringSet,
+    _agree,
+    _eigenline,
+    _Residuals,
+    _roots,
+    _splits,
+    energy_is_at_least,
+)
 from certreg.errors import UndecidedError
 from certreg.objective.isotropic import Isotropic
 from certreg.problem.moments import exact_moments

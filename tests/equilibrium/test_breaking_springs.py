@@ -13,15 +13,17 @@ from strategies import random_rotation
 
 from certreg.equilibrium import breaking
 from certreg.equilibrium.breaking import (
+    Eigenline,
     Labels,
     RestPose,
     SpringSet,
+    _eigenline,
     _Residuals,
     _roots,
     consistent_springs,
+    eigenlines,
     label_sets,
 )
-from certreg.equilibrium.eigenlines import Eigenline, _eigenline, eigenlines
 from certreg.errors import InvalidProblemError, UndecidedError
 from certreg.geometry.so3 import rotation_matrix
 from certreg.objective.isotropic import Isotropic

@@ -7,7 +7,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from certreg.equilibrium.eigenlines import (
+from certreg.equilibrium.breaking import (
     _eigenline,
     _splits,
     eigenlines,

@@ -16,8 +16,7 @@ from rotations import turned
 import certreg
 from certreg import RegistrationProblem
 from certreg.equilibrium import equilibrium_set
-from certreg.equilibrium.critical_set import Completeness, Critical, CriticalSet
-from certreg.equilibrium.spectral import by_eigenspaces
+from certreg.equilibrium.critical_set import Completeness, Critical, CriticalSet, by_eigenspaces
 from certreg.equilibrium.stability import DIGITS, Curvature, _oscillator, _signed, spring_ratios
 from certreg.exact.eigenbasis import integer_eigenbasis
 from certreg.geometry.so3 import (

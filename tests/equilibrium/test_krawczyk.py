@@ -9,16 +9,16 @@ import pytest
 from commands import checked
 from flint import acb, acb_mat, arb, arb_mat, ctx
 
-from certreg.equilibrium import krawczyk
-from certreg.equilibrium.counting import at_most_four, macaulay_matrix
+from certreg.equilibrium import line_boxes
 from certreg.equilibrium.homotopy import EigenBalls
-from certreg.equilibrium.krawczyk import (
+from certreg.equilibrium.line_boxes import (
     Reality,
     RootBox,
     are_distinct,
     proved_root,
     tightened,
 )
+from certreg.equilibrium.torques import at_most_four, macaulay_matrix
 from certreg.errors import ContradictionError
 from certreg.exact.balls import exact_matrix, radius_bits
 from certreg.geometry.so3 import davenport_matrix
@@ -157,7 +157,7 @@ def test_a_box_whose_image_touches_its_edge_proves_nothing():
             slope = (1 - k).mid()
             image = 1 + step + (1 - slope) * arb(0, 5 * step)
             box = arb(1, 5 * step)
-            inside = krawczyk._krawczyk(
+            inside = line_boxes._krawczyk(
                 Slope(slope), arb_mat([[1]]), arb_mat([[1]]), arb_mat([[-step]])
             )
             touching += box.contains(image) and not box.contains_interior(image)
@@ -213,7 +213,7 @@ def test_a_proved_root_that_is_lost_is_told_with_the_bits_that_were_asked_for(mo
     def lost(*_: object, start_bits: int, max_bits: int) -> None:
         asked.append((start_bits, max_bits))
 
-    monkeypatch.setattr(krawczyk, "proved_root", lost)
+    monkeypatch.setattr(line_boxes, "proved_root", lost)
     with pytest.raises(ContradictionError, match="smaller box") as caught:
         tightened(systems[0], checked(boxes[0]), 600)
 
@@ -242,7 +242,7 @@ def test_where_every_point_is_a_root_no_box_holds_exactly_one():
 
     x, one = arb_mat(2, 1, [0, 0]), arb_mat(2, 2, 1)
 
-    assert krawczyk._krawczyk(Nothing(), x, one, 0 * x) is None
+    assert line_boxes._krawczyk(Nothing(), x, one, 0 * x) is None
 
 
 @pytest.mark.parametrize("place", [0, 2])
@@ -292,7 +292,7 @@ def test_a_box_is_as_wide_as_its_largest_step_and_the_last_half_of_its_bits(x, s
 
     with ctx.workprec(bits):
         one = arb_mat(2, 2, 1)
-        image = krawczyk._krawczyk(Half(), column(x), one, column(step))
+        image = line_boxes._krawczyk(Half(), column(x), one, column(step))
         for ball in checked(image).entries():
             assert float(ball.rad() / arb(2) ** half) == pytest.approx(1.0, rel=1e-6)
 

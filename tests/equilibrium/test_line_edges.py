@@ -14,12 +14,12 @@ from flint import arb, ctx
 
 from certreg.equilibrium import line_boxes
 from certreg.equilibrium.line_boxes import MOST_BITS, index_of
-from certreg.equilibrium.line_ranks import DOUBTFUL_PLANES, PLANES, PRIMES, at_most_forty, plane
+from certreg.equilibrium.line_set import DOUBTFUL_PLANES, PLANES, PRIMES, at_most_forty, plane
 from certreg.equilibrium.paths import REAL
 from certreg.equilibrium.tracking import REGULAR, SINGULAR
 
 HOMOTOPY = import_module("certreg.equilibrium.homotopy")
-RANKS = import_module("certreg.equilibrium.line_ranks")
+RANKS = import_module("certreg.equilibrium.line_set")
 
 
 @dataclass

@@ -17,7 +17,7 @@ from certreg.equilibrium.equilibrium_set import unit_double
 from certreg.equilibrium.four_paths import HomotopyStatus, continuation
 from certreg.equilibrium.groebner import eliminate, fibres
 from certreg.equilibrium.homotopy import EigenBalls
-from certreg.equilibrium.krawczyk import are_distinct, proved_root
+from certreg.equilibrium.line_boxes import are_distinct, proved_root
 from certreg.equilibrium.methods import FINDERS, compare, search
 from certreg.errors import ContradictionError, InvalidProblemError, UndecidedError
 from certreg.exact.balls import exact_matrix

@@ -22,14 +22,15 @@ from certreg.equilibrium.critical_set import Completeness, Critical
 from certreg.equilibrium.equilibrium_set import unit_double
 from certreg.equilibrium.homotopy import proved_list
 from certreg.equilibrium.line_boxes import BallQuartic, all_different, boxed, index_of
-from certreg.equilibrium.line_ranks import (
+from certreg.equilibrium.line_set import (
     PRIMES,
+    Finiteness,
     _rank_is_below,
     at_most_forty,
     infinitely_many,
+    line_set,
     plane,
 )
-from certreg.equilibrium.line_set import Finiteness, line_set
 from certreg.equilibrium.methods import compare, search
 from certreg.equilibrium.paths import critical_lines
 from certreg.errors import ContradictionError
@@ -42,7 +43,7 @@ from certreg.results import Guarantee
 
 CLOUDS = (degenerate_springs.POINTS, np.asarray(degenerate_springs.isotropic().target))
 HOMOTOPY = import_module("certreg.equilibrium.homotopy")
-RANKS = import_module("certreg.equilibrium.line_ranks")
+RANKS = import_module("certreg.equilibrium.line_set")
 
 
 @functools.cache

@@ -11,9 +11,8 @@ import numpy as np
 import pytest
 from strategies import AXES, LINE, random_problem
 
-from certreg.dynamics.basin import SMALLEST_BARRIER, basins_of, certified_basin
 from certreg.dynamics.batch import bodies_of, simulate_many
-from certreg.dynamics.body import SMALLEST_INERTIA
+from certreg.dynamics.body import SMALLEST_BARRIER, SMALLEST_INERTIA, basins_of, certified_basin
 from certreg.dynamics.integrators import SimulationSettings
 from certreg.dynamics.rigid import rigid_body
 from certreg.dynamics.simulation import optimal_damping, simulate

@@ -15,7 +15,7 @@ from engines import engine
 from scipy.spatial.transform import Rotation
 from strategies import random_problem
 
-from certreg.dynamics.basin import certified_basin
+from certreg.dynamics.body import certified_basin
 from certreg.dynamics.integrators import SimulationSettings
 from certreg.dynamics.rigid import rigid_body
 from certreg.native import loops

@@ -11,8 +11,8 @@ import pytest
 from engines import engine
 from strategies import ZOO, random_rotation
 
-from certreg.dynamics.basin import certified_basin
 from certreg.dynamics.batch import bodies_of
+from certreg.dynamics.body import certified_basin
 from certreg.dynamics.integrators import SimulationSettings, step_parameters
 from certreg.dynamics.rigid import rigid_body
 from certreg.equilibrium import batch as instances

@@ -23,8 +23,7 @@ from strategies import ZOO, random_problem
 from certreg.dynamics import body as dynamics
 from certreg.dynamics import integrators as integration
 from certreg.dynamics import simulation
-from certreg.dynamics.basin import certified_basin
-from certreg.dynamics.body import SimulationStatus
+from certreg.dynamics.body import SimulationStatus, certified_basin
 from certreg.dynamics.integrators import SimulationSettings
 from certreg.dynamics.rigid import rigid_body
 from certreg.errors import DegenerateProblemError

@@ -14,18 +14,16 @@ from strategies import random_problem
 
 from certreg.paper import (
     claims,
+    experiments,
+    figures,
     monte_carlo,
     observations,
-    pictures,
-    scheme,
     verdicts,
 )
-from certreg.paper.equilibria import equilibrium_run, signs
+from certreg.paper.experiments import descend, equilibrium_run, signs
 from certreg.paper.figures import _first_rises, angle_errors, typical
 from certreg.paper.monte_carlo import MonteCarlo, pieces, solved
-from certreg.paper.observations import Setup
-from certreg.paper.scenes import SQUARE, TRIANGLE, flipped
-from certreg.paper.scheme import descend
+from certreg.paper.observations import SQUARE, TRIANGLE, Setup, flipped
 from certreg.problem.problem import RegistrationProblem
 
 CLOUD: Any = [None]  # of what is not looked at
@@ -131,16 +129,16 @@ def test_a_simulation_out_of_steps_did_not_diverge_and_one_beyond_the_doubles_di
 
 
 def test_rises_are_counted_of_each_energy_and_rest_is_told_by_the_rates(monkeypatch):
-    real = scheme.simulate
+    real = experiments.simulate
 
     def faster(*arguments: Any) -> Any:
         found = replace(real(*arguments))
         vars(found)["speed"] = 1.1e-4
         return found
 
-    monkeypatch.setattr(scheme, "simulate", faster)
-    run = scheme.simulation_run(problem(), np.eye(3))
-    energy, potential = run.descent.energy, run.descent.potential
+    monkeypatch.setattr(experiments, "simulate", faster)
+    run = experiments.simulation_run(problem(), np.eye(3))
+    energy, potential = run.energy, run.potential
     least = 1e-12 * energy[0]
 
     assert run.rises == int((np.diff(energy) > least).sum())
@@ -157,7 +155,7 @@ def test_of_two_runs_in_the_middle_the_shorter_is_typical():
 
 def test_first_rises_are_of_the_whole_energy_though_the_potential_falls():
     potential, energy = np.array([9.0, 8, 7, 6, 5]), np.array([9.0, 10, 11, 11, 12])
-    run: Any = of(descent=of(potential=potential, energy=energy))
+    run: Any = of(potential=potential, energy=energy)
 
     assert _first_rises(run) == 2
 
@@ -177,7 +175,7 @@ def test_angles_are_drawn_by_what_and_how_they_were_measured():
 @pytest.mark.parametrize("polygon", [TRIANGLE, SQUARE], ids=lambda p: p.name)
 def test_springs_that_turn_counter_clockwise_are_solid(polygon):
     panel = MagicMock()
-    pictures._flipped_polygon(panel, polygon)
+    figures._flipped_polygon(panel, polygon)
     angle = math.radians(40.0)
     target = np.array(polygon.points(math.sqrt(3.0))) / 2.0
     source = np.array(

@@ -9,23 +9,26 @@ import numpy as np
 import pytest
 from strategies import random_problem, random_rotation
 
+from certreg.dynamics.states import state_at_rest
 from certreg.geometry.so3 import quaternion_from_matrix
-from certreg.paper.equilibria import (
+from certreg.paper.experiments import (
+    STEP,
     angle,
     arccos_angle,
+    descend,
     equilibrium_run,
     half_turn_error,
     sides,
     signs,
+    simulation_run,
 )
-from certreg.paper.observations import compare
-from certreg.paper.particles import Particles, at_rest, hat, parts
-from certreg.paper.scenes import (
+from certreg.paper.observations import (
     LANDMARKS,
     LINKS,
     SQUARE,
     TRIANGLE,
     coil,
+    compare,
     exact_sums,
     gallery,
     projected,
@@ -33,7 +36,7 @@ from certreg.paper.scenes import (
     turn,
     turned_over,
 )
-from certreg.paper.scheme import STEP, descend, simulation_run
+from certreg.paper.particles import Particles, hat, parts
 from certreg.problem.problem import RegistrationProblem
 
 each_polygon = pytest.mark.parametrize("polygon", [TRIANGLE, SQUARE], ids=lambda p: p.name)
@@ -326,4 +329,4 @@ def test_a_rotation_is_read_back_from_its_quaternion():
     assert angle(quaternion_from_matrix(R), quaternion_from_matrix(np.eye(3))) == pytest.approx(
         arccos_angle(R, np.eye(3)), rel=1e-9
     )
-    np.testing.assert_allclose(parts(at_rest(R))[1], R)
+    np.testing.assert_allclose(parts(state_at_rest(R))[1], R)

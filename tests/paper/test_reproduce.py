@@ -19,7 +19,7 @@ from matplotlib.figure import Figure
 from certreg.cli.progress import Stages
 from certreg.native.engine import current_engine
 from certreg.native.layout import plain
-from certreg.paper import claims, derivation, equilibria, scheme, verdicts
+from certreg.paper import claims, derivation, experiments, verdicts
 from certreg.paper.claims import MEASURED, listed, rough
 from certreg.paper.derivation import proving
 from certreg.paper.documents import (
@@ -34,13 +34,13 @@ from certreg.paper.figures import (
     _caption,
     _error_words,
     angle_errors,
+    construction_drawing,
     paper_drawings,
     simulation_drawing,
     typical,
 )
 from certreg.paper.observations import Observations, Setup, observe
 from certreg.paper.particles import Particles
-from certreg.paper.pictures import construction_drawing
 from certreg.paper.style import DPI, WIDTH, written
 from certreg.paper.verdicts import in_doubles, reproduce
 from certreg.problem.problem import RegistrationProblem
@@ -137,9 +137,7 @@ FAULTS = {
     "15a": lambda seen: replace(seen, simulations=worse(seen.simulations, distance=180.0)),
     "15b": lambda seen: replace(
         seen,
-        simulations=worse(
-            seen.simulations, descent=replace(seen.simulations[-1].descent, stopped=False)
-        ),
+        simulations=worse(seen.simulations, stopped=False),
     ),
 }
 MORE_FAULTS = {
@@ -237,7 +235,7 @@ def test_springs_that_push_are_seen(monkeypatch):
     def mistake(batch) -> None:
         batch.bodies["cross"] *= -1.0
 
-    monkeypatch.setattr(scheme, "current_engine", lambda: WrongEngine(mistake))
+    monkeypatch.setattr(experiments, "current_engine", lambda: WrongEngine(mistake))
 
     assert failed(SMALL) >= {"15a"}
 
@@ -247,7 +245,7 @@ def test_a_wrong_inertia_is_seen(monkeypatch):
     def mistake(batch) -> None:
         batch.bodies["inertia_inverse"] *= 1.1  # J alpha is not the torque any more
 
-    monkeypatch.setattr(scheme, "current_engine", lambda: WrongEngine(mistake))
+    monkeypatch.setattr(experiments, "current_engine", lambda: WrongEngine(mistake))
 
     assert failed(SMALL) >= {"13b"}
 
@@ -267,14 +265,14 @@ def test_a_step_without_projection_is_seen(monkeypatch):
                 state += step * current_engine().evaluate("certreg_rate", state, body)[0]
             batch.status[0] = 1
 
-    monkeypatch.setattr(scheme, "current_engine", Unprojected)
+    monkeypatch.setattr(experiments, "current_engine", Unprojected)
 
     assert "15a" in failed(SMALL)
 
 
 def test_an_eigenvalue_counted_on_the_wrong_side_is_seen(monkeypatch, seen):
-    right = equilibria.sides
-    monkeypatch.setattr(equilibria, "sides", lambda values: -right(values))
+    right = experiments.sides
+    monkeypatch.setattr(experiments, "sides", lambda values: -right(values))
 
     assert evidence("11", seen).agrees is False
     assert evidence("12", seen).agrees is False
@@ -383,7 +381,7 @@ def test_the_boxes_and_curves_are_those_of_the_runs(drawn, seen):
     runs = seen.simulations
     shown = typical(runs)
     medians = [line.get_ydata()[0] for line in left.lines if len(set(line.get_ydata())) == 1]
-    energy = shown.descent.energy
+    energy = shown.energy
 
     for name in ("closed_form_error", "error", "distance"):
         assert any(np.isclose(np.median([getattr(run, name) for run in runs]), medians))
@@ -474,9 +472,9 @@ def test_captions_say_how_many_runs_they_show(drawn):
 def test_the_caption_counts_the_first_steps_that_raise_the_energy(seen, energies, rises: int):
     run = seen.simulations[0]
     potential = np.array(energies, dtype=float)
-    bare = replace(run.descent, potential=potential, kinetic=0.0 * potential, times=potential)
+    bare = replace(run, potential=potential, kinetic=0.0 * potential, times=potential)
     for potential_rises, words in ((1, "under it oscillates."), (0, "under it falls with it.")):
-        shown = replace(run, descent=bare, potential_rises=potential_rises)
+        shown = replace(bare, potential_rises=potential_rises)
 
         told = _caption([shown], shown)
         assert f"raises V in the first {rises} steps" in told
@@ -544,8 +542,7 @@ def test_the_document_is_valid_and_its_counts_are_measured(made, drawn):
 @pytest.mark.parametrize("lost", [0, 1, RUNS - 1, RUNS])
 def test_simulations_are_said_to_be_missing_only_where_every_one_diverged(made, drawn, lost):
     runs = tuple(
-        replace(run, descent=replace(run.descent, diverged=k < lost))
-        for k, run in enumerate(made.observations.simulations)
+        replace(run, diverged=k < lost) for k, run in enumerate(made.observations.simulations)
     )
     observed = replace(made.observations, simulations=runs)
     document = reproduction_document(replace(made, observations=observed), drawn)
