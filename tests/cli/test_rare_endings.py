@@ -247,7 +247,7 @@ def test_where_no_motion_meets_enough_pairs(two_units, options, begun):
     ("command", "module", "step"),
     [
         (("assess", "--pose"), judging, "judged"),
-        (("equilibria",), dynamics, "enumerated"),
+        (("equilibria",), dynamics, "listed"),
         (("simulate",), dynamics, "run"),
     ],
 )

@@ -19,7 +19,7 @@ from same import problems
 from same.problems import KINDS, NOISE, Problem, composed
 
 import certreg
-from certreg.problem.motion import Motion, Scale
+from certreg.problem.motion import Motion, Scale, checked_motion
 from certreg.problem.support import Cell, Loss, supported
 
 if TYPE_CHECKING:
@@ -60,7 +60,7 @@ class Specimen:
 
     @property
     def motion(self) -> Motion:
-        return Motion(scale=self.cell.scale, rotation_only=self.cell.rotation_only)
+        return checked_motion(self.cell.scale, self.cell.rotation_only)
 
     @property
     def n(self) -> int:
