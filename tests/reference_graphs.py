@@ -6,28 +6,33 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.native.bitset_graph import BitRows, OpenRow, colours, mask_of, rows_of
+from certreg.native.bitset_graph import WORD_BITS, BitRows, OpenRow, colours, mask_of, rows_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from numpy.typing import NDArray
 
-    from certreg.native.bitset_graph import Neighbours
+
+def bit_rows(near: Sequence[int]) -> BitRows:
+    """Of the neighbours of each row as bits of an integer."""
+    size = 8 * max(1, -(-len(near) // WORD_BITS))
+    packed = b"".join([mask.to_bytes(size, "little") for mask in near])
+    return BitRows(np.frombuffer(packed, dtype="<u8").reshape(len(near), size // 8))
 
 
 class PlainThinned:
     """As `Thinned`, in Python's integers."""
 
-    def __init__(self, given: Neighbours, alive: int, least: int, clique: int) -> None:
-        self._near, self._least, self._clique = [*BitRows.of(given).integers], least, clique
+    def __init__(self, given: BitRows, alive: int, least: int, clique: int) -> None:
+        self._near, self._least, self._clique = [*given.integers], least, clique
         self._failed: dict[int, int] = {}
         self.alive = linked(self._near, alive, least, alive)
 
     @property
     def near(self) -> BitRows:
         """The graph, without the pairs that were cut."""
-        return BitRows.of(self._near)
+        return bit_rows(self._near)
 
     def beside(self, row: int) -> int:
         """The neighbours of a row that are left, as bits."""

@@ -174,9 +174,8 @@ def _followed(quartic: Reals, rng: np.random.Generator, tracker: TrackerSettings
 
 def _rules(tracker: TrackerSettings) -> PathRules:
     """What C needs of the settings, and by what it polishes."""
-    names = PathRules.__annotations__.keys() - {"polished", "polishings"}
-    settings = {name: getattr(tracker, name) for name in names}
-    return PathRules(**settings, polished=POLISHED, polishings=POLISHINGS)
+    settings = {name: getattr(tracker, name) for name, *_ in PathRules._fields_}
+    return PathRules(**{**settings, "polished": POLISHED, "polishings": POLISHINGS})
 
 
 def _sorted_out(

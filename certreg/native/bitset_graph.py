@@ -31,15 +31,6 @@ class BitRows:
     words: Words
 
     @classmethod
-    def of(cls, near: Neighbours) -> BitRows:
-        """Of the neighbours of each row as bits of an integer."""
-        if isinstance(near, BitRows):
-            return near
-        size = 8 * max(1, -(-len(near) // WORD_BITS))
-        packed = b"".join([mask.to_bytes(size, "little") for mask in near])
-        return cls(np.frombuffer(packed, dtype="<u8").reshape(len(near), size // 8))
-
-    @classmethod
     def of_table(cls, table: NDArray[np.bool_]) -> BitRows:
         """Of which rows are neighbours, (n, n)."""
         n = len(table)
@@ -68,9 +59,6 @@ class BitRows:
     def __getitem__(self, row: int) -> int:
         return self.integers[row]
 
-    def __iter__(self) -> Iterator[int]:
-        return iter(self.integers)
-
     @cached_property
     def integers(self) -> list[int]:
         """The neighbours of each row as bits of an integer."""
@@ -83,9 +71,6 @@ class BitRows:
         """(n, n), which rows are neighbours."""
         n, given = len(self), self.words.view(np.uint8)
         return np.unpackbits(given, axis=1, bitorder="little", count=n).view(bool)
-
-
-Neighbours = BitRows | list[int]  # of each row, as bits
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -144,12 +129,12 @@ class _State(ctypes.Structure):
 class Thinned:
     """Rows left of a graph of which each has `least` - 1 neighbours, by native/thinning.c."""
 
-    def __init__(self, given: Neighbours, alive: int, least: int, clique: int) -> None:
+    def __init__(self, near: BitRows, alive: int, least: int, clique: int) -> None:
         """alive: the rows to begin with, as bits. clique: rows that colours do not strike.
 
         Raises MissingLibraryError where there is no compiled code.
         """
-        handle, near = little_library_for(WRONG_PAIRS).handle, BitRows.of(given)
+        handle = little_library_for(WRONG_PAIRS).handle
         n, words = near.words.shape
         size = 8 * words
         masks = [clique.to_bytes(size, "little"), alive.to_bytes(size, "little"), bytes(2 * size)]

@@ -20,28 +20,14 @@ if TYPE_CHECKING:
 REACHED, STUCK = range(2)  # as in paths.h
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class PathRules:
+class PathRules(ctypes.Structure):
     """The steps of a path, as `TrackerSettings` of equilibrium/tracking.py explains them."""
 
-    first_step: float
-    predictor_bound: float
-    predictor_aim: float
-    corrector_bound: float
-    least_growth: float
-    most_growth: float
-    shrink: float
-    least_step: float
-    endgame: float
-    polished: float
-    max_rounds: int
-    polishings: int
-
-
-class _PathRules(ctypes.Structure):
-    _fields_ = tuple(
-        (name, ctypes.c_int64 if kind == "int" else ctypes.c_double)
-        for name, kind in PathRules.__annotations__.items()
+    _fields_ = (
+        *((name, ctypes.c_double) for name in ("first_step", "predictor_bound", "predictor_aim")),
+        *((name, ctypes.c_double) for name in ("corrector_bound", "least_growth", "most_growth")),
+        *((name, ctypes.c_double) for name in ("shrink", "least_step", "endgame", "polished")),
+        *((name, ctypes.c_int64) for name in ("max_rounds", "polishings")),
     )
 
 
@@ -109,14 +95,13 @@ def many_quartic_paths(
         conditions=np.empty(several),
         rounds=np.empty(several, dtype=np.int64),
     )
-    passed = _PathRules(*[getattr(rules, name) for name in PathRules.__annotations__])
     library.handle.certreg_many_quartic_paths(
         ctypes.c_int64(len(quartics)),
         _address(given[0]),
         _address(given[1]),
         ctypes.c_int64(len(roots)),
         _address(given[2]),
-        ctypes.byref(passed),
+        ctypes.byref(rules),
         *[_address(getattr(ends, name)) for name in _ARRAYS],
     )
     return ends

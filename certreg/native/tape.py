@@ -29,15 +29,16 @@ _BINARY = re.compile(r"\((\w+)([-+*/])(\w+)\)")
 _UNARY = re.compile(r"(\(-|CERTREG_SQRT\()(\w+)\)")
 
 
-def _quotient(left: Any, right: Any) -> Any:
-    return left / right
-
-
 def _root(value: Any, _: Any) -> Any:
     return math.sqrt(value) if type(value) is float else np.sqrt(value)  # np.float64 has infinity
 
 
-_OPERATIONS: dict[str, Callable[[Any, Any], Any]] = {"+": add, "-": sub, "*": mul, "/": _quotient}
+_OPERATIONS: dict[str, Callable[[Any, Any], Any]] = {
+    "+": add,
+    "-": sub,
+    "*": mul,
+    "/": lambda left, right: left / right,
+}
 
 
 @dataclass(frozen=True, slots=True)

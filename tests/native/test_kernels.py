@@ -199,20 +199,19 @@ def test_every_variant_tracks_paths_to_the_same_ends(built):
     a, b = np.exp(1j * np.arange(4.0)), np.array([1.0, 0.8, 0.7, 0.6])
     quartic = np.zeros(35)
     quartic[[0, 20, 30, 34]] = b
-    rules = PathRules(
-        first_step=0.1,
-        predictor_bound=0.05,
-        predictor_aim=0.01,
-        corrector_bound=0.002,
-        least_growth=0.5,
-        most_growth=3.0,
-        shrink=0.4,
-        least_step=1e-9,
-        endgame=1e-14,
-        polished=1e-12,
-        max_rounds=300,
-        polishings=5,
-    )
+    steps = {
+        "first_step": 0.1,
+        "predictor_bound": 0.05,
+        "predictor_aim": 0.01,
+        "corrector_bound": 0.002,
+        "least_growth": 0.5,
+        "most_growth": 3.0,
+        "shrink": 0.4,
+        "least_step": 1e-9,
+        "endgame": 1e-14,
+        "polished": 1e-12,
+    }
+    rules, short = (PathRules(**steps, max_rounds=most, polishings=5) for most in (300, 2))
     roots, ends = (np.array(signs) / np.sqrt(numbers) for numbers in (a, b))
     begun = np.concatenate([roots, np.full((40, 1), 4.0)], axis=1)
     ends /= np.linalg.norm(ends, axis=1, keepdims=True)
@@ -222,7 +221,7 @@ def test_every_variant_tracks_paths_to_the_same_ends(built):
         assert not found.codes.any()
         assert (found.changes <= rules.polished).all()
         assert (found.conditions < 1e3).all()
-        early = quartic_paths(quartic, a, begun, replace(rules, max_rounds=2), one)
+        early = quartic_paths(quartic, a, begun, short, one)
         assert early is not None
         assert (early.codes == STUCK).all()
         assert np.abs((found.points[:, :4].conj() * ends).sum(axis=1)) == pytest.approx(1.0)

@@ -158,6 +158,27 @@ def test_without_compiled_code_the_search_for_wrong_pairs_is_refused_in_one_line
 
 
 @pytest.mark.slow
+def test_without_compiled_code_all_is_proved_that_needs_no_search():
+    """Least squares of all kinds and truncated ones, their lists, and batches of certificates."""
+    code = (
+        "import certreg, numpy as np\n"
+        "x, noise = np.random.default_rng(0).normal(size=(2, 20, 3))\n"
+        "y = x[:, [1, 2, 0]] + 0.01 * noise\n"
+        "assert np.allclose(certreg.register(x, y).rotation, np.eye(3)[[1, 2, 0]], atol=0.01)\n"
+        "truncated = {'objective': 'truncated', 'max_residual': 0.1}\n"
+        "kinds = ({}, {'scale': 'symmetric'}, {'normals': noise}, {'rotation_only': True})\n"
+        "for options in (*kinds, {'rotation_only': True, **truncated}):\n"
+        "    found = certreg.certify(x, y, simulation=False, **options)\n"
+        "    print(found.exit_code, certreg.verify(found.certificate).proved)\n"
+        "listed = certreg.equilibria(certreg.RegistrationProblem(x, y))\n"
+        "print(listed.count, certreg.certify_many([x, x], [y, y]).unique.all())\n"
+    )
+    run = python(code, **WITHOUT)
+
+    assert (run.stdout, run.stderr) == (5 * "0 True\n" + "4 True\n", "")
+
+
+@pytest.mark.slow
 def test_without_compiled_code_many_problems_at_once_are_refused_in_one_line():
     code = (
         "import certreg, numpy\n"

@@ -163,7 +163,7 @@ def test_rows_are_the_same_in_every_order():
 
 def test_rows_that_may_not_be_together_begin_no_search():
     pairs = made(50, 0.8, seed=GNC_FAILS[0])
-    alone = BitRows.of([0] * 50)
+    alone = BitRows.of_table(np.zeros((50, 50), dtype=bool))
     told = consistency(paired_rows(pairs.source, pairs.target, pairs.bounds))
     none, given, made_anew = (
         len(all_candidates(pairs, consistent=graph)[-1].inliers) for graph in (alone, told, None)
