@@ -32,7 +32,7 @@ from certreg.registration.headlines import (
     share_words,
 )
 from certreg.registration.rounding import rounding_remedy
-from certreg.registration.scaled_poses import scale_note
+from certreg.registration.scaled_poses import is_scaled
 from certreg.registration.weakly_constrained import weak_shift_words
 from certreg.results import Absent, ComponentKind, Limits, PoseVerdict
 
@@ -40,14 +40,14 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from certreg.geometry.given import GivenPose
-    from certreg.problem.motion import Motion
     from certreg.registration.findings import Findings, SigmaDistance
     from certreg.registration.headlines import Headline
     from certreg.registration.landscape import Rest
 
 
 UNNOTED_SHIFT = Fraction(1, 10**9)  # of the clouds' size
-ROTATION_ALONE = " Only a rotation was given: it was judged with the best translation for it."
+ROTATION_ALONE = " Only a rotation was given: it was judged with the best {} for it."
+RIGID = " It has no scale of its own and was judged with scale 1."
 NO_ANGLE = (
     "Not called near-optimal: whether one rotation alone is optimal is not decided, and no angle "
     "to an optimum is proved: where little is at stake, a pose far from every optimum costs as "
@@ -156,10 +156,9 @@ def words_of_pose(facts: Findings, verdict: PoseVerdict, given: GivenPose) -> st
         words = _spurious_words(facts, facts.place.rest)
     else:
         words = _bad_words(facts)
-    if facts.parts is None:
-        return words + note_on(facts.registration.problem.motion, given)
-    costs = "" if verdict is PoseVerdict.OPTIMAL else facts.parts.words
-    return words + costs + scale_note(facts.registration.problem.motion, given)
+    if facts.parts is not None and verdict is not PoseVerdict.OPTIMAL:
+        words += facts.parts.words
+    return words + _note_on(facts, given)
 
 
 def _bad_words(facts: Findings) -> str:
@@ -272,12 +271,14 @@ def _apart(facts: Findings) -> float | None:
     )
 
 
-def note_on(motion: Motion, given: GivenPose) -> str:
+def _note_on(facts: Findings, given: GivenPose) -> str:
     """What was judged, where that is not just the pose as it was given."""
-    if not motion.translations:
-        return ""
-    note = "" if given.translation is not None else ROTATION_ALONE
-    defect = rotation_defect(given.turn) if given.is_matrix else 0.0
+    scaled, moves = facts.parts is not None, facts.registration.problem.motion.translations > 0
+    if scaled and given.scale is not None:
+        return "" if is_scaled(given) else RIGID
+    names = " and ".join([*["scale"] * scaled, *["translation"] * moves])
+    note = ROTATION_ALONE.format(names) if names and given.translation is None else ""
+    defect = rotation_defect(given.turn) if given.is_matrix and moves and not scaled else 0.0
     if defect > UNNOTED_DEFECT:
         note += (
             f" (The matrix is off a rotation by {defect:.1e} and was judged as the nearest one "

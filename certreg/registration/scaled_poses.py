@@ -26,14 +26,11 @@ if TYPE_CHECKING:
     from certreg.certificate.bounds import ExactPose
     from certreg.geometry.given import GivenPose
     from certreg.objective.isotropic import Isotropic
-    from certreg.problem.motion import Motion
     from certreg.registration.result import Registration
 
 
 UNSCALED = 1e-12  # off 1: what the rounding of a rotation makes of its scale
-RIGID = " It has no scale of its own and was judged with scale 1."
 NOT_SCALED = Absent("the scale is not free")
-BEST_SCALE = " Only a rotation was given: it was judged with the best {} for it."
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -113,13 +110,6 @@ def read_for(registration: Registration, given: GivenPose) -> GivenPose:
 def is_scaled(given: GivenPose) -> bool:
     """Whether a pose has a scale other than 1, apart or in its matrix."""
     return abs((given.scaled_apart().scale or 0.0) - 1.0) > UNSCALED
-
-
-def scale_note(motion: Motion, given: GivenPose) -> str:
-    """What was judged, where a rigid pose was given for a problem whose scale is free."""
-    if given.scale is None:
-        return BEST_SCALE.format("scale and translation" if motion.translations else "scale")
-    return "" if is_scaled(given) else RIGID
 
 
 def _percent(share: Fraction) -> str:
