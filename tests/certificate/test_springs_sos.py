@@ -17,12 +17,14 @@ from springs_certified import certified
 from certreg.certificate import blockwise, bounds, checking, cones, isotropic
 from certreg.certificate.bounds import ExactPose, sin2_half_angle_between
 from certreg.certificate.envelope import Certificate
-from certreg.certificate.squares import sos_body
+from certreg.certificate.squares import require_near, sos_body
+from certreg.errors import InvalidProblemError
 from certreg.objective.isotropic import Isotropic
 from certreg.objective.springs import Springs
 from certreg.problem.moments import exact_moments
 from certreg.problem.problem import RegistrationProblem
 from certreg.relaxation.optimum import find_optimum
+from certreg.verify import RefusalError, spring_moments
 
 checker: Any = import_module("certreg.verify")
 # Whose results may be None, and are not here.
@@ -326,3 +328,30 @@ def test_isotropic_data_have_the_same_optimum_by_both_kinds():
     assert abs(verify(other).worth.objective - verify(one).worth.objective) < Fraction(1, 10**20)
     assert not verify(one, general).proved
     assert not verify(other, plain).proved
+
+
+@pytest.mark.parametrize("size", [-900, -700, 0, 700, 766, 768, 770, 822, 824, 826, 1000])
+@pytest.mark.parametrize("least", [None, -1020, -718, -714, -700, 0])
+def test_sizes_too_far_apart_are_refused_where_the_checker_takes_no_sums(size: int, least: Any):
+    """Powers of two: of the coordinates, and of one beside them."""
+    rng = np.random.default_rng(0)
+    points, normals = np.ldexp(rng.uniform(0.5, 1.0, (8, 3)), size), rng.normal(size=(8, 3))
+    if least is not None:
+        points[3, 1] = np.ldexp(1.0, least)
+    problem = RegistrationProblem(points, points, normals=normals)
+    try:
+        spring_moments(problem.data_bytes()[-96 * problem.n :], problem.n)
+    except RefusalError:
+        with pytest.raises(InvalidProblemError, match="in a unit in which they are nearer to 1"):
+            require_near(problem)
+    else:
+        require_near(problem)
+
+
+def test_clouds_that_are_too_large_are_refused_with_the_remedy():
+    rng = np.random.default_rng(0)
+    points, normals = 1e300 * rng.normal(size=(8, 3)), rng.normal(size=(8, 3))
+    problem = RegistrationProblem(points, points, normals=normals)
+
+    with pytest.raises(InvalidProblemError, match=r"numbers from \S+ to \S+e\+300"):
+        springs_certificate(problem, Springs.of(problem), find_optimum(Springs.of(problem)))
