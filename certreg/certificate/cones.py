@@ -31,7 +31,13 @@ import numpy as np
 
 from certreg.certificate.envelope import Certificate, enclosed
 from certreg.certificate.radius import growth_radius
-from certreg.certificate.squares import SpringsBody, SpringsSosBody, growth_claims, sos_body
+from certreg.certificate.squares import (
+    SpringsBody,
+    SpringsSosBody,
+    growth_claims,
+    require_near,
+    sos_body,
+)
 from certreg.equilibrium.quartics import FloatingQuartic, descended
 from certreg.errors import NotCompiledWarning
 from certreg.exact.dyadic import Dyadic, dyadic_above, dyadic_below
@@ -171,8 +177,9 @@ def springs_certificate(
 
     Cones are cut where squares leave open whether the optimum is unique, and kept where they prove
     more; `about` says then how. robustness_angle: as `produce` takes it.
-    None means not proved, not disproved.
+    None means not proved, not disproved. Raises InvalidProblemError for sizes too far apart.
     """
+    require_near(problem)
     squares = sos_body(objective, found)
     if squares is not None and squares.claims.unique is not None:
         return enclosed(problem, _moving(objective, squares, robustness_angle), about)

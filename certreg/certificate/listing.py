@@ -29,7 +29,7 @@ from numpy.typing import NDArray
 
 from certreg.certificate.envelope import Certificate, enclosed
 from certreg.certificate.pose_claims import PoseBody, PoseClaims
-from certreg.certificate.squares import INLINE_SPRINGS
+from certreg.certificate.squares import INLINE_SPRINGS, require_near
 from certreg.equilibrium.paths import CriticalLines, PathsOutcome
 from certreg.equilibrium.quartics import FloatingQuartic
 from certreg.exact.dyadic import Dyadic, dyadic_above, dyadic_below
@@ -187,6 +187,7 @@ def springs_list_certificate(
 
     None means not proved, not disproved: lines are multiple, or nearly so; `list_body` says it.
     """
+    require_near(problem)
     body = list_body(objective, lines).body
     return None if body is None else enclosed(problem, body, about)
 

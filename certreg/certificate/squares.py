@@ -20,14 +20,18 @@ from numpy.typing import NDArray
 
 from certreg.certificate.pose_claims import PoseBody, PoseClaims
 from certreg.certificate.radius import Radius
+from certreg.errors import InvalidProblemError
+from certreg.exact.decimals import at_least, at_most
 from certreg.exact.dyadic import Dyadic, dyadic_above, power_of_two
 from certreg.exact.elimination import is_positive_definite
 from certreg.geometry.so3 import dot, squared_norm
+from certreg.verify import BITS, BLOCK, NEAR
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from certreg.objective.springs import Springs
+    from certreg.problem.problem import RegistrationProblem
     from certreg.relaxation.optimum import Found
 
 
@@ -112,6 +116,33 @@ class SpringsSosBody(SpringsBody):
     def growth(self) -> Fraction:
         """The objective exceeds its value here less `gap` by this times sin^2(theta/2)."""
         return Dyadic(mantissa=self.mu, exponent=self.unit).value
+
+
+def require_near(problem: RegistrationProblem) -> None:
+    """Refuses points of sizes so far apart that the checker takes no sums of them.
+
+    It splits `BLOCK` rows at a time into integers times one power of two, at most 1.
+    """
+    for first in range(0, problem.n, BLOCK):
+        block = problem.block(slice(first, first + BLOCK))
+        least, most = zip(_ends(block.source), _ends(block.target), strict=True)
+        lows, tops = ([math.frexp(end)[1] - 53 for end in ends] for ends in (least, most))
+        tops = [a if b - a <= NEAR else b for a, b in zip(lows, tops, strict=True)]  # one size
+        if max(tops) - min(0, *lows) > 3 * BITS:
+            raise InvalidProblemError(
+                f"the clouds hold numbers from {at_least(min(least))} to {at_most(max(most))}: "
+                "beside normals, directions or matrices proofs would be too long; give the clouds "
+                "in a unit in which they are nearer to 1, and 0 for numbers that are nothing but "
+                "rounding",
+                array="source",
+                value=max(most),
+            )
+
+
+def _ends(points: Array) -> tuple[float, float]:
+    """The least and the largest size of numbers other than 0; 0 where there are none."""
+    sizes = np.abs(points[points != 0.0])
+    return (float(sizes.min()), float(sizes.max())) if len(sizes) else (0.0, 0.0)
 
 
 def sos_body(objective: Springs, found: Found) -> SpringsSosBody | None:

@@ -16,10 +16,12 @@ from springs_certified import certified
 
 from certreg.certificate import blockwise, bounds, checking, cones
 from certreg.certificate.bounds import ExactPose
-from certreg.certificate.squares import sos_body
+from certreg.certificate.squares import require_near, sos_body
+from certreg.errors import InvalidProblemError
 from certreg.objective.springs import Springs
 from certreg.problem.problem import RegistrationProblem
 from certreg.relaxation.optimum import find_optimum
+from certreg.verify import RefusalError, spring_moments
 
 checker: Any = import_module("certreg.verify")
 # Whose results may be None, and are not here.
@@ -276,3 +278,30 @@ def test_the_best_pose_is_within_the_gap():
     assert bounds.greatest_gap == body.gap
     assert bounds.share_upper < 1e-20
     assert bounds.angle_upper < 1e-12
+
+
+@pytest.mark.parametrize("size", [-900, -700, 0, 700, 766, 768, 770, 822, 824, 826, 1000])
+@pytest.mark.parametrize("least", [None, -1020, -718, -714, -700, 0])
+def test_sizes_too_far_apart_are_refused_where_the_checker_takes_no_sums(size: int, least: Any):
+    """Powers of two: of the coordinates, and of one beside them."""
+    rng = np.random.default_rng(0)
+    points, normals = np.ldexp(rng.uniform(0.5, 1.0, (8, 3)), size), rng.normal(size=(8, 3))
+    if least is not None:
+        points[3, 1] = np.ldexp(1.0, least)
+    problem = RegistrationProblem(points, points, normals=normals)
+    try:
+        spring_moments(problem.data_bytes()[-96 * problem.n :], problem.n)
+    except RefusalError:
+        with pytest.raises(InvalidProblemError, match="in a unit in which they are nearer to 1"):
+            require_near(problem)
+    else:
+        require_near(problem)
+
+
+def test_clouds_that_are_too_large_are_refused_with_the_remedy():
+    rng = np.random.default_rng(0)
+    points, normals = 1e300 * rng.normal(size=(8, 3)), rng.normal(size=(8, 3))
+    problem = RegistrationProblem(points, points, normals=normals)
+
+    with pytest.raises(InvalidProblemError, match=r"numbers from \S+ to \S+e\+300"):
+        springs_certificate(problem, Springs.of(problem), find_optimum(Springs.of(problem)))
