@@ -208,8 +208,8 @@ def _course(result: ConsensusRegistration) -> Any:
 def _known(result: ConsensusRegistration) -> Iterator[Sentence]:
     labels, found = result.labels, result.lower
     exact, out, sure = Guarantee.EXACT, labels.count("outlier"), labels.count("inlier")
-    scaled = result.problem.motion.scaled
-    one, rules = ("motion with a scale", SCALED_RULES) if scaled else ("rigid motion", RULES)
+    free = result.problem.motion.scales
+    one, rules = ("motion with a scale", SCALED_RULES) if free else ("rigid motion", RULES)
     yield Sentence(
         words=f"One {one} brings {found} of the {result.problem.n} pairs within their "
         "bounds: the witness, tested in integers.",
