@@ -161,9 +161,9 @@ def _require_narrow(problem: RegistrationProblem, bounds: NDArray[np.float64]) -
                 array=name,
                 value=problem.n,
             )
-    free = problem.motion.scales
-    half = min(map(diameter, [block.target] if free else [block.source, block.target])) / 2.0
-    cloud = "target" if free else "smaller cloud"
+    half, cloud = diameter(block.target) / 2.0, "target"
+    if not problem.scaled:
+        half, cloud = min(half, diameter(block.source) / 2.0), "smaller cloud"
     if float(bounds.min()) >= half:
         least = "" if (bounds == bounds[0]).all() else " at least"
         raise InvalidProblemError(
