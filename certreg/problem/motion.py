@@ -56,11 +56,6 @@ class Motion:
         return int(self.scale.free)
 
     @property
-    def scaled(self) -> bool:
-        """Whether the scale is free."""
-        return self.scale.free
-
-    @property
     def parameters(self) -> int:
         """How many numbers of a pose are found: the only place where they are counted."""
         return 3 + self.translations + self.scales

@@ -39,9 +39,9 @@ def motion_words(registration: Registration) -> str:
 
 def gap_words(motion: Motion, what: str, gap: Fraction) -> str:
     """That what is minimised, at the pose, is no more than this above its minimum."""
-    moves, scales = motion.translations > 0, motion.scaled
-    over = ["rotations", *["translations"] * moves, *["scales"] * scales]
-    by = ["its quaternion", *["its translation"] * moves, *["its scale"] * scales]
+    moves = motion.translations > 0
+    over = ["rotations", *["translations"] * moves, *["scales"] * motion.scales]
+    by = ["its quaternion", *["its translation"] * moves, *["its scale"] * motion.scales]
     place = "" if moves else ", about the origin"
     return (
         f"Over all {_listed(over)}{place}: {what} at the pose given below with all digits, by "

@@ -77,7 +77,7 @@ class MotionOptions:
             usual, best = Integrator.MIDPOINT.value, f"damping {problem.damping:g}"
             known = [usual]
         usable = isinstance(damping, float) and MIN_DAMPING <= damping <= MAX_DAMPING
-        if problem.scale is Scale.SYMMETRIC:
+        if problem.scale.divides:
             words = "no motion is computed anew: the symmetric scale is that of no springs"
             return cls(damping=None, integrator=usual, words=words)
         if not isinstance(damping, float) or not usable or integrator not in (None, *known):

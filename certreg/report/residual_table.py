@@ -9,7 +9,6 @@ import numpy as np
 
 from certreg.geometry.similarity import Similarity
 from certreg.io.labels import csv_field
-from certreg.problem.motion import Scale
 from certreg.registration.row_names import RowNames
 
 if TYPE_CHECKING:
@@ -51,7 +50,7 @@ def _unit(registration: Registration) -> float:
     """Standard deviation of a coordinate of weight one; NaN where nothing tells it."""
     objective, freedom = registration.objective, registration.degrees_of_freedom
     pose, scale = registration.pose, registration.problem.scale
-    if objective is not None and scale is Scale.SYMMETRIC and isinstance(pose, Similarity):
+    if objective is not None and scale.divides and isinstance(pose, Similarity):
         objective *= pose.scale  # by which its squares are divided
     if registration.problem.noise_given:
         return 1.0

@@ -10,7 +10,6 @@ from certreg._loading import late
 from certreg.certificate.bounds import sin2_half_angle_between
 from certreg.exact.decimals import at_least, at_most
 from certreg.exact.dyadic import degrees_above, half_angle_bound, rational_root_above
-from certreg.problem.motion import Scale
 from certreg.registration.headlines import proved_degrees
 from certreg.registration.result import Method
 from certreg.report.equilibria import count_words, inside_out_words, scaled_count_words
@@ -162,10 +161,10 @@ def _optimality(registration: Registration) -> Iterator[Sentence]:
         return
     motion, end = problem.motion, ""
     moves = motion.translations > 0
-    divided = " divided by the scale" if problem.scale is Scale.SYMMETRIC else ""
+    divided = " divided by the scale" if problem.scale.divides else ""
     what = f"the sum of weighted squared distances{divided}"
     theorems = ["optimality_certificate", *["translation_gap"] * moves]
-    theorems += ["scale_elimination"] * motion.scaled
+    theorems += ["scale_elimination"] * motion.scales
     springs = sprung(registration)
     if springs is not None and springs.method is not None:
         what, end = "the energy of the springs", f" It is proved by {how_words(springs)}."
