@@ -121,17 +121,16 @@ class WrongPairs:
     def bounds(self, pair: Pair) -> Any:
         """One number, or one for each of the pairs."""
         number = _number(self.max_residual)
-        if number is not None:
+        if isinstance(number, float):
             return number
         if not Path(self.max_residual).is_file():
-            what = _why_no_number(self.max_residual)
-            raise click.UsageError(f"--max-residual {printable(self.max_residual)}: {what}")
+            raise click.UsageError(f"--max-residual {printable(self.max_residual)}: {number}")
         return io_bounds.read_bounds(Path(self.max_residual), pair)
 
     def columns(self) -> dict[str, str]:
         """The same as columns of a list of pairs, of which each has its own rows."""
         number = _number(self.max_residual)
-        if number is None:
+        if isinstance(number, str):
             raise click.UsageError(
                 f"--max-residual {printable(self.max_residual)}: give a number; files of bounds go "
                 "in a column max_residual of MANIFEST, one for each pair"
@@ -144,22 +143,12 @@ class WrongPairs:
         return {name: value for name, value in told.items() if value is not None}
 
 
-def _number(text: str) -> float | None:
-    """What was typed, if that is a number."""
+def _number(text: str) -> float | str:
+    """What was typed, if that is a number; else why it is none, nor the name of a file."""
     try:
         return NUMBER.convert(text, None, None)
-    except click.BadParameter:
-        return None
-
-
-def _why_no_number(text: str) -> str:
-    """Of a text that names no file, either."""
-    try:
-        NUMBER.convert(text, None, None)
     except click.BadParameter as error:
-        if "comma" in error.message:
-            return error.message
-    return "neither a number nor a file"
+        return error.message if "comma" in error.message else "neither a number nor a file"
 
 
 @contextmanager
@@ -170,7 +159,7 @@ def _named_as_typed(max_residual: str | None) -> Generator[None]:
     except InvalidProblemError as error:
         if max_residual is None or error.array not in {"max_residual", "effort"}:
             raise
-        file = "" if _number(max_residual) is not None else f" {printable(max_residual)}"
+        file = f" {printable(max_residual)}" if isinstance(_number(max_residual), str) else ""
         said = re.sub("^effort", "--effort", str(error))
         raise InvalidProblemError(
             said.replace("max_residual", f"--max-residual{file}"),

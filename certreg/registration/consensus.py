@@ -92,7 +92,7 @@ class InlierProver(Prover[ProvedConsensus, ConsensusRegistration, ConsensusRegis
         timings: dict[str, float],
     ) -> ConsensusRegistration:
         """With what another motion was seen to meet."""
-        second = _second(proved.problem, proved.found, asked.effort)
+        second = _second(proved, asked.effort)
         return replace(proved, verdict=verdict, second=second, timings=timings)
 
 
@@ -200,13 +200,14 @@ def _fit(
         raise DegenerateProblemError(f"{message} out", rank=error.rank) from error
 
 
-def _second(problem: RegistrationProblem, found: ProvedConsensus, effort: float) -> int | None:
+def _second(proved: ConsensusRegistration, effort: float) -> int | None:
     """The most of the other pairs that a motion was seen to meet."""
-    others = sorted(set(range(problem.n)) - set(found.met))
+    problem, free = proved.problem, proved.scale_interval is not None
+    others = sorted(set(range(problem.n)) - set(proved.found.met))
     if len(others) < LEAST_PAIRS:
         return None
     block = problem.points
     rest = block.source[others], block.target[others], problem.bounds[others]
-    motions = candidates(*rest, free_scale=problem.scaled, effort=SECOND_EFFORT * effort)
+    motions = candidates(*rest, free_scale=free, effort=SECOND_EFFORT * effort)
     most = max((len(one.inliers) for one in motions), default=0)
     return most if most >= LEAST_PAIRS else None

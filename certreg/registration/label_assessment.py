@@ -264,8 +264,7 @@ class TruncatedLabels(LabelAssessment):
 
     def _open(self) -> str:
         """Of which pairs nothing is proved."""
-        labels = self.optimum.labels
-        rows = [row for row, word in enumerate(labels) if word == "undecided"]
+        labels, rows = self.optimum.labels, self.optimum.undecided
         verb, named = (
             "is" if len(rows) == 1 else "are",
             self.names.counted(rows[:NAMED_ROWS], len(rows)),

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from certreg.problem.moments import ExactMoments
 
 Spreads = tuple[Fraction, Fraction, Fraction]  # M, Sxx, Syy
+Scales = tuple[Fraction, Fraction]  # the least and the largest
 
 
 def spreads_of(moments: ExactMoments) -> Spreads:
@@ -44,17 +45,31 @@ def proved_scales(
 
     body: of a certificate that was accepted. Rounded outwards, to doubles.
     """
-    spreads = spreads_of(moments)
-    if body.scale == Scale.SYMMETRIC.value:
-        found = moved_symmetric_scale(spreads, source, target)
-    else:
-        bounds = (body.claims.scale_lower, body.claims.scale_upper)
-        least, most = (bound.value * spreads[1] for bound in bounds)
-        found = moved_scale(least, most, spreads, source, target)
+    found = MOVED[Scale(body.scale)](body, spreads_of(moments), source, target)
     if found is None:
         return None
     low, high = max(0.0, double_below(found[0])), double_above(found[1])
     return (low, high) if math.isfinite(high) else None
+
+
+def _asymmetric(
+    body: SimilarityBody, spreads: Spreads, source: Fraction, target: Fraction
+) -> Scales | None:
+    """From the bounds that the certificate proves."""
+    bounds = (body.claims.scale_lower, body.claims.scale_upper)
+    least, most = (bound.value * spreads[1] for bound in bounds)
+    return moved_scale(least, most, spreads, source, target)
+
+
+def _symmetric(
+    body: SimilarityBody, spreads: Spreads, source: Fraction, target: Fraction
+) -> Scales | None:
+    """Whatever the rotation."""
+    del body
+    return moved_symmetric_scale(spreads, source, target)
+
+
+MOVED = {Scale.ASYMMETRIC: _asymmetric, Scale.SYMMETRIC: _symmetric}
 
 
 def moved_scale(

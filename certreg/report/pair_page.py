@@ -298,7 +298,9 @@ def _known(result: LabelledRegistration) -> Iterator[Sentence]:
     exact, labels, most = Guarantee.EXACT, result.labels, present(result.most)
     rules = BOXES if most is None else RULES if most.scale_interval is None else SCALED_RULES
     if most is not None:
-        yield _witness_sentence(most)
+        words = f"One {motion_words(most.problem).one} brings {most.lower} of the {most.problem.n} "
+        words += "pairs within their bounds: the witness, tested in integers."
+        yield Sentence(words=words, guarantee=exact)
     told = list(_sought_words(result))
     counts = f"{are_words(labels.count('inlier'), 'inlier')} and "
     counts += are_words(labels.count("outlier"), "outlier")
@@ -316,12 +318,6 @@ def _known(result: LabelledRegistration) -> Iterator[Sentence]:
         guarantee=exact,
         theorems=_fit_theorems(result.fit),
     )
-
-
-def _witness_sentence(result: ConsensusRegistration) -> Sentence:
-    one, n = motion_words(result.problem).one, result.problem.n
-    words = f"One {one} brings {result.lower} of the {n} pairs within their bounds: the witness, "
-    return Sentence(words=f"{words}tested in integers.", guarantee=Guarantee.EXACT)
 
 
 def _sought_words(result: LabelledRegistration) -> Iterator[str]:
