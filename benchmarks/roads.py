@@ -21,8 +21,7 @@ import numpy as np
 from benchmarks.measuring import Figure, Quantity, fastest
 from certreg.equilibrium.four_paths import HomotopyStatus, continuation
 from certreg.equilibrium.groebner import eliminate, fibres
-from certreg.equilibrium.homotopy import EigenBalls
-from certreg.equilibrium.line_boxes import proved_root
+from certreg.equilibrium.line_boxes import BallMatrix, boxed
 from certreg.equilibrium.torques import at_most_four
 from certreg.exact.balls import exact_matrix
 from certreg.geometry.so3 import davenport_matrix
@@ -36,6 +35,8 @@ from tests.oracles.systems import quaternion_system
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
+
+    from flint import arb_mat
 
     from certreg.geometry.so3 import Matrix3
 
@@ -104,12 +105,12 @@ def _numerical(C: Matrix3[int]) -> Iterator[Figure]:
     yield Figure(what="Krawczyk, a root", value=Quantity(roots / 4, "s"), bound=ROOT)
 
 
-def _proofs(K: object, vectors: list[list[float]]) -> Callable[[], object]:
+def _proofs(K: arb_mat, vectors: list[list[float]]) -> Callable[[], object]:
     def proofs() -> object:
-        systems = [EigenBalls(K, q) for q in vectors]  # pyright: ignore[reportArgumentType]
-        boxes = [proved_root(s, s.start(q)) for s, q in zip(systems, vectors, strict=True)]
-        assert all(boxes)
-        return boxes
+        form = BallMatrix(K)
+        lines = [boxed(form, q, real=True) for q in vectors]
+        assert all(lines)
+        return lines
 
     return proofs
 

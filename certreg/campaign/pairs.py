@@ -10,7 +10,7 @@ from __future__ import annotations
 import hashlib
 import json
 import re
-from collections import Counter
+from collections import Counter, defaultdict
 from dataclasses import asdict, dataclass, field, replace
 from itertools import islice
 from pathlib import Path
@@ -228,36 +228,39 @@ def _line(entry: dict[str, Any]) -> str:
     return json.dumps(entry, allow_nan=False) + "\n"
 
 
+@dataclass(slots=True)
+class Told:
+    """Pairs of which the same is told: how many there are, and the first of them in words."""
+
+    count: int = 0
+    first: list[str] = field(default_factory=list[str])
+
+    def add(self, words: str, most: int) -> None:
+        """One more; its words, if there are fewer than `most`."""
+        self.count += 1
+        if len(self.first) < most:
+            self.first.append(words)
+
+
 class Tally:
-    """What became of the pairs: how many ended with each exit code, the first errors, poor fits."""
+    """What became of the pairs: how many ended with each exit code; errors, poor fits, statuses."""
 
     def __init__(self) -> None:
         self.codes: Counter[int] = Counter()
-        self.errors = 0
-        self.first_errors: list[str] = []
-        self.poor = 0
-        self.first_poor: list[str] = []
-        self.short: Counter[str] = Counter()
-        self.first_short: dict[str, list[str]] = {}
+        self.errors, self.poor = Told(), Told()
+        self.short: defaultdict[str, Told] = defaultdict(Told)  # of what is proved of them
 
     def add(self, entry: dict[str, Any]) -> None:
         """Count a pair by its line of results."""
-        self.codes[entry["exit_code"]] += 1
+        name, code = entry["name"], entry["exit_code"]
+        self.codes[code] += 1
         if entry["schema"] == ERROR_SCHEMA:
-            self.errors += 1
-            if len(self.first_errors) < SHOWN_ERRORS:
-                self.first_errors.append(f"{entry['name']}: {entry['error']['message']}")
+            self.errors.add(f"{name}: {entry['error']['message']}", SHOWN_ERRORS)
             return
-        if entry["exit_code"] in SHORT:
-            status = _status(entry)
-            self.short[status] += 1
-            first = self.first_short.setdefault(status, [])
-            if len(first) < SHOWN_SHORT:
-                first.append(entry["name"])
+        if code in SHORT:
+            self.short[_status(entry)].add(name, SHOWN_SHORT)
         if entry["fit"]["warnings"]:
-            self.poor += 1
-            if len(self.first_poor) < SHOWN_ERRORS:
-                self.first_poor.append(f"{entry['name']}: {entry['fit']['warnings'][0]['text']}")
+            self.poor.add(f"{name}: {entry['fit']['warnings'][0]['text']}", SHOWN_ERRORS)
 
 
 def write_pair_results(kind: PairCampaign, folder: Path, *, parquet: bool) -> Tally:

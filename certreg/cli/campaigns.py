@@ -108,27 +108,27 @@ def batch(
 
 def _tell(tally: Tally, count: int, *, kept: bool) -> None:
     """Says on stderr which pairs failed or are warned of; the first by name if lines are kept."""
-    warned = "has a warning" if tally.poor == 1 else "have a warning"
+    warned = "has a warning" if tally.poor.count == 1 else "have a warning"
     said = {
-        "error": (tally.errors, tally.first_errors, "could not be registered", ""),
-        "warning": (tally.poor, tally.first_poor, warned, REMEDY),
+        "error": (tally.errors, "could not be registered", ""),
+        "warning": (tally.poor, warned, REMEDY),
     }
-    for kind, (number, first, what, then) in said.items():
-        if number:
-            for words in first if kept else ():
+    for kind, (told, what, then) in said.items():
+        if told.count:
+            for words in told.first if kept else ():
                 click.echo(f"{kind}: {printable(words)}", err=True)
-            more = ", of which the first are above" if number > len(first) and kept else ""
-            total = f"{number} of {count} pairs {what}{more}"
+            more = ", of which the first are above" * (kept and told.count > len(told.first))
+            total = f"{told.count} of {count} pairs {what}{more}"
             click.echo(f'certreg: {total}: look for "{kind}" in the results{then}', err=True)
 
 
 def _tell_short(tally: Tally, count: int) -> None:
     """Says on stderr how many pairs are not fully proved, by what is proved of them, and which."""
-    for status, number in tally.short.items():
-        first = tally.first_short[status]
-        names = ", ".join([*map(printable, first), *(["..."] if number > len(first) else [])])
-        are = "is" if number == 1 else "are"
-        total = f"{number} of {count} pairs {are} {SHORT_OF[status]}"
+    for status, told in tally.short.items():
+        more = ["..."] * (told.count > len(told.first))
+        names = ", ".join([*map(printable, told.first), *more])
+        are = "is" if told.count == 1 else "are"
+        total = f"{told.count} of {count} pairs {are} {SHORT_OF[status]}"
         click.echo(f"certreg: {total}: {names}", err=True)
 
 
@@ -152,7 +152,7 @@ def _kept(campaign: PairCampaign, scheduler: str | None, out: Path, *, parquet: 
         run(campaign, out, workers, progress.observer())
         tally = write_pair_results(campaign, out, parquet=parquet)
     count, place = campaign.listing.count, printable(out)
-    click.echo(f"{count - tally.errors} of {count} pairs registered: {place}/{RESULTS}")
+    click.echo(f"{count - tally.errors.count} of {count} pairs registered: {place}/{RESULTS}")
     click.echo(f"Table: {place}/{SUMMARY}, certificates: {place}/{CERTIFICATES}")
     return tally
 

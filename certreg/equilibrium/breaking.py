@@ -217,18 +217,22 @@ class SpringSet:
         for line in eigenlines(self.objective):
             labels = self._labels(line)
             if labels is not None:
+                verdict, doubtful = labels
                 yield RestPose(
                     unbroken=self.unbroken,
                     quaternion=line.quaternion,
                     kind=line.kind,
                     index=line.index,
                     energy=self.objective.energy(line.quaternion) + broken,
-                    labels=labels.verdict,
-                    doubtful=labels.doubtful,
+                    labels=verdict,
+                    doubtful=doubtful,
                 )
 
-    def _labels(self, line: Eigenline) -> _Found | None:
-        """What is proved of the springs at an eigenspace; None: one has another label."""
+    def _labels(self, line: Eigenline) -> tuple[Labels, tuple[int, ...]] | None:
+        """What is proved of the springs at an eigenspace, and the rows that this leaves open.
+
+        None: one has another label.
+        """
         energy = self.objective.energy(line.quaternion)
         if energy - 2 * line.error >= self._most:
             return None
@@ -248,15 +252,7 @@ class SpringSet:
                 verdict = Labels.TIED
         if doubtful and line.sin2 is None:
             verdict = Labels.CONTINUUM
-        return _Found(verdict, tuple(sorted(doubtful)))
-
-
-@dataclass(frozen=True, slots=True)
-class _Found:
-    """A verdict and the rows that it leaves open."""
-
-    verdict: Labels
-    doubtful: tuple[int, ...]
+        return verdict, tuple(sorted(doubtful))
 
 
 class _Residuals:

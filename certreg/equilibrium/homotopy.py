@@ -12,27 +12,22 @@ the list is complete. Where ends meet, the list says how many could not be told 
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
-from flint import acb_mat, arb_mat, ctx
+from flint import ctx
 
 from certreg.equilibrium.critical_set import Completeness, CriticalSet, spaces_as_components
-from certreg.equilibrium.four_paths import HomotopyStatus, continuation
+from certreg.equilibrium.four_paths import PATHS, HomotopyStatus, continuation
 from certreg.equilibrium.line_boxes import (
-    START_BITS,
+    BallMatrix,
     BallQuartic,
-    Balls,
     BoxedLine,
-    RootBox,
     all_different,
-    are_distinct,
     boxed,
     critical_at,
     index_of,
-    kind_of,
-    proved_root,
-    tightened,
 )
 from certreg.equilibrium.line_set import (
     BITS,
@@ -48,8 +43,8 @@ from certreg.equilibrium.paths import REAL, critical_lines
 from certreg.equilibrium.torques import at_most_four
 from certreg.equilibrium.tracking import REGULAR
 from certreg.errors import UndecidedError
-from certreg.exact.balls import exact_matrix, fixed_point, morse_bott_index, orthonormal
-from certreg.exact.spaces import Resolution, Space, resolved
+from certreg.exact.balls import exact_matrix
+from certreg.exact.spaces import Resolution, Space
 from certreg.objective.normalisation import levelled_exactly
 from certreg.results import Guarantee
 
@@ -79,48 +74,6 @@ SAME_END = 1e-2  # sine between ends that meet: of a line that is sixfold they a
 NEARLY_REAL = 1e-2  # of such an end, the sine of the angle to its conjugate
 
 
-class EigenBalls:
-    """K q = l q and a . q = 1 in (q, l), for balls of either kind."""
-
-    def __init__(self, K: arb_mat, chart: Sequence[float]) -> None:
-        """K: 4x4. chart: the vector a."""
-        base = arb_mat(5, 5)
-        for i, a in enumerate(chart):
-            base[4, i] = a
-            for j in range(4):
-                base[i, j] = K[i, j]
-        self._base = base
-
-    def start(self, q: Sequence[float]) -> arb_mat:
-        """The point (q, l) along q with a . q = 1 and the best l for it, q^T K q / |q|^2."""
-        with ctx.workprec(START_BITS):
-            x = arb_mat(5, 1, [*q, 0])
-            image, along = self._base * x, x.transpose() * x
-            value = (x.transpose() * image)[0, 0] / along[0, 0]
-            x = x / image[4, 0]
-            x[4, 0] = value
-            return x.mid()
-
-    def values(self, x: Balls) -> Balls:
-        """An enclosure of (K q - l q, a . q - 1)."""
-        image, value = self._base_for(x) * x, x[4, 0]
-        for i in range(4):
-            image[i, 0] -= value * x[i, 0]
-        image[4, 0] -= 1
-        return image
-
-    def jacobian(self, x: Balls) -> Balls:
-        """An enclosure of [[K - l I, -q], [a, 0]]."""
-        image, value = kind_of(x)(self._base_for(x)), x[4, 0]
-        for i in range(4):
-            image[i, i] -= value
-            image[i, 4] = -x[i, 0]
-        return image
-
-    def _base_for(self, x: Balls) -> Balls:
-        return self._base if kind_of(x) is arb_mat else acb_mat(self._base)
-
-
 def by_continuation(objective: Isotropic) -> CriticalSet:
     """Four paths; their ends proved, and a count of at most four, make the list complete.
 
@@ -130,10 +83,11 @@ def by_continuation(objective: Isotropic) -> CriticalSet:
     unit = 1 << objective.shift
     scaled = np.array([[entry / unit for entry in row] for row in objective.davenport])
     ends = continuation(scaled[None])
-    counted = at_most_four(objective.moments.cross)
-    proved = None if counted is None else _proved(objective, ends.quaternions[0].tolist())
-    if proved is not None:
-        return proved
+    balls = BallMatrix(-exact_matrix(objective.davenport, objective.shift))
+    boxes = (boxed(balls, q, real=True) for q in ends.quaternions[0].tolist())
+    lines = [line for line in boxes if line is not None]
+    if len(lines) == PATHS and all_different(lines) and at_most_four(objective.moments.cross):
+        return _in_order(objective, lines)
     outcome = ends.outcomes[0]
     if outcome is not HomotopyStatus.CONTINUUM:
         raise UndecidedError(f"homotopy: {outcome.value}", method=HOMOTOPY)
@@ -152,43 +106,22 @@ def by_continuation(objective: Isotropic) -> CriticalSet:
     )
 
 
-def _proved(objective: Isotropic, ends: list[list[float]]) -> CriticalSet | None:
-    """The ends in disjoint boxes with one root each; None where that is not proved."""
-    balls = exact_matrix(objective.davenport, objective.shift)
-    boxed: list[tuple[EigenBalls, RootBox]] = []
-    for q in ends:
-        system = EigenBalls(balls, q)
-        box = proved_root(system, system.start(q))
-        if box is None:
-            return None
-        boxed.append((system, box))
-    if not are_distinct([box for _, box in boxed]):
-        return None
-    boxed.sort(key=lambda pair: pair[1].coordinates[4].mid(), reverse=True)
-    resolution = resolved(lambda bits: tuple(_space(*pair, bits) for pair in boxed))
-    bits = resolution.bits
-    cross = objective.moments.cross
-    indices = [
-        morse_bott_index(cross, tightened(*pair, bits).coordinates[:4], 0, bits=2 * bits)
-        for pair in boxed
-    ]
-    return CriticalSet(
-        method=HOMOTOPY,
-        components=spaces_as_components(
-            resolution, objective.energy_of_eigenvalue, indices, Guarantee.ENCLOSED
-        ),
-        bits=bits,
-        completeness=Completeness.COUNT,
-    )
-
-
-def _space(system: EigenBalls, box: RootBox, bits: int) -> Space:
-    """The unit quaternion and the value of a proved root, its box made small enough."""
-    *q, value = tightened(system, box, bits).coordinates
+def _in_order(objective: Isotropic, lines: list[BoxedLine]) -> CriticalSet:
+    """Four proved lines by energy, which differs: in boxes so small that this is seen."""
+    bits = BITS
+    while True:
+        lines = [line.within(bits + SPARE_BITS) for line in lines]
+        with ctx.workprec(2 * bits):
+            levels = [line.system.form.level(line.quaternion) for line in lines]
+            order = sorted(range(PATHS), key=lambda k: levels[k].mid())
+            if all(bool(levels[j] < levels[k]) for j, k in pairwise(order)):
+                break
+        bits *= 2
     with ctx.workprec(2 * bits):
-        (unit,) = orthonormal([q], 1)
-    return Space(
-        values=(fixed_point(value, bits),), vectors=(tuple(fixed_point(c, bits) for c in unit),)
+        parts = ((lines[k].quaternion, index_of(lines[k])) for k in order)
+        components = tuple(critical_at(objective, *part, bits) for part in parts)
+    return CriticalSet(
+        method=HOMOTOPY, components=components, bits=bits, completeness=Completeness.COUNT
     )
 
 
@@ -266,7 +199,7 @@ def proved_components(objective: Springs, real: Sequence[BoxedLine]) -> tuple[li
     """Proved equilibria by ascending energy, and how many of the first may be the best."""
     lines = [line.within(BITS + SPARE_BITS) for line in real]
     with ctx.workprec(2 * BITS):
-        lines.sort(key=lambda line: line.system.quartic.level(line.quaternion).mid())
+        lines.sort(key=lambda line: line.system.form.level(line.quaternion).mid())
     best = _least(lines)
     order = [*best, *(place for place in range(len(lines)) if place not in best)]
     with ctx.workprec(2 * BITS):
@@ -280,7 +213,7 @@ def _least(lines: Sequence[BoxedLine]) -> list[int]:
     while len(several) > 1 and bits <= TIE_BITS:
         several = [(place, line.within(bits)) for place, line in several]
         with ctx.workprec(2 * bits):
-            levels = [line.system.quartic.level(line.quaternion) for _, line in several]
+            levels = [line.system.form.level(line.quaternion) for _, line in several]
         least = min(levels, key=lambda level: level.mid())
         several = [
             one for one, level in zip(several, levels, strict=True) if not bool(level > least)

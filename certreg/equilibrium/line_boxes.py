@@ -17,10 +17,11 @@ The quartic is rounded to the bits of the arithmetic, and its balls hold what wa
 from __future__ import annotations
 
 import enum
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from functools import cache
 from itertools import combinations, combinations_with_replacement
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, ClassVar, Protocol
 
 from flint import acb, acb_mat, arb, arb_mat, ctx
 
@@ -35,6 +36,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from certreg.equilibrium.critical_set import Critical
+    from certreg.objective.isotropic import Isotropic
     from certreg.objective.normalisation import LevelledExactly
     from certreg.objective.springs import Springs
 
@@ -189,8 +191,62 @@ class BoxedLine:
         return BoxedLine(system=self.system, box=tightened(self.system, self.box, bits))
 
 
-class BallQuartic:
-    """First and second derivatives of a quartic of integers, in balls."""
+class BallForm(ABC):
+    """A form F on quaternions, of even degree, by its derivatives in balls."""
+
+    degree: ClassVar[int]
+
+    @abstractmethod
+    def gradient(self, q: Sequence[Any], kind: Any) -> Table:
+        """4x1."""
+
+    @abstractmethod
+    def hessian(self, q: Sequence[Any], kind: Any) -> list[Any]:
+        """The ten second derivatives in the order of PAIRS."""
+
+    def curvature(self, q: Sequence[arb]) -> arb_mat:
+        """E^T F'' E less the slope along q, 3x3: 4 |q|^4 times the Hessian in rotation angle.
+
+        Of a quadratic form |q|^2 times that.
+        """
+        entries = self.hessian(q, arb_mat)
+        second = arb_mat(
+            [[entries[PAIR_PLACE[min(i, j), max(i, j)]] for j in range(4)] for i in range(4)]
+        )
+        frame, along = arb_mat([list(row) for row in body_frame(tuple(q))]), arb_mat(4, 1, list(q))
+        slope = (along.transpose() * second * along)[0, 0] / (self.degree - 1)  # Euler
+        return frame.transpose() * second * frame - slope * arb_mat(3, 3, 1)
+
+    def level(self, q: Sequence[arb]) -> arb:
+        """F at the unit quaternion of q."""
+        first = self.gradient(q, arb_mat).entries()
+        along = sum((g * c for g, c in zip(first, q, strict=True)), arb(0))
+        return along / (self.degree * squared_norm(list(q)) ** (self.degree // 2))
+
+
+class BallMatrix(BallForm):
+    """q^T A q / 2: its critical lines are the eigenlines of A."""
+
+    degree = 2
+
+    def __init__(self, matrix: arb_mat) -> None:
+        self._matrix = matrix
+
+    def gradient(self, q: Sequence[Any], kind: Any) -> Table:
+        """A q, 4x1."""
+        return kind(self._matrix) * kind(4, 1, list(q))
+
+    def hessian(self, q: Sequence[Any], kind: Any) -> list[Any]:
+        """The ten entries of A in the order of PAIRS."""
+        del q
+        entries = kind(self._matrix)
+        return [entries[pair] for pair in PAIRS]
+
+
+class BallQuartic(BallForm):
+    """A quartic of integers, levelled."""
+
+    degree = 4
 
     def __init__(self, levelled: LevelledExactly) -> None:
         self._levelled = levelled
@@ -206,22 +262,6 @@ class BallQuartic:
         """The ten second derivatives in the order of PAIRS."""
         squares = kind(len(PAIRS), 1, [q[i] * q[j] for i, j in PAIRS])
         return (self._rounded(kind)[1] * squares).entries()
-
-    def curvature(self, q: Sequence[arb]) -> arb_mat:
-        """E^T F'' E - 4 F I at q, 3x3: 4 |q|^4 times the Hessian in rotation angle."""
-        entries = self.hessian(q, arb_mat)
-        second = arb_mat(
-            [[entries[PAIR_PLACE[min(i, j), max(i, j)]] for j in range(4)] for i in range(4)]
-        )
-        frame, along = arb_mat([list(row) for row in body_frame(tuple(q))]), arb_mat(4, 1, list(q))
-        value = (along.transpose() * second * along)[0, 0] / 3  # Euler: 12 F = q^T F'' q
-        return frame.transpose() * second * frame - value * arb_mat(3, 3, 1)
-
-    def level(self, q: Sequence[arb]) -> arb:
-        """F / |q|^4 at q, of the levelled quartic."""
-        first = self.gradient(q, arb_mat).entries()
-        along = sum((g * c for g, c in zip(first, q, strict=True)), arb(0))
-        return along / (4 * squared_norm(list(q)) ** 2)
 
     def _rounded(self, kind: Any) -> tuple[Table, Table]:
         """The coefficients of the derivatives, 4x20 and 10x10, at the working precision."""
@@ -241,8 +281,8 @@ class BallQuartic:
 class LineBalls:
     """The three equations of critical lines with q_chart = 1, for balls of either kind."""
 
-    def __init__(self, quartic: BallQuartic, chart: int) -> None:
-        self.quartic, self._chart = quartic, chart
+    def __init__(self, form: BallForm, chart: int) -> None:
+        self.form, self._chart = form, chart
         self._others = tuple(k for k in range(4) if k != chart)
 
     def completed(self, x: Sequence[Any]) -> tuple[Any, ...]:
@@ -260,16 +300,17 @@ class LineBalls:
     def values(self, x: Balls) -> Balls:
         """An enclosure of F_i - F_k q_i."""
         q, kind = self.completed(x.entries()), kind_of(x)
-        first = self.quartic.gradient(q, kind).entries()
+        first = self.form.gradient(q, kind).entries()
         last = first[self._chart]
         return kind(3, 1, [first[i] - last * q[i] for i in self._others])
 
     def jacobian(self, x: Balls) -> Balls:
         """An enclosure of F_ij - F_kj q_i - F_k d_ij."""
         q, kind, k = self.completed(x.entries()), kind_of(x), self._chart
-        second = self.quartic.hessian(q, kind)
+        second = self.form.hessian(q, kind)
         row = [second[PAIR_PLACE[min(j, k), max(j, k)]] for j in range(4)]
-        value = sum((h * c for h, c in zip(row, q, strict=True)), row[0] * 0) / 3  # Euler: F_k
+        value = sum((h * c for h, c in zip(row, q, strict=True)), row[0] * 0)
+        value /= self.form.degree - 1  # Euler: F_k
         return kind(
             3,
             3,
@@ -281,12 +322,12 @@ class LineBalls:
         )
 
 
-def boxed(quartic: BallQuartic, q: Sequence[complex], *, real: bool) -> BoxedLine | None:
+def boxed(form: BallForm, q: Sequence[complex], *, real: bool) -> BoxedLine | None:
     """A box near a quaternion with one critical line, which is real, or is not.
 
     None means not proved, not disproved.
     """
-    system = LineBalls(quartic, max(range(4), key=lambda k: abs(q[k])))
+    system = LineBalls(form, max(range(4), key=lambda k: abs(q[k])))
     kind, bits = (arb_mat, REAL_BITS) if real else (acb_mat, PAIR_BITS)
     while bits <= MOST_BITS:
         box = proved_root(system, system.start(q, kind), start_bits=bits)
@@ -314,7 +355,7 @@ def index_of(line: BoxedLine) -> int | None:
     bits = line.box.bits
     while bits <= MOST_BITS:
         with ctx.workprec(bits):
-            index = negative_eigenvalues(line.system.quartic.curvature(line.quaternion))
+            index = negative_eigenvalues(line.system.form.curvature(line.quaternion))
         if index is not None:
             return index
         line, bits = line.within(bits), 2 * bits
@@ -322,7 +363,7 @@ def index_of(line: BoxedLine) -> int | None:
 
 
 def critical_at(
-    objective: Springs, q: tuple[arb, ...], index: int | None, bits: int = BITS
+    objective: Isotropic | Springs, q: tuple[arb, ...], index: int | None, bits: int = BITS
 ) -> Critical:
     """The component of a proved line, told to so many bits, at the working precision."""
     (unit,) = orthonormal([q], 1)

@@ -42,6 +42,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     Table = NDArray[Any]
+    from certreg.objective.isotropic import Isotropic
     from certreg.objective.springs import Springs
 
 
@@ -327,7 +328,7 @@ def line_set(  # noqa: PLR0913 - what is known of the lines, by name
 
 
 def critical_of(
-    objective: Springs, vector: Sequence[int], index: int | None, guarantee: Guarantee
+    objective: Isotropic | Springs, vector: Sequence[int], index: int | None, guarantee: Guarantee
 ) -> Critical:
     """The component at a unit quaternion in fixed point, its first entry above 0."""
     sign = next(1 if entry > 0 else -1 for entry in vector if entry)

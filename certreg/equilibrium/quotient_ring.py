@@ -1,7 +1,7 @@
 """All equilibria of general springs by elimination: eigenvalues of one 40x40 matrix, in balls.
 
 Let I be the ideal of the 2x2 minors of [q, grad F], of which two ranks prove that there are at most
-40 critical lines and none on a plane l = 0 (see `line_ranks`). The linear functionals on the forms
+40 critical lines and none on a plane l = 0 (see `line_set`). The linear functionals on the forms
 of degree 8 that vanish on I_8 are spanned by the columns of a matrix N, 165 x 40, one row for each
 monomial: which rows of the products of the minors determine it is read off modulo a prime, and
 what is not singular there is not singular. With k another linear form, and N_l the rows of N for l

@@ -33,6 +33,7 @@ from certreg.equilibrium.paths import PathsOutcome, critical_lines
 from certreg.equilibrium.quartics import FloatingQuartic
 from certreg.objective.springs import Springs
 from certreg.paper.monte_carlo import RandomCampaign, packed, unpacked
+from certreg.paper.observations import each_of
 from certreg.problem.problem import RegistrationProblem
 from certreg.problem.random_instances import gaussian_instances
 
@@ -193,12 +194,9 @@ def observed(problem: RegistrationProblem) -> SpringObservation:
 
 def spring_counts(seed: int, runs: int | None, progress: StageProgress) -> tuple[SpringCounts, ...]:
     """Every cell measured on `runs` instances."""
-    found: list[SpringCounts] = []
-    for k, cell in enumerate(SPRING_CELLS):
-        progress("springs", k, len(SPRING_CELLS))
-        found.append(measured(cell, seed, runs or SPRING_INSTANCES))
-    progress("springs", len(SPRING_CELLS), len(SPRING_CELLS))
-    return tuple(found)
+    count = runs or SPRING_INSTANCES
+    cells = each_of(SPRING_CELLS.__getitem__, len(SPRING_CELLS), "springs", progress)
+    return tuple(measured(cell, seed, count) for cell in cells)
 
 
 def measured(cell: SpringCell, seed: int, count: int) -> SpringCounts:

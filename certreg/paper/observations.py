@@ -10,8 +10,9 @@ numbers, all sums are polynomials, and zero.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -40,7 +41,7 @@ from certreg.registration.enumeration import equilibria
 from certreg.registration.examples import STORIES, stated
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Iterator
 
     from numpy.typing import NDArray
 
@@ -62,6 +63,7 @@ HEAD = STORIES[1]
 LANDMARKS = {"nose": 2, "left ear": 0, "right ear": 1}  # rows Nz, LPA, RPA of both files
 EQUILIBRIUM_RUNS = 50  # [Yang2020]
 SIMULATION_RUNS = 100  # [Yang2020]
+StageProgress = Callable[[str, int, int], None]  # a stage, how many of its parts are done, of all
 STATES = 3  # random states per instance at which equations are compared
 
 
@@ -259,14 +261,6 @@ def gallery() -> Gallery:
     )
 
 
-class StageProgress(Protocol):
-    """Called with how far a stage has come."""
-
-    def __call__(self, stage: str, done: int, total: int) -> None:
-        """`done` of `total` parts of a stage are done."""
-        ...
-
-
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Setup:
     """What the instances are made of. N and mu are not stated in the paper.
@@ -343,12 +337,12 @@ def observe(setup: Setup, progress: StageProgress) -> Observations:
     def simulated(index: int) -> SimulationRun:
         return simulation_run(setup.problem(second, index), second.rotations[index])
 
-    pairs = list(_each(at, len(first.rotations), "equilibria", progress))
+    pairs = list(each_of(at, len(first.rotations), "equilibria", progress))
     return Observations(
         setup=setup,
         comparisons=tuple(comparison for comparison, _ in pairs),
         equilibria=tuple(run for _, run in pairs),
-        simulations=tuple(_each(simulated, len(second.rotations), "simulations", progress)),
+        simulations=tuple(each_of(simulated, len(second.rotations), "simulations", progress)),
         turns=tuple(turn(polygon, setup.damping) for polygon in polygons),
         balance_sums=tuple(exact_sums(polygon) for polygon in polygons),
         scene=scene(),
@@ -360,9 +354,10 @@ def _made(setup: Setup, rng: np.random.Generator, count: int) -> Instances:
     return gaussian_instances(rng, points=setup.points, sigma=setup.noise, count=count)
 
 
-def _each(
+def each_of(
     observation: Callable[[int], Any], count: int, stage: str, progress: StageProgress
 ) -> Iterator[Any]:
+    """What is observed at each of so many places, told of as a stage."""
     for index in range(count):
         progress(stage, index, count)
         yield observation(index)

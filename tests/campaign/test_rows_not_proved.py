@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from certreg.campaign.pairs import STATUSES, Tally, _status
+from certreg.campaign.pairs import STATUSES, Tally, Told, _status
 from certreg.cli.campaigns import SHORT_OF, _tell, _tell_short
 
 CERTIFIED, TIED, BOUNDED, OPEN = "certified", "certified-not-unique", "bounded", "not-certified"
@@ -115,6 +115,6 @@ def test_a_row_that_is_short_and_warned_of_is_told_for_both(capsys: pytest.Captu
         ),
         "certreg: 1 of 3 pairs is certified, but not unique: a",
     ]
-    tally.poor, tally.first_poor = 1, ["a: the bound is wide"]
+    tally.poor = Told(count=1, first=["a: the bound is wide"])
     _tell(tally, 3, kept=False)
     assert "1 of 3 pairs has a warning: " in capsys.readouterr().err

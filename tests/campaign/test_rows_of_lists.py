@@ -123,10 +123,10 @@ def test_no_more_than_the_first_ten_of_a_kind_are_told_by_name():
         tally.add({**error, "name": f"e{k}", "error": {"message": "lost"}})
         tally.add({**poor, "name": f"p{k}"})
 
-    assert tally.errors == tally.poor == pairs.SHOWN_ERRORS + 2
-    assert tally.first_errors == [f"e{k}: lost" for k in range(pairs.SHOWN_ERRORS)]
-    assert tally.first_poor == [f"p{k}: bad" for k in range(pairs.SHOWN_ERRORS)]
-    assert tally.codes == {0: tally.poor, 2: tally.errors}
+    assert tally.errors.count == tally.poor.count == pairs.SHOWN_ERRORS + 2
+    assert tally.errors.first == [f"e{k}: lost" for k in range(pairs.SHOWN_ERRORS)]
+    assert tally.poor.first == [f"p{k}: bad" for k in range(pairs.SHOWN_ERRORS)]
+    assert tally.codes == {0: tally.poor.count, 2: tally.errors.count}
 
 
 def test_a_damaged_file_goes_at_once_and_is_told_once(tmp_path: Path):
@@ -197,7 +197,7 @@ def test_every_pair_that_is_printed_moves_the_bar(
     tally = campaigns._streamed(campaign, None)
 
     assert [(bar.made, bar._todo, bar._items) for bar in bars] == [(3, 3, "pairs")]
-    assert (tally.errors, len(capsys.readouterr().out.splitlines())) == (1, 3)
+    assert (tally.errors.count, len(capsys.readouterr().out.splitlines())) == (1, 3)
 
 
 def test_a_shard_that_is_done_again_takes_nothing_back_of_how_far_a_campaign_is():

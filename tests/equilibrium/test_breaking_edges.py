@@ -220,8 +220,7 @@ def test_labels_are_proved_strictly_on_their_side_and_refuted_on_the_other(monke
         if continuum:
             open_verdict = Labels.CONTINUUM
 
-        assert found.doubtful == doubtful
-        assert found.verdict is (open_verdict if doubtful else Labels.PROVED)
+        assert found == (open_verdict if doubtful else Labels.PROVED, doubtful)
 
 
 def test_springs_hold_nowhere_with_all_the_energy_that_breaks_them(monkeypatch):

@@ -10,11 +10,14 @@ from commands import checked
 from flint import acb, acb_mat, arb, arb_mat, ctx
 
 from certreg.equilibrium import line_boxes
-from certreg.equilibrium.homotopy import EigenBalls
 from certreg.equilibrium.line_boxes import (
+    BallMatrix,
+    BoxedLine,
     Reality,
     RootBox,
+    all_different,
     are_distinct,
+    boxed,
     proved_root,
     tightened,
 )
@@ -26,38 +29,36 @@ from certreg.geometry.so3 import davenport_matrix
 C = [[3, 1, -2], [7, 2, 5], [0, -1, 4]]
 
 
-def boxes_of(K, vectors) -> tuple[list[EigenBalls], list[Any]]:
-    systems = [EigenBalls(K, v) for v in vectors]
-    return systems, [proved_root(s, s.start(v)) for s, v in zip(systems, vectors, strict=True)]
+def boxes_of(K, vectors) -> list[BoxedLine | None]:
+    return [boxed(BallMatrix(K), v, real=True) for v in vectors]
 
 
-def four(K):
+def four(K) -> list[BoxedLine]:
     vectors = np.linalg.eigh(np.array(K, dtype=float))[1].T.tolist()
-    return boxes_of(exact_matrix(K, 0), vectors)
+    return [checked(line) for line in boxes_of(exact_matrix(K, 0), vectors)]
 
 
 def test_the_four_boxes_are_disjoint_real_and_narrow():
-    _, boxes = four(davenport_matrix(C))
+    lines = four(davenport_matrix(C))
 
-    assert all(box.reality is Reality.REAL for box in boxes)
-    assert are_distinct(boxes)
-    assert all(radius_bits(c) < -90 for box in boxes for c in box.coordinates)
+    assert all(line.is_real for line in lines)
+    assert all_different(lines)
+    assert all(radius_bits(c) < -90 for line in lines for c in line.box.coordinates)
 
 
 def test_the_box_holds_the_root_of_higher_precision():
-    systems, boxes = four(davenport_matrix(C))
-    for system, box in zip(systems, boxes, strict=True):
-        finer = tightened(system, box, 600)
+    for line in four(davenport_matrix(C)):
+        finer = line.within(600).box
         assert all(radius_bits(c) < -600 for c in finer.coordinates)
-        pairs = zip(box.coordinates, finer.coordinates, strict=True)
+        pairs = zip(line.box.coordinates, finer.coordinates, strict=True)
         assert all(a.overlaps(b) for a, b in pairs)
 
 
 def test_the_same_root_twice_is_not_two_roots():
-    _, boxes = four(davenport_matrix(C))
+    first, *others = four(davenport_matrix(C))
 
-    assert not are_distinct([boxes[0], boxes[0]])
-    assert not are_distinct([boxes[0], *boxes[1:], boxes[0]])  # and not beside each other
+    assert not all_different([first, first])
+    assert not all_different([first, *others, first])  # and not beside each other
 
 
 def test_one_coordinate_that_is_not_real_is_enough():
@@ -72,9 +73,9 @@ def test_a_point_far_from_every_root_leads_to_one_or_to_none_but_never_to_a_fals
     values = np.linalg.eigvalsh(np.array(K, dtype=float))
     rng = np.random.default_rng(0)
     for q in rng.normal(size=(50, 4)).tolist():
-        _, (box,) = boxes_of(exact_matrix(K, 0), [q])
-        if box is not None:
-            level = box.coordinates[4]
+        (line,) = boxes_of(exact_matrix(K, 0), [q])
+        if line is not None:
+            level = 2 * line.system.form.level(line.quaternion)
             distance = np.abs(values - float(level.mid())).min()
             assert distance < 1e-12 + float(level.rad())
 
@@ -87,16 +88,15 @@ def test_close_roots_are_told_apart_with_exact_data(exponent):
     K[0][0], K[0][3], K[3][0], K[3][3] = -3 * unit, 13 * unit, 13 * unit, -3 * unit
     s = 0.5**0.5
     vectors = [[s, 0, 0, s], [0, 1, 1e-3 * 0, 0], [0, 0, 1, 0], [s, 0, 0, -s]]
-    _, boxes = boxes_of(exact_matrix(K, (10 * unit).bit_length()), vectors)
+    lines = boxes_of(exact_matrix(K, (10 * unit).bit_length()), vectors)
 
-    assert all(boxes)
-    assert are_distinct(boxes)
+    assert all_different([checked(line) for line in lines])
 
 
 def test_a_continuum_gives_no_box_at_any_precision():
     K = [[3, 0, 0, 0], [0, -1, 0, 0], [0, 0, -1, 0], [0, 0, 0, -1]]
     vectors = [[1.0, 0, 0, 0], [0, 1.0, 0, 0], [0, 0.6, 0.8, 0], [0.01, 0.5, 0.1, 0.2]]
-    _, boxes = boxes_of(exact_matrix(K, 2), vectors)
+    boxes = boxes_of(exact_matrix(K, 2), vectors)
 
     assert boxes[0] is not None
     assert boxes[1:] == [None, None, None]
@@ -207,7 +207,7 @@ def test_balls_keep_exact_integers_exact():
 
 
 def test_a_proved_root_that_is_lost_is_told_with_the_bits_that_were_asked_for(monkeypatch):
-    systems, boxes = four(davenport_matrix(C))
+    line, *_ = four(davenport_matrix(C))
     asked = list[tuple[int, int]]()
 
     def lost(*_: object, start_bits: int, max_bits: int) -> None:
@@ -215,19 +215,19 @@ def test_a_proved_root_that_is_lost_is_told_with_the_bits_that_were_asked_for(mo
 
     monkeypatch.setattr(line_boxes, "proved_root", lost)
     with pytest.raises(ContradictionError, match="smaller box") as caught:
-        tightened(systems[0], checked(boxes[0]), 600)
+        tightened(line.system, line.box, 600)
 
     assert asked == [(1200, 4800)]
     assert (caught.value.methods, caught.value.limit) == (("homotopy",), 600)
 
 
 def test_a_box_that_is_small_enough_is_kept_as_it_is():
-    systems, boxes = four(davenport_matrix(C))
-    box = checked(boxes[0])
+    line, *_ = four(davenport_matrix(C))
+    system, box = line.system, line.box
     widest = max(radius_bits(ball) for ball in box.coordinates)
 
-    assert tightened(systems[0], box, -widest - 1) is box
-    assert tightened(systems[0], box, -widest) is not box
+    assert tightened(system, box, -widest - 1) is box
+    assert tightened(system, box, -widest) is not box
 
 
 def test_where_every_point_is_a_root_no_box_holds_exactly_one():

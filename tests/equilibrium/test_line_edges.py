@@ -41,7 +41,7 @@ class Level:
 
     @property
     def system(self) -> Any:
-        return SimpleNamespace(quartic=SimpleNamespace(level=self._level))
+        return SimpleNamespace(form=SimpleNamespace(level=self._level))
 
     def _level(self, _: Any) -> arb:
         self.precisions.append(ctx.prec)
@@ -159,7 +159,7 @@ def test_an_index_is_proved_with_up_to_the_most_bits(monkeypatch, needed: int):
         return 2 if ctx.prec >= needed else None
 
     monkeypatch.setattr(line_boxes, "negative_eigenvalues", signs)
-    system = SimpleNamespace(quartic=SimpleNamespace(curvature=lambda _: None))
+    system = SimpleNamespace(form=SimpleNamespace(curvature=lambda _: None))
     line: Any = SimpleNamespace(system=system, quaternion=(), box=SimpleNamespace(bits=256))
     line.within = lambda bits: SimpleNamespace(**{**vars(line), "box": SimpleNamespace(bits=bits)})
 

@@ -16,8 +16,7 @@ from certreg.equilibrium.critical_set import Completeness
 from certreg.equilibrium.equilibrium_set import unit_double
 from certreg.equilibrium.four_paths import HomotopyStatus, continuation
 from certreg.equilibrium.groebner import eliminate, fibres
-from certreg.equilibrium.homotopy import EigenBalls
-from certreg.equilibrium.line_boxes import are_distinct, proved_root
+from certreg.equilibrium.line_boxes import BallMatrix, all_different, boxed
 from certreg.equilibrium.methods import FINDERS, compare, search
 from certreg.errors import ContradictionError, InvalidProblemError, UndecidedError
 from certreg.exact.balls import exact_matrix
@@ -80,10 +79,9 @@ def test_a_thousand_random_instances_agree_by_all_methods_with_four_equilibria_e
         algebraic = [[float(c.mid()) for c in part.vectors[0]] for part in parts]
         balls = exact_matrix(K[k], shifts[k])
         tracked = ends.quaternions[k].tolist()
-        systems = [EigenBalls(balls, q) for q in tracked]
-        boxes = [checked(proved_root(s, s.start(q))) for s, q in zip(systems, tracked, strict=True)]
+        lines = [checked(boxed(BallMatrix(balls), q, real=True)) for q in tracked]
         assert [part.dimension for part in parts] == [0, 0, 0, 0]
-        assert are_distinct(boxes)
+        assert all_different(lines)
         for p, q, r in zip(spectral, algebraic, ends.quaternions[k], strict=True):
             assert turned_apart(p, np.array(q)) < ANGLE
             assert turned_apart(p, r) < ANGLE
