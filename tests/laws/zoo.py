@@ -281,14 +281,14 @@ SQUARES = [one for one in GENERIC if one.cell.loss is Loss.SQUARES]
 
 
 def named(zoo: list[Specimen], **others: Sequence[Any]) -> dict[str, Any]:
-    """For `pytest.mark.parametrize`; one problem of a cell is quick, the others are slow.
+    """For `pytest.mark.parametrize`; one problem of a cell always, of the others a sample.
 
     others: what else each problem is asked with, by its name: a list for all of them.
     """
     cases, seen = [], set[Cell]()
     for one in zoo:
         for values in itertools.product(*others.values()):
-            marks = [pytest.mark.slow] if one.cell in seen else []
+            marks = [pytest.mark.slow, pytest.mark.one_in(12)] if one.cell in seen else []
             name = " ".join([one.name, *map(str, values)])
             cases.append(pytest.param(one, *values, id=name, marks=marks))
             seen.add(one.cell)
