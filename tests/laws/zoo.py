@@ -19,13 +19,15 @@ from same import problems
 from same.problems import KINDS, NOISE, Problem, composed
 
 import certreg
-from certreg.problem.motion import Motion, Scale
+from certreg.problem.motion import Scale
 from certreg.problem.support import Cell, Loss, supported
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
 
     from numpy.typing import NDArray
+
+    from certreg.problem.motion import Motion
 
     Array = NDArray[Any]
 
@@ -60,7 +62,8 @@ class Specimen:
 
     @property
     def motion(self) -> Motion:
-        return Motion(scale=self.cell.scale, rotation_only=self.cell.rotation_only)
+        """What counts the parameters."""
+        return self.problem.motion
 
     @property
     def n(self) -> int:
