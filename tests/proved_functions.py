@@ -280,7 +280,7 @@ PROVED = (
         "registration/landscape",
         "quartic_rounding_cost",
         "registration/test_spring_flags registration/test_spring_words "
-        "registration/test_spring_results",
+        "registration/test_spring_results laws/test_sums",
     ),
     _of(
         "registration/findings",

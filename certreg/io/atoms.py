@@ -19,6 +19,7 @@ from array import array
 from itertools import chain
 from typing import TYPE_CHECKING, NamedTuple
 
+from certreg.io.columns import Points
 from certreg.io.streams import COUNT, Place, count, number, refused
 from certreg.verify import shown
 
@@ -46,15 +47,7 @@ class Atom(NamedTuple):
         return f"{self.chain}:{self.residue}:{self.name}"
 
 
-class CarbonAlphas(NamedTuple):
-    """Coordinates, labels and what the user should know."""
-
-    coordinates: array[float]
-    labels: tuple[str, ...]
-    notes: tuple[str, ...]
-
-
-def carbon_alphas(atoms: Iterable[Atom], file: Path) -> CarbonAlphas:
+def carbon_alphas(atoms: Iterable[Atom], file: Path) -> Points:
     """The Cα atoms of the first model, in their order; every number of it is read and checked."""
     kept: dict[str, tuple[float, list[float]]] = {}
     places = set[tuple[str, str]]()
@@ -90,7 +83,7 @@ def carbon_alphas(atoms: Iterable[Atom], file: Path) -> CarbonAlphas:
     if several:
         notes.append(f"of {len(several)} with alternative places, the most occupied one")
     coordinates = array("d", (x for _, position in kept.values() for x in position))
-    return CarbonAlphas(coordinates, tuple(kept), tuple(notes))
+    return Points(coordinates, tuple(kept), (), tuple(kept), notes=tuple(notes))
 
 
 RECORDS = ("ATOM  ", "HETATM")
@@ -99,7 +92,7 @@ COORDINATE = re.compile(r" *-?[0-9]{1,6}\.[0-9]+ *")
 RESIDUE = re.compile(r"-?[0-9]+[A-Za-z]?")
 
 
-def parse_pdb(lines: Iterator[str], file: Path) -> CarbonAlphas:
+def parse_pdb(lines: Iterator[str], file: Path) -> Points:
     """The Cα atoms of the first model."""
     return carbon_alphas(_atoms(lines, file), file)
 
@@ -165,8 +158,8 @@ def chemical(lines: Iterator[str]) -> tuple[str | None, Iterator[str]]:
     return declared, chain([first], lines)
 
 
-def chemical_points(lines: Iterator[str], file: Path, declared: str) -> tuple[array[float], int]:
-    """The coordinates of a chemical file, from its first line on, and its number of columns."""
+def chemical_points(lines: Iterator[str], file: Path, declared: str) -> Points:
+    """The points of a chemical file, from its first line on, and what stands behind z."""
     expected, coordinates, width = count(Place(file, 1), declared), array("d"), 0
     for line, text in enumerate(lines, 1):
         words, place = text.split(), Place(file, line)
@@ -189,4 +182,4 @@ def chemical_points(lines: Iterator[str], file: Path, declared: str) -> tuple[ar
         raise Place(file, 1).refusal(
             f"{what}: give at least one, and the true count", value=held, limit=expected
         )
-    return coordinates, width
+    return Points(coordinates, None, tuple(f"column {k}" for k in range(5, width + 1)))

@@ -20,6 +20,7 @@ from certreg.io.streams import NUMBER, number, refused
 from certreg.verify import shown
 
 if TYPE_CHECKING:
+    from array import array
     from pathlib import Path
 
     from certreg.io.streams import Place
@@ -33,6 +34,23 @@ RENAME = (
     "rename three of them to x, y and z, or to Easting, Northing and Elevation (and the one that "
     "names the points to label)"
 )
+
+
+@dataclass(frozen=True, slots=True)
+class Points:
+    """A cloud from a text file: 3n coordinates row by row, the rows' labels, columns left out.
+
+    identifiers: the labels, or else what a column left out calls the points, if there is one.
+    sigma, weights: of the columns `sigma` and `weight`. notes: what the user should know.
+    """
+
+    coordinates: array[float]
+    labels: tuple[str, ...] | None
+    ignored: tuple[str, ...]
+    identifiers: tuple[str, ...] | None = None
+    sigma: array[float] | None = None
+    weights: array[float] | None = None
+    notes: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,6 +10,7 @@ import re
 from array import array
 from typing import TYPE_CHECKING
 
+from certreg.io.columns import Points
 from certreg.io.streams import Place, number
 from certreg.verify import shown
 
@@ -22,8 +23,8 @@ CORNERED = {"f", "l", "p"}
 PASSED_OVER = {"vt", "vn", "g", "o", "s", "usemtl", "mtllib"}
 
 
-def parse_obj(lines: Iterator[str], file: Path) -> tuple[array[float], None, tuple[str, ...]]:
-    """Coordinates, no labels, and what is in the file beside the vertices."""
+def parse_obj(lines: Iterator[str], file: Path) -> Points:
+    """The vertices, and what is in the file beside them."""
     coordinates, others, last = array("d"), dict[str, None](), (0, Place(file, 1))
     for place, words in _statements(lines, file):
         key = words[0]
@@ -47,7 +48,7 @@ def parse_obj(lines: Iterator[str], file: Path) -> tuple[array[float], None, tup
             value=last[0],
             limit=n,
         )
-    return coordinates, None, tuple(others)
+    return Points(coordinates, None, tuple(others))
 
 
 def _statements(lines: Iterator[str], file: Path) -> Iterator[tuple[Place, list[str]]]:

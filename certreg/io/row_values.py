@@ -77,7 +77,7 @@ def read_inliers(path: Path, pair: Pair) -> list[bool]:
     Raises InvalidFileError where the file cannot be read, holds other words, another number, or
     is the table of other pairs.
     """
-    rows = read_rows(path)
+    rows = list(read_rows(path))
     if rows and rows[0][1][0].strip() == ROW:
         return _of_table(rows, path, pair)
     labels = [_is_inlier(place, ",".join(fields).strip()) for place, fields in rows]

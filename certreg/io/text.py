@@ -14,7 +14,7 @@ from __future__ import annotations
 import csv
 import re
 from array import array
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import chain, pairwise, repeat
 from math import inf, isfinite
 from pathlib import Path
@@ -26,6 +26,7 @@ from certreg.exact.dyadic import weight_of_sigma
 from certreg.io.columns import (
     Columns,
     DecimalCommas,
+    Points,
     axes_of,
     columns_in_order,
     named_columns,
@@ -72,23 +73,6 @@ TOO_FEW = (
 )
 
 
-@dataclass(frozen=True, slots=True)
-class Points:
-    """A cloud from a text file: 3n coordinates row by row, the rows' labels, columns left out.
-
-    identifiers: the labels, or else what a column left out calls the points, if there is one.
-    sigma, weights: of the columns `sigma` and `weight`. notes: what the user should know.
-    """
-
-    coordinates: array[float]
-    labels: tuple[str, ...] | None
-    ignored: tuple[str, ...]
-    identifiers: tuple[str, ...] | None = None
-    sigma: array[float] | None = None
-    weights: array[float] | None = None
-    notes: tuple[str, ...] = ()
-
-
 def read_points(path: str | Path, *, noise: bool = True) -> Points:
     """Points of a file of TEXT_FORMATS; x, y, z are the columns named so, or the first three.
 
@@ -104,15 +88,13 @@ def parse_points(stream: BinaryIO, file: Path, *, noise: bool = True) -> Points:
     """Points of a text cloud; `file` tells the format and the name."""
     suffix, content = file.suffix.lower(), lines(stream, file)
     if suffix == ".obj":
-        return Points(*obj.parse_obj(content, file))
+        return obj.parse_obj(content, file)
     if suffix == ".pdb":
-        found = atoms.parse_pdb(content, file)
-        return Points(found.coordinates, found.labels, (), found.labels, notes=found.notes)
+        return atoms.parse_pdb(content, file)
     if suffix == ".xyz":
         declared, content = atoms.chemical(content)
         if declared is not None:
-            coordinates, width = atoms.chemical_points(content, file, declared)
-            return Points(coordinates, None, tuple(f"column {k}" for k in range(5, width + 1)))
+            return atoms.chemical_points(content, file, declared)
     if suffix == ".csv":
         first, content = _first_row(content)
         semicolons = separated_by_semicolons(first)
@@ -306,21 +288,14 @@ def _require_no_count(column: array[float], file: Path) -> None:
 
 def read_numbers(path: str | Path) -> array[float]:
     """Numbers of a .csv or .txt file that has one of them a line, without a header."""
-    file = _one_of(TABLE_FORMATS, path)
-    with reading(file) as stream:
-        return parse_numbers(stream, file)
+    return array("d", (number(place, ",".join(row)) for place, row in read_rows(path)))
 
 
-def read_rows(path: str | Path) -> list[tuple[Place, list[str]]]:
+def read_rows(path: str | Path) -> Iterator[tuple[Place, list[str]]]:
     """Place and fields of each row of a .csv or .txt file, a header among them."""
     file = _one_of(TABLE_FORMATS, path)
     with reading(file) as stream:
-        return list(parse_rows(stream, file))
-
-
-def parse_numbers(stream: BinaryIO, file: Path) -> array[float]:
-    """One number a line; `file` tells the format and the name."""
-    return array("d", (number(place, ",".join(row)) for place, row in parse_rows(stream, file)))
+        yield from parse_rows(stream, file)
 
 
 def parse_rows(stream: BinaryIO, file: Path) -> Iterator[tuple[Place, list[str]]]:

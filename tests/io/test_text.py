@@ -14,8 +14,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from certreg.errors import InvalidFileError
+from certreg.io.columns import Points
 from certreg.io.streams import MAX_LINE_BYTES
-from certreg.io.text import Points, pair_by_label, read_numbers, read_points
+from certreg.io.text import pair_by_label, read_numbers, read_points
 
 FILES = (Path("a.csv"), Path("b.csv"))
 

@@ -79,7 +79,6 @@ TOLD = [
 
 
 @pytest.mark.slow
-@pytest.mark.one_in(3)
 @pytest.mark.parametrize(**named(TOLD))
 def test_it_is_that_of_the_sum_over_the_points(one: Specimen):
     objective = one.result.solution.objective

@@ -90,18 +90,14 @@ def test_deviations_are_those_of_the_observations_that_the_parameters_leave(one:
         assert fit.fit.chi2.value == pytest.approx(fit.objective, rel=1e-9)
 
 
-@pytest.mark.one_in(2)
 @pytest.mark.parametrize(**named(GENERIC))
-def test_text_card_and_page_say_these_numbers(one: Specimen, tmp_path: Path):
+def test_text_and_card_say_these_numbers(one: Specimen):
     result, text = one.result, str(one.result)
-    page = result.report(tmp_path / "report.html").read_text("utf-8")
     digits = [*result.pose.quaternion_wxyz.tolist(), *result.pose.translation.tolist()]
     spoken = [entry for entry in digits if entry]
 
     assert all(repr(entry) in text for entry in spoken)
-    assert all(repr(entry) in page for entry in result.pose.quaternion_wxyz.tolist())
     assert number(one.fit.rmse) in text
-    assert result.problem.digest() in page
     assert result.headline.split(":")[0] in text
     assert result.headline.split(":")[0].split(",")[0] in result._repr_html_()
     assert result.summary() == text
@@ -139,7 +135,6 @@ def counted(one: Specimen) -> dict[str, Any]:
 def test_parameters_are_counted_by_the_motion_alone(one: Specimen, monkeypatch: pytest.MonkeyPatch):
     """One more changes degrees of freedom, +-, chi-squared, covariance and JSON in every cell."""
     right = counted(one)
-    assert counted(one) == right
     count: Any = Motion.parameters
     monkeypatch.setattr(Motion, "parameters", property(lambda self: count.fget(self) + 1))
     wrong = counted(one)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from functools import cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -78,6 +79,7 @@ def target_of(cell: Cell) -> Any:
     return SOURCE @ TURN.T + NOISE + shift
 
 
+@cache
 def certified(cell: Cell, data: str) -> Any:
     """The result of `certify` on points of the cell."""
     return certreg.certify(SOURCE, target_of(cell), **options_of(cell, data))
@@ -96,19 +98,15 @@ def test_the_table_accepts_as_many_cells_as_documented() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("data", "motion", "loss"), CELLS)
-def test_a_cell_is_certified_and_verified_or_refused_with_remedies_that_work(
-    data: str, motion: str, loss: Loss, tmp_path: Any
+@pytest.mark.parametrize(
+    ("data", "motion", "loss"), [key for key in CELLS if not supported(cell_of(*key))]
+)
+def test_other_cells_are_refused_with_remedies_that_work(
+    data: str, motion: str, loss: Loss
 ) -> None:
+    """Those that are accepted are the zoo's, and have its laws."""
     cell = cell_of(data, motion, loss)
-    refused = refusal(cell)
-    if refused is None:
-        result = certified(cell, data)
-        assert certreg.verify(result.certificate).proved
-        assert result.to_dict()["pose"]["rotation"] is not None
-        result.report(tmp_path / "report.html")
-        assert (tmp_path / "report.html").stat().st_size > 0
-        return
+    refused: Any = refusal(cell)
     assert refused_sentence(lambda: certified(cell, data)) == refused.sentence
     assert refused.remedies
     for remedy in refused.remedies:

@@ -19,13 +19,15 @@ from same import problems
 from same.problems import KINDS, NOISE, Problem, composed
 
 import certreg
-from certreg.problem.motion import Motion, Scale, checked_motion
+from certreg.problem.motion import Scale
 from certreg.problem.support import Cell, Loss, supported
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
 
     from numpy.typing import NDArray
+
+    from certreg.problem.motion import Motion
 
     Array = NDArray[Any]
 
@@ -60,7 +62,8 @@ class Specimen:
 
     @property
     def motion(self) -> Motion:
-        return checked_motion(self.cell.scale, self.cell.rotation_only)
+        """What counts the parameters."""
+        return self.problem.motion
 
     @property
     def n(self) -> int:
@@ -281,14 +284,14 @@ SQUARES = [one for one in GENERIC if one.cell.loss is Loss.SQUARES]
 
 
 def named(zoo: list[Specimen], **others: Sequence[Any]) -> dict[str, Any]:
-    """For `pytest.mark.parametrize`; one problem of a cell is quick, the others are slow.
+    """For `pytest.mark.parametrize`; one problem of a cell always, of the others a sample.
 
     others: what else each problem is asked with, by its name: a list for all of them.
     """
     cases, seen = [], set[Cell]()
     for one in zoo:
         for values in itertools.product(*others.values()):
-            marks = [pytest.mark.slow] if one.cell in seen else []
+            marks = [pytest.mark.slow, pytest.mark.one_in(12)] if one.cell in seen else []
             name = " ".join([one.name, *map(str, values)])
             cases.append(pytest.param(one, *values, id=name, marks=marks))
             seen.add(one.cell)
