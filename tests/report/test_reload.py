@@ -8,7 +8,8 @@ from fractions import Fraction
 import pytest
 
 from certreg.certificate.bounds import PoseBounds
-from certreg.report.reload import WEAKER, _weaker
+from certreg.certificate.envelope import KINDS
+from certreg.report.reload import STORED, WEAKER, WITHOUT_POSE, _weaker
 
 TINY, OWN = Fraction(1, 1 << 200), Fraction(1, 3)
 MOST = Fraction(WEAKER) * OWN
@@ -36,3 +37,8 @@ def test_a_certificate_that_proves_far_less_is_told_from_one_that_does_not(
     assert _weaker(bounds(gap, angle), bounds(OWN, 0.5)) is weaker
     assert _weaker(bounds(gap, angle), bounds(OWN, None)) is (gap > MOST)
     assert not _weaker(bounds(gap, angle), None)
+
+
+def test_each_kind_of_certificate_is_read_again_or_has_no_pose():
+    assert STORED.keys().isdisjoint(WITHOUT_POSE)
+    assert STORED.keys() | WITHOUT_POSE.keys() == KINDS.keys()
