@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -17,7 +18,7 @@ import certreg
 from certreg import RegistrationProblem
 from certreg.errors import InvalidFileError, InvalidProblemError, OutOfRangeError
 from certreg.registration.enumeration import enumerated, equilibrium_poses
-from certreg.report.equilibria import SpringRests
+from certreg.report.equilibria import Rests, spring_rests
 from certreg.report.reload import report_of
 from certreg.report.rest_sections import springs_listed
 from certreg.report.springs import springs_words
@@ -37,9 +38,9 @@ def problem_of(made: spring_families.Instance) -> RegistrationProblem:
     return RegistrationProblem(**spring_families.statement(made))
 
 
-def searched(found: Enumeration[SpringEquilibria]) -> SpringRests:
+def searched(found: Enumeration[SpringEquilibria]) -> Rests:
     """What is said of a list with the searches for it."""
-    return SpringRests(found.equilibria, found)
+    return spring_rests(replace(found.equilibria, enumeration=found))
 
 
 @cache
