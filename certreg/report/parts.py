@@ -28,7 +28,7 @@ def sprung(registration: Registration) -> Registration[QuarticSolution] | None:
 
 def labelled(result: Registration | Labelled) -> Labelled | None:
     """With a label for each pair, as some may be wrong; None where all count."""
-    return cast("Labelled", result) if hasattr(result, "labels") else None
+    return None if result.labels is None else cast("Labelled", result)
 
 
 def counted(result: Labelled) -> ConsensusRegistration | None:

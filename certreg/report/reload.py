@@ -65,6 +65,13 @@ class Accepted:
     points: RegistrationProblem | Clouds | None
     noted: Callable[[str], None] | None
 
+    @property
+    def problem(self) -> RegistrationProblem:
+        """What it is about: as it was given, or as the certificate holds it."""
+        if isinstance(self.points, RegistrationProblem):
+            return self.points
+        return _problem(self.certificate, self.points)
+
     def fields(self, given: PoseBounds | None = None, own: PoseBounds | None = None) -> Any:
         """What a report has beside its registration; given, own: what is proved of the pose."""
         return {
@@ -96,13 +103,14 @@ class Stored:
 
     columns: of a row of their data after its two points. options: of the problem that they are
     about, by the body. report: of one that was accepted. relaxed: whether the body has a proof of
-    the relaxation.
+    the relaxation. in_clouds: whether two clouds with weights state such a problem.
     """
 
     columns: Callable[[Any], dict[str, int]]
     report: Callable[[Accepted], AnyReport[Any]]
     options: Callable[[Any], dict[str, Any]] = lambda _: {}
     relaxed: Callable[[Any], bool] = lambda _: False
+    in_clouds: bool = True
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -222,7 +230,11 @@ def _problem(certificate: Certificate[Any], clouds: Clouds | None = None) -> Reg
     """The problem of a certificate that the checker has accepted for the clouds."""
     stored, n = STORED[certificate.body.KIND], certificate.n
     options = stored.options(certificate.body)
-    if certificate.data is None and clouds is not None:
+    if not certificate.data and clouds is not None:
+        if not stored.in_clouds:
+            raise InvalidFileError(
+                "the certificate holds no springs: give the problem that it is about"
+            )
         source, target = (np.array(cloud).reshape(n, 3) for cloud in (clouds.source, clouds.target))
         weights = None if clouds.weights is None else np.array(clouds.weights)
         return RegistrationProblem(source, target, weights=weights, **options)
@@ -245,8 +257,7 @@ def _rows(certificate: Certificate[Any]) -> dict[str, NDArray[np.float64]]:
 
 def _weighted(accepted: Accepted) -> AnyReport[Any]:
     """Of one weight per pair: the body moves as the certificate says."""
-    certificate, points = accepted.certificate, accepted.points
-    stated = points if isinstance(points, RegistrationProblem) else _problem(certificate, points)
+    certificate, stated = accepted.certificate, accepted.problem
     motion = MotionOptions.of(certificate.about, stated)
     if accepted.noted is not None:
         accepted.noted(motion.words)
@@ -261,14 +272,8 @@ def _weighted(accepted: Accepted) -> AnyReport[Any]:
 
 def _sprung(accepted: Accepted) -> AnyReport[Any]:
     """Of general springs: its pose, and what it proves of that."""
-    certificate, points = accepted.certificate, accepted.points
-    if not isinstance(points, RegistrationProblem):
-        if not certificate.data:
-            raise InvalidFileError(
-                "the certificate holds no springs: give the problem that it is about"
-            )
-        points = _problem(certificate)
-    report = accepted.squares(points, Asked(about=certificate.about))
+    certificate = accepted.certificate
+    report = accepted.squares(accepted.problem, Asked(about=certificate.about))
     proved = report.registration
     given = replace(proved.solution, certificate=certificate)
     return replace(report, registration=replace(proved, solution=given))
@@ -307,7 +312,7 @@ def _turning(body: Any) -> dict[str, Any]:
     return {"rotation_only": body.rotation_only}
 
 
-SPRINGS = Stored(columns=lambda _: SPRUNG, report=_sprung, options=_turning)
+SPRINGS = Stored(columns=lambda _: SPRUNG, report=_sprung, options=_turning, in_clouds=False)
 STORED: Mapping[str, Stored] = {  # by the kind that a file names
     "isotropic": Stored(
         columns=lambda _: WEIGHED,
