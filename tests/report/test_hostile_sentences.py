@@ -25,7 +25,7 @@ from certreg.report import lines
 from certreg.report.any_report import ASSETS
 from certreg.report.judged_pose import assessment_summary
 from certreg.report.scene_words import component_words, trap_words
-from certreg.report.simulation import simulation_summary
+from certreg.report.simulation import told_motion
 from certreg.report.summary import registration_summary
 from certreg.report.thinning import thinned, unspent_words
 from certreg.report.viewer import WATCH, Names, ended_words, scene_document, viewer_words
@@ -71,7 +71,7 @@ def test_of_several_optima_none_is_called_the_optimum(target: Any):
     spoilt = assess(problem, np.eye(3), [5.0, 0.0, 0.0])
 
     assert not ended.unique
-    words = simulation_summary(ended.trajectory)
+    words = told_motion(ended.trajectory).words()
     assert "from the nearest optimum" in words
     assert "the exact motion ends at an optimum." in words
     assert "the global optimum" not in spoilt.words
@@ -209,7 +209,7 @@ def test_a_body_that_hardly_moved_is_not_said_to_have_come_to_the_optimum():
     assert f"1 step, then {left}; its rotation " in registration_summary(slow)
     (told,) = {run["ended"] for run in scene_document(slow, NAMES)["runs"] if run["start"] is None}
     assert told.startswith("It is slower than the tolerance, with ")
-    words = simulation_summary(simulated(problem, "splitting").trajectory)
+    words = told_motion(simulated(problem, "splitting").trajectory).words()
     assert f"\n  not there yet     {left}\n" in words
     assert "\n  end               its rotation " in words
     assert "left" not in registration_summary(usual)
