@@ -64,7 +64,7 @@ def test_where_no_motion_meets_enough_pairs(clouds, options, begun):
     ("command", "module", "step"),
     [
         (("assess", "--pose"), judging, "judged"),
-        (("equilibria",), dynamics, "enumerated"),
+        (("equilibria",), dynamics, "listed"),
         (("simulate",), dynamics, "run"),
     ],
 )
