@@ -11,7 +11,7 @@ import numpy as np
 
 from certreg._loading import cached_property
 from certreg.certificate.bounds import pose_bounds, pose_energy
-from certreg.certificate.isotropic import SimilarityBody, produce
+from certreg.certificate.isotropic import produce
 from certreg.dynamics.integrators import DEFAULT_SETTINGS
 from certreg.dynamics.simulation import optimal_damping
 from certreg.equilibrium.critical_set import by_eigenspaces
@@ -87,8 +87,9 @@ class LinearSolution(Solution):
 
     def told_robustness(self, found: Robustness) -> Robustness:
         """With the range of a free scale."""
-        body = None if self.certificate is None else self.certificate.body
-        return found.with_scales(body, self.moments) if isinstance(body, SimilarityBody) else found
+        if self.objective.scaling is None or self.certificate is None:
+            return found
+        return found.with_scales(self.certificate.body, self.moments)
 
     def measured_fit(self, names: RowNames) -> Fit:
         """What the optimum is worth as a fit, computed now."""

@@ -49,6 +49,7 @@ else:
 
 HELD = ("covariance", "equilibria", "trajectory")  # by the solution, which says why one is missing
 ALIKE = Absent("each pair has one weight, and a spring alike in every way")
+ALL_COUNT = Absent("all pairs count: none is labelled")
 UNDECIDED = Absent("whether the optimum is unique is not decided")
 
 
@@ -285,6 +286,8 @@ class Registration(Explained, Saved, Generic[Solved_co]):
             return self.solution.stated(name)
         if name == "robustness":
             return self.robustness or NONE_PROVED
+        if name == "labels":
+            return ALL_COUNT
         return Explained.stated(self, name)
 
     @property
@@ -327,6 +330,11 @@ class Registration(Explained, Saved, Generic[Solved_co]):
         There they are listed by `certreg.equilibria`.
         """
         return self.solution.equilibria
+
+    @property
+    def labels(self) -> tuple[str, ...] | None:
+        """Of each pair; None: all count, as with a loss of squares."""
+        return None
 
     @property
     def trajectory(self) -> SimulatedMotion | None:

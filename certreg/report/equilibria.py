@@ -1,15 +1,14 @@
 """Lists of equilibria in words: how many there are, how that is known, a table, notes.
 
-One text, one document and one card; what depends on the springs and on the scale is a class each.
+One text, one document and one card; a function for each kind says what it adds.
 """
 
 from __future__ import annotations
 
 import math
-from abc import ABC, abstractmethod
 from collections import Counter
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Generic, TypeVar
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
 
 from certreg._loading import late
 from certreg.registration.ambiguity import ambiguous_words, narrow_words
@@ -19,13 +18,12 @@ from certreg.report.scale import rests_of
 from certreg.results import Brief, ComponentKind, Guarantee
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-    from typing import Self
+    from collections.abc import Callable, Sequence
 
     from certreg.equilibrium import line_set
     from certreg.equilibrium.breathing import BreathingEquilibria
     from certreg.equilibrium.equilibrium_set import Component, EquilibriumSet
-    from certreg.registration.enumeration import Enumeration
+    from certreg.registration.enumeration import Enumeration, ListedEquilibria
     from certreg.registration.equilibria import (
         ScaledEquilibria,
         SpringEquilibria,
@@ -38,8 +36,6 @@ else:
     cards = late("certreg.report.cards")
     equilibrium_fields = late("certreg.report.equilibrium_fields")
     methods = late("certreg.report.methods")
-
-E = TypeVar("E")
 
 EQUILIBRIA_SCHEMA = "certreg-equilibria/1"
 COUNTS = {0: "none", 1: "one", 2: "two", 3: "three", 4: "four"}
@@ -60,60 +56,33 @@ STAYS = (
 )
 
 
-@dataclass(frozen=True, slots=True)
-class Rests(Brief, ABC, Generic[E]):
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Rests(Brief):
     """What is said of a list of equilibria.
 
-    enumeration: the searches for them; None where the list stands beside something else.
+    headline: how many there are and how that is known, in one sentence. head, rows: of the table.
+    after: what belongs to the table. notes: what must be said beside it. fields, margin: make what
+    stands under `equilibria` and `margin` of a document. enumeration: the searches for them; None
+    where the list stands beside something else.
     """
 
-    equilibria: E
+    headline: str
+    head: tuple[str, ...]
+    rows: list[tuple[str, ...]]
+    after: list[str] = field(default_factory=list[str])
+    notes: list[str]
+    fields: Callable[[], Document]
+    margin: Callable[[], Document]
     enumeration: Enumeration[Any] | None = None
-
-    @classmethod
-    def searched(cls, found: Any) -> Self:
-        """Of a list that holds the searches for it."""
-        return cls(found, found.enumeration)
-
-    @property
-    @abstractmethod
-    def headline(self) -> str:
-        """How many equilibria there are and how that is known, in one sentence."""
-
-    @property
-    @abstractmethod
-    def head(self) -> tuple[str, ...]:
-        """Of the table's columns."""
-
-    @abstractmethod
-    def rows(self) -> list[tuple[str, ...]]:
-        """A row for each, under the head."""
-
-    @property
-    def after(self) -> list[str]:
-        """What belongs to the table, after it."""
-        return []
-
-    @abstractmethod
-    def notes(self) -> list[str]:
-        """What must be said beside the table."""
-
-    @abstractmethod
-    def fields(self) -> Document:
-        """What stands under `equilibria`."""
-
-    @abstractmethod
-    def margin(self) -> Document:
-        """How far the optimum is from being ambiguous."""
 
     def table(self) -> list[str]:
         """The lines of the headline and of the table."""
-        rows = self.rows()
-        return [self.headline, *table_of([self.head, *rows] if rows else []), *self.after]
+        rows = [self.head, *self.rows] if self.rows else []
+        return [self.headline, *table_of(rows), *self.after]
 
     def words(self) -> str:
         """The result of `equilibria`, readable; with the searches, if more than the usual one."""
-        lines, searched = [*self.table(), *self.notes()], self.enumeration
+        lines, searched = [*self.table(), *self.notes], self.enumeration
         if searched is not None and methods.unusual(searched):
             lines += ["", methods.methods_summary(searched)]
         return "\n".join(lines)
@@ -126,8 +95,10 @@ class Rests(Brief, ABC, Generic[E]):
 
     def card(self) -> str:
         """All equilibria as a table in a notebook."""
-        notes, rows = [*self.after, *self.notes()], self.rows()
-        return cards.Card(headline=self.headline, notes=notes, head=self.head, rows=rows).html()
+        notes = [*self.after, *self.notes]
+        return cards.Card(
+            headline=self.headline, notes=notes, head=self.head, rows=self.rows
+        ).html()
 
 
 def table_of(rows: Sequence[Sequence[str]]) -> list[str]:
@@ -142,46 +113,34 @@ def table_of(rows: Sequence[Sequence[str]]) -> list[str]:
 # --- one weight per pair
 
 
-class RigidRests(Rests["EquilibriumSet"]):
+def rigid_rests(
+    found: EquilibriumSet, enumeration: Enumeration[EquilibriumSet] | None = None
+) -> Rests:
     """Of a rigid body with one weight per pair."""
+    notes = [f"Ambiguity margin: {margin_words(found)}."]
+    tie, narrow = ambiguous_words(found), narrow_words(found)
+    if tie is not None:
+        notes.append(tie)
+    elif narrow is not None:
+        notes.append(f"{narrow[0].upper()}{narrow[1:]}.")
+    if found.doubt is not None:
+        notes.append(f"Not proved: {found.doubt}")
+    elif found.classification.ambiguity is not None:
+        notes.append(f"Not unique: {found.classification.ambiguity.value}.")
+    return Rests(
+        headline=count_words(found),
+        head=("index", "kind", "RMSE", "energy", "to optimum", "unstable", ""),
+        rows=[_row(component, sure=found.doubt is None) for component in found.components],
+        notes=notes,
+        fields=lambda: equilibrium_fields.rigid_fields(found),
+        margin=lambda: equilibrium_fields.margin_fields(found),
+        enumeration=enumeration,
+    )
 
-    @property
-    def headline(self) -> str:
-        """How many equilibria there are and how that is known, in one sentence."""
-        return count_words(self.equilibria)
 
-    @property
-    def head(self) -> tuple[str, ...]:
-        """Of the table's columns."""
-        return ("index", "kind", "RMSE", "energy", "to optimum", "unstable", "")
-
-    def rows(self) -> list[tuple[str, ...]]:
-        """A row for each, under the head."""
-        sure = self.equilibria.doubt is None
-        return [_row(component, sure=sure) for component in self.equilibria.components]
-
-    def notes(self) -> list[str]:
-        """The margin, and what is in doubt or not unique."""
-        found = self.equilibria
-        lines = [f"Ambiguity margin: {margin_words(found)}."]
-        tie, narrow = ambiguous_words(found), narrow_words(found)
-        if tie is not None:
-            lines.append(tie)
-        elif narrow is not None:
-            lines.append(f"{narrow[0].upper()}{narrow[1:]}.")
-        if found.doubt is not None:
-            lines.append(f"Not proved: {found.doubt}")
-        elif found.classification.ambiguity is not None:
-            lines.append(f"Not unique: {found.classification.ambiguity.value}.")
-        return lines
-
-    def fields(self) -> Document:
-        """What stands under `equilibria`."""
-        return equilibrium_fields.rigid_fields(self.equilibria)
-
-    def margin(self) -> Document:
-        """How far the optimum is from being ambiguous."""
-        return equilibrium_fields.margin_fields(self.equilibria)
+def listed_rests(found: ListedEquilibria) -> Rests:
+    """The same with the searches for them."""
+    return rigid_rests(found, found.enumeration)
 
 
 def count_words(equilibria: EquilibriumSet) -> str:
@@ -241,26 +200,16 @@ def _row(component: Component, *, sure: bool) -> tuple[str, ...]:
 # --- a free scale
 
 
-class ScaledRests(Rests["ScaledEquilibria"]):
+def scaled_rests(found: ScaledEquilibria) -> Rests:
     """With a free scale, and the states inside out."""
-
-    @property
-    def headline(self) -> str:
-        """How many there are, and how that is known."""
-        found = self.equilibria
-        if found.breathing is None:
-            return count_words(found.rigid)
+    headline = count_words(found.rigid)
+    if found.breathing is not None:
         known = f"{found.rigid.guarantee.label}, complete"
-        return f"Equilibria ({known}): {scaled_count_words(found)}."
-
-    @property
-    def head(self) -> tuple[str, ...]:
-        """Of the table's columns."""
-        return ("index", "kind", "scale", "RMSE", "energy", "to optimum", "")
-
-    def rows(self) -> list[tuple[str, ...]]:
-        """A row for each, under the head."""
-        return [
+        headline = f"Equilibria ({known}): {scaled_count_words(found)}."
+    return Rests(
+        headline=headline,
+        head=("index", "kind", "scale", "RMSE", "energy", "to optimum", ""),
+        rows=[
             (
                 str(each.component.morse_index),
                 KINDS[each.component.kind],
@@ -270,26 +219,14 @@ class ScaledRests(Rests["ScaledEquilibria"]):
                 f"{math.degrees(each.component.angle_to_optimum):.6g} deg",
                 "optimal" if each.component.optimal else "",
             )
-            for each in self.equilibria.components
-        ]
-
-    @property
-    def after(self) -> list[str]:
-        """The states with a scale below 0."""
-        breathing = self.equilibria.breathing
-        return [] if breathing is None else [inside_out_words(breathing)]
-
-    def notes(self) -> list[str]:
-        """The margin."""
-        return [f"Ambiguity margin: {margin_words(self.equilibria.rigid)}."]
-
-    def fields(self) -> Document:
-        """What stands under `equilibria`."""
-        return equilibrium_fields.scaled_fields(self.equilibria)
-
-    def margin(self) -> Document:
-        """How far the optimum is from being ambiguous."""
-        return equilibrium_fields.margin_fields(self.equilibria.rigid)
+            for each in found.components
+        ],
+        after=[] if found.breathing is None else [inside_out_words(found.breathing)],
+        notes=[f"Ambiguity margin: {margin_words(found.rigid)}."],
+        fields=lambda: equilibrium_fields.scaled_fields(found),
+        margin=lambda: equilibrium_fields.margin_fields(found.rigid),
+        enumeration=found.enumeration,
+    )
 
 
 def scaled_count_words(equilibria: ScaledEquilibria) -> str:
@@ -321,28 +258,17 @@ def inside_out_words(breathing: BreathingEquilibria) -> str:
 # --- general springs
 
 
-class SpringRests(Rests["SpringEquilibria"]):
-    """On general springs, up to forty, of which several may be stable."""
+def spring_rests(found: SpringEquilibria) -> Rests:
+    """On general springs, up to forty, of which several may be stable.
 
-    @property
-    def headline(self) -> str:
-        """How many equilibria there are and how that is known, in one sentence."""
-        found = self.equilibria
-        if found.finiteness is line_set.Finiteness.SYMMETRIC:
-            return f"Equilibria (exact): infinitely many; {_apart_words(found)}."
-        known = f"{found.guarantee.label}, {'' if found.complete else 'not proved '}complete"
-        return f"Equilibria ({known}): {_count_of_springs(found)}."
-
-    @property
-    def head(self) -> tuple[str, ...]:
-        """Of the table's columns; angles are to the first row, which may be the optimum."""
-        known = any(part.angle_to_optimum is not None for part in self.equilibria.components)
-        return ("index", "stable", "RMSE", "energy", f"to {'optimum' if known else 'row 1'}", "")
-
-    def rows(self) -> list[tuple[str, ...]]:
-        """A row for each, under the head."""
-        parts = self.equilibria.components
-        return [
+    Angles are to the first row, which may be the optimum.
+    """
+    parts, words = found.components, found.undetermined
+    known = any(part.angle_to_optimum is not None for part in parts)
+    return Rests(
+        headline=_spring_headline(found),
+        head=("index", "stable", "RMSE", "energy", f"to {'optimum' if known else 'row 1'}", ""),
+        rows=[
             (
                 "-" if part.morse_index is None else str(part.morse_index),
                 {True: "yes", False: "no", None: "-"}[part.stable],
@@ -352,21 +278,20 @@ class SpringRests(Rests["SpringEquilibria"]):
                 _place_words(part, parts[0]),
             )
             for part in parts
-        ]
+        ],
+        notes=[*spring_notes(found), *([f"{words[:1].upper()}{words[1:]}."] if words else [])],
+        fields=lambda: equilibrium_fields.spring_fields(found),
+        margin=lambda: equilibrium_fields.spring_margin_fields(found),
+        enumeration=found.enumeration,
+    )
 
-    def notes(self) -> list[str]:
-        """What must be said beside the table; what the springs leave open, or hardly resist."""
-        words = self.equilibria.undetermined
-        resisted = [f"{words[:1].upper()}{words[1:]}."] if words else []
-        return [*spring_notes(self.equilibria), *resisted]
 
-    def fields(self) -> Document:
-        """What stands under `equilibria`."""
-        return equilibrium_fields.spring_fields(self.equilibria)
-
-    def margin(self) -> Document:
-        """How far the optimum is from being ambiguous."""
-        return equilibrium_fields.spring_margin_fields(self.equilibria)
+def _spring_headline(found: SpringEquilibria) -> str:
+    """How many equilibria there are and how that is known, in one sentence."""
+    if found.finiteness is line_set.Finiteness.SYMMETRIC:
+        return f"Equilibria (exact): infinitely many; {_apart_words(found)}."
+    known = f"{found.guarantee.label}, {'' if found.complete else 'not proved '}complete"
+    return f"Equilibria ({known}): {_count_of_springs(found)}."
 
 
 def _count_of_springs(equilibria: SpringEquilibria) -> str:
@@ -430,9 +355,7 @@ def _place_words(part: SpringEquilibrium, first: SpringEquilibrium) -> str:
     return f"higher by {part.above:.1e}" if same else ""
 
 
-def rests_beside(registration: Registration) -> Rests[Any]:
+def rests_beside(registration: Registration) -> Rests:
     """What is said of the equilibria of a registration that lists them."""
     scaled = rests_of(registration)
-    if scaled is None:
-        return RigidRests(registration.equilibria)
-    return ScaledRests(scaled)
+    return rigid_rests(registration.equilibria) if scaled is None else scaled_rests(scaled)

@@ -25,4 +25,4 @@ def sprung(registration: Registration) -> Registration[QuarticSolution] | None:
 
 def labelled(result: Registration | LabelledRegistration) -> LabelledRegistration | None:
     """With a label for each pair, as some may be wrong; None where all count."""
-    return cast("LabelledRegistration", result) if hasattr(result, "labels") else None
+    return None if result.labels is None else cast("LabelledRegistration", result)

@@ -47,8 +47,9 @@ class Sample(Brief):
         with np.errstate(over="ignore", invalid="ignore"):
             moved = registration.pose.apply(problem.source[rows])
         target, axes, ends = problem.target[rows].astype(np.float64), None, None
-        if problem.factors is not None and np.isfinite(moved).all():
-            axes = SpringAxes.of(problem.factors[rows].astype(np.float64))
+        factors = problem.factors
+        if factors is not None and np.isfinite(moved).all():
+            axes = SpringAxes.of(factors[rows].astype(np.float64))
             ends = axes.pulled_to(moved, target)
         return cls(target=target, moved=moved, ends=ends, axes=axes)
 

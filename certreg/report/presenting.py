@@ -69,11 +69,6 @@ def _by(module: str, name: str) -> Function:
     return found_late(f"certreg.report.{module}", name)
 
 
-def _searched(name: str) -> Function:
-    """Of lists of equilibria that hold the searches for them."""
-    return lambda: _by("equilibria", name)().searched  # pyright: ignore[reportFunctionMemberAccess]
-
-
 headline_words = _of("headlines", "headline_words")
 SHAPES = (  # the light ones first: classes are loaded up to that of the result
     Shape(
@@ -87,13 +82,13 @@ SHAPES = (  # the light ones first: classes are loaded up to that of the result
         card=_by("cards", "verdict_card"),
     ),
     Shape.told(_of("simulation", "SimulatedMotion"), _by("simulation", "told_motion")),
-    Shape.told(_of("enumeration", "ListedEquilibria"), _searched("RigidRests")),
+    Shape.told(_of("enumeration", "ListedEquilibria"), _by("equilibria", "listed_rests")),
     Shape.told(
         found_late("certreg.equilibrium.equilibrium_set", "EquilibriumSet"),
-        _by("equilibria", "RigidRests"),
+        _by("equilibria", "rigid_rests"),
     ),
-    Shape.told(_of("equilibria", "ScaledEquilibria"), _searched("ScaledRests")),
-    Shape.told(_of("equilibria", "SpringEquilibria"), _searched("SpringRests")),
+    Shape.told(_of("equilibria", "ScaledEquilibria"), _by("equilibria", "scaled_rests")),
+    Shape.told(_of("equilibria", "SpringEquilibria"), _by("equilibria", "spring_rests")),
     Shape(
         of=_of("assessed", "Assessment"),
         words=_by("judged_pose", "assessment_summary"),

@@ -15,23 +15,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from certreg.certificate.checking import CertificateVerdict, verify
-from certreg.certificate.consensus import ConsensusBody, ConsensusSimilarityBody
-from certreg.certificate.count import CountBody
 from certreg.certificate.envelope import Certificate, body_of
-from certreg.certificate.isotropic import IsotropicBody, SimilarityBody
-from certreg.certificate.listing import SpringsListBody
-from certreg.certificate.truncated import TruncatedRotationBody
 from certreg.errors import InvalidFileError, RefusedCertificateError
 from certreg.io.streams import reading
 from certreg.native.loops import Integrator
 from certreg.problem.bounds import bounded
-from certreg.problem.motion import MAX_DAMPING, MIN_DAMPING, Scale
+from certreg.problem.motion import MAX_DAMPING, MIN_DAMPING
 from certreg.problem.problem import RegistrationProblem
-from certreg.problem.support import Loss
+from certreg.problem.support import Loss, Verb, refusal
 from certreg.registration.consensus import restated_consensus
 from certreg.registration.linear import CROSS_CHECK
 from certreg.registration.pipeline import Asked
-from certreg.registration.quartic import SPRING_KINDS
 from certreg.registration.squares import certified_squares
 from certreg.registration.truncated import restated_truncated
 from certreg.report.page import Report
@@ -40,20 +34,82 @@ from certreg.verify import FILE_MAX, Clouds, shown
 
 if TYPE_CHECKING:
     import os
-    from collections.abc import Callable
+    from collections.abc import Callable, Mapping
+
+    from numpy.typing import NDArray
 
     from certreg.certificate.bounds import PoseBounds
     from certreg.geometry.pose import Pose
     from certreg.geometry.similarity import Similarity
     from certreg.report.any_report import AnyReport
-    from certreg.results import Verdict
 
 
-SPRING = 12 * 8  # bytes of two points and six entries of a factor
-BOUNDED_PAIR = 8 * 8  # bytes of two points, a weight and a bound
-BOUNDED_SPRING = 13 * 8  # bytes of two points, a bound and a factor
-PAIR = 7 * 8  # bytes of two points and a weight; the data end with these, after a header
+WEIGHED, SPRUNG = {"weights": 1}, {"factors": 6}  # columns of a row after its points
+BOUNDED, BOUNDED_SPRUNG = {"weights": 1, "bounds": 1}, {"bounds": 1, "factors": 6}
 WEAKER = 1e3  # times the bounds that certreg proves: the page warns of such a certificate
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Accepted:
+    """A certificate that the checker has accepted, and what it was given with.
+
+    content: of the file. points: None where the certificate holds them. noted: hears in a sentence
+    how the motion is computed.
+    """
+
+    certificate: Certificate[Any]
+    content: bytes
+    verdict: CertificateVerdict
+    file: Path
+    points: RegistrationProblem | Clouds | None
+    noted: Callable[[str], None] | None
+
+    @property
+    def problem(self) -> RegistrationProblem:
+        """What it is about: as it was given, or as the certificate holds it."""
+        if isinstance(self.points, RegistrationProblem):
+            return self.points
+        return _problem(self.certificate, self.points)
+
+    def fields(self, given: PoseBounds | None = None, own: PoseBounds | None = None) -> Any:
+        """What a report has beside its registration; given, own: what is proved of the pose."""
+        return {
+            "certificate": self.certificate,
+            "content": self.content,
+            "verdict": self.verdict,
+            "name": self.file.name,
+            "weak": _weaker(given, own),
+        }
+
+    def require_data(self, words: str, *, held: bool = True) -> None:
+        """Raises InvalidFileError where the points, or what else is held, are not in the file."""
+        if not (held and self.certificate.data):
+            raise InvalidFileError(f"{shown(self.file)}: {words}", path=self.file)
+
+    def squares(self, problem: RegistrationProblem, asked: Asked) -> Report:
+        """The report of least squares: the pose computed anew, with what is proved of it."""
+        own = certified_squares(problem, asked)
+        proved = own.as_proved(self.certificate.body)
+        return Report(
+            registration=replace(proved, verdict=self.verdict),
+            **self.fields(proved.bounds, own.bounds),
+        )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Stored:
+    """How certificates of a kind are read again.
+
+    columns: of a row of their data after its two points. options: of the problem that they are
+    about, by the body. report: of one that was accepted. relaxed: whether the body has a proof of
+    the relaxation. in_clouds: whether two clouds with weights state such a problem.
+    """
+
+    columns: Callable[[Any], dict[str, int]]
+    report: Callable[[Accepted], AnyReport[Any]]
+    options: Callable[[Any], dict[str, Any]] = lambda _: {}
+    relaxed: Callable[[Any], bool] = lambda _: False
+    in_clouds: bool = True
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -71,13 +127,14 @@ class MotionOptions:
     def of(cls, about: dict[str, Any], problem: RegistrationProblem) -> MotionOptions:
         """As the `about` of a certificate says; where it does not, as usual, and it is told."""
         damping, integrator = about.get("damping"), about.get("integrator", "")
-        known, usual = [one.value for one in Integrator], CROSS_CHECK.value
+        cell, names = problem.cell, [one.value for one in Integrator]
+        known = [name for name in names if refusal(cell, Verb(name)) is None]
+        usual = CROSS_CHECK.value if CROSS_CHECK.value in known else Integrator.MIDPOINT.value
         best = "optimal damping"
-        if problem.scaled:  # of a body whose size moves one integrator alone is written
-            usual, best = Integrator.MIDPOINT.value, f"damping {problem.damping:g}"
-            known = [usual]
+        if refusal(cell, Verb.DAMPING) is not None:
+            best = f"damping {problem.damping:g}"
         usable = isinstance(damping, float) and MIN_DAMPING <= damping <= MAX_DAMPING
-        if problem.scale.divides:
+        if not known:
             words = "no motion is computed anew: the symmetric scale is that of no springs"
             return cls(damping=None, integrator=usual, words=words)
         if not isinstance(damping, float) or not usable or integrator not in (None, *known):
@@ -111,39 +168,22 @@ def report_of(
     with reading(file) as stream:
         content = stream.read(FILE_MAX + 1)
     loaded = _loaded(content)
-    body = None if loaded is None else _required_body(loaded, file, pointless=points is None)
+    if loaded is not None:
+        _require_pose(loaded, file, pointless=points is None)
     verdict = verify(content, points)
-    if loaded is None or body is None or not verdict.proved:
+    if loaded is None or not verdict.proved:
         raise RefusedCertificateError(
             f"{shown(file)}: REFUSED: {verdict.words}: there is nothing to report", verdict=verdict
         )
-    if isinstance(body, (ConsensusBody, ConsensusSimilarityBody)):
-        return _consensus_report(replace(loaded, body=body), content, verdict, file)
-    if isinstance(body, TruncatedRotationBody):
-        return _truncated_report(replace(loaded, body=body), content, verdict, file)
-    stated = points if isinstance(points, RegistrationProblem) else _problem(loaded, points)
-    if stated.factors is not None:
-        return _spring_report(stated, replace(loaded, body=body), content, verdict, file.name)
-    motion = MotionOptions.of(loaded.about, stated)
-    if noted is not None:
-        noted(motion.words)
-    registration = certified_squares(
-        stated if motion.damping is None else stated.damped(motion.damping),
-        Asked(
-            relaxation=isinstance(body, IsotropicBody) and body.multiplier is not None,
-            simulation=motion.integrator is not None and Integrator(motion.integrator),
-            about=loaded.about,
-        ),
-    )
-    proved = registration.as_proved(body)
-    return Report(
-        registration=replace(proved, verdict=verdict),
-        certificate=replace(loaded, body=body),
+    accepted = Accepted(
+        certificate=loaded,
         content=content,
         verdict=verdict,
-        name=file.name,
-        weak=_weaker(proved.bounds, registration.bounds),
+        file=file,
+        points=points,
+        noted=noted,
     )
+    return STORED[loaded.body.KIND].report(accepted)
 
 
 def certified_pose(certificate: str | os.PathLike[str]) -> Pose | Similarity:
@@ -171,12 +211,11 @@ def _loaded(content: bytes) -> Certificate[Any] | None:
         return None
 
 
-def _required_body(certificate: Certificate[Any], file: Path, *, pointless: bool) -> Any:
+def _require_pose(certificate: Certificate[Any], file: Path, *, pointless: bool) -> None:
     """InvalidFileError for a certificate of which no report can be made, sound as it may be."""
-    body = certificate.body
-    if isinstance(body, (CountBody, SpringsListBody)):
-        held = "holds no pose" if isinstance(body, CountBody) else "`certreg verify` tells in words"
-        what = f"is a certificate of kind {shown(body.KIND)}, which {held}"
+    kind = certificate.body.KIND
+    if kind in WITHOUT_POSE:
+        what = f"is a certificate of kind {shown(kind)}, which {WITHOUT_POSE[kind]}"
         raise InvalidFileError(
             f"{shown(file)}: {what}: give the certificate.json that certify wrote", path=file
         )
@@ -184,131 +223,120 @@ def _required_body(certificate: Certificate[Any], file: Path, *, pointless: bool
         raise InvalidFileError(
             f"{shown(file)}: holds no points, only their digest: give SOURCE TARGET, too", path=file
         )
-    return body
 
 
-def _problem(certificate: Certificate[Any], clouds: Clouds | None) -> RegistrationProblem:
+def _problem(certificate: Certificate[Any], clouds: Clouds | None = None) -> RegistrationProblem:
     """The problem of a certificate that the checker has accepted for the clouds."""
-    body = certificate.body
-    sprung = body.KIND in SPRING_KINDS
-    points = _spring_problem(certificate) if sprung else _weighted(certificate, clouds)
-    scale = Scale(body.scale) if isinstance(body, SimilarityBody) else Scale.NONE
-    return points.modelled(scale, rotation_only=body.rotation_only)
-
-
-def _weighted(certificate: Certificate[Any], clouds: Clouds | None) -> RegistrationProblem:
-    """Its points and weights."""
-    n, data = certificate.n, certificate.data
-    if data is None and clouds is not None:
+    stored, n = STORED[certificate.body.KIND], certificate.n
+    options = stored.options(certificate.body)
+    if not certificate.data and clouds is not None:
+        if not stored.in_clouds:
+            raise InvalidFileError(
+                "the certificate holds no springs: give the problem that it is about"
+            )
         source, target = (np.array(cloud).reshape(n, 3) for cloud in (clouds.source, clouds.target))
         weights = None if clouds.weights is None else np.array(clouds.weights)
-        return RegistrationProblem(source, target, weights=weights)
-    data = data or b""
-    doubles = np.frombuffer(data, dtype="<f8", offset=len(data) - PAIR * n)
-    source, target, weights = np.split(doubles, [3 * n, 6 * n])
-    return RegistrationProblem(source.reshape(n, 3), target.reshape(n, 3), weights=weights)
+        return RegistrationProblem(source, target, weights=weights, **options)
+    rows = _rows(certificate)
+    bounds = rows.pop("bounds", None)
+    problem = RegistrationProblem(**rows, **options)
+    return problem if bounds is None else bounded(problem, bounds)
 
 
-def _spring_problem(certificate: Certificate[Any]) -> RegistrationProblem:
-    """The points and springs of a certificate that the checker has accepted for the clouds."""
+def _rows(certificate: Certificate[Any]) -> dict[str, NDArray[np.float64]]:
+    """The arrays in the data, which end with them, after a header."""
     n, data = certificate.n, certificate.data or b""
-    if not data:
-        raise InvalidFileError(
-            "the certificate holds no springs: give the problem that it is about"
-        )
-    doubles = np.frombuffer(data, dtype="<f8", offset=len(data) - SPRING * n)
-    source, target, factors = np.split(doubles, [3 * n, 6 * n])
-    return RegistrationProblem(
-        source.reshape(n, 3), target.reshape(n, 3), factors=factors.reshape(n, 6)
+    widths = {"source": 3, "target": 3, **STORED[certificate.body.KIND].columns(certificate.body)}
+    size = 8 * n * sum(widths.values())
+    doubles = np.frombuffer(data, dtype="<f8", offset=len(data) - size)
+    ends = np.cumsum([n * width for width in widths.values()])
+    parts = zip(widths.items(), np.split(doubles, ends), strict=False)
+    return {name: one.reshape(n, width) if width > 1 else one for (name, width), one in parts}
+
+
+def _weighted(accepted: Accepted) -> AnyReport[Any]:
+    """Of one weight per pair: the body moves as the certificate says."""
+    certificate, stated = accepted.certificate, accepted.problem
+    motion = MotionOptions.of(certificate.about, stated)
+    if accepted.noted is not None:
+        accepted.noted(motion.words)
+    asked = Asked(
+        relaxation=STORED[certificate.body.KIND].relaxed(certificate.body),
+        simulation=motion.integrator is not None and Integrator(motion.integrator),
+        about=certificate.about,
     )
+    damped = stated if motion.damping is None else stated.damped(motion.damping)
+    return accepted.squares(damped, asked)
 
 
-def _spring_report(
-    problem: RegistrationProblem,
-    certificate: Certificate[Any],
-    content: bytes,
-    verdict: Verdict,
-    name: str,
-) -> Report:
-    """The report of a certificate of general springs: its pose, and what it proves of that."""
-    registration = certified_squares(problem, Asked(about=certificate.about))
-    proved = registration.as_proved(certificate.body)
+def _sprung(accepted: Accepted) -> AnyReport[Any]:
+    """Of general springs: its pose, and what it proves of that."""
+    certificate = accepted.certificate
+    report = accepted.squares(accepted.problem, Asked(about=certificate.about))
+    proved = report.registration
     given = replace(proved.solution, certificate=certificate)
-    return Report(
-        registration=replace(proved, solution=given, verdict=verdict),
-        certificate=certificate,
-        content=content,
-        verdict=verdict,
-        name=name,
-        weak=_weaker(proved.bounds, registration.bounds),
+    return replace(report, registration=replace(proved, solution=given))
+
+
+def _consensus(accepted: Accepted) -> AnyReport[Any]:
+    """Of wrong pairs: of its fit no more than it proves itself."""
+    certificate = accepted.certificate
+    fields = certificate.body.fit
+    accepted.require_data(
+        "holds no least squares, or no points: there is no pose to report", held=fields is not None
     )
-
-
-def _consensus_report(
-    certificate: Certificate[Any], content: bytes, verdict: Verdict, file: Path
-) -> PairsReport:
-    """The report of a certificate of wrong pairs: of its fit no more than it proves itself."""
-    n, data, fields = certificate.n, certificate.data or b"", certificate.body.fit
-    if fields is None or not data:
-        raise InvalidFileError(
-            f"{shown(file)}: holds no least squares, or no points: there is no pose to report",
-            path=file,
-        )
-    stated = _bounded_problem(certificate.body, n, data)
-    result = restated_consensus(stated, certificate, verdict)
+    result = restated_consensus(_problem(certificate), certificate, accepted.verdict)
     proved = result.fit.as_proved(body_of(fields))
     return PairsReport(
         registration=replace(result, fit=proved),
-        certificate=certificate,
-        content=content,
-        verdict=verdict,
-        name=file.name,
-        weak=_weaker(proved.bounds, result.fit.bounds),
+        **accepted.fields(proved.bounds, result.fit.bounds),
     )
 
 
-def _truncated_report(
-    certificate: Certificate[TruncatedRotationBody],
-    content: bytes,
-    verdict: CertificateVerdict,
-    file: Path,
-) -> PairsReport:
-    """The report of a certificate of truncated squares: of its rotation what it proves."""
-    n, data = certificate.n, certificate.data or b""
-    if not data:
-        raise InvalidFileError(
-            f"{shown(file)}: holds no points: a report of truncated squares needs the "
-            "certificate.json that certify wrote",
-            path=file,
-        )
-    doubles = np.frombuffer(data, dtype="<f8", offset=len(data) - BOUNDED_PAIR * n)
-    source, target, _, bounds = np.split(doubles, [3 * n, 6 * n, 7 * n])
-    points = RegistrationProblem(source.reshape(n, 3), target.reshape(n, 3), rotation_only=True)
-    return PairsReport(
-        registration=restated_truncated(
-            bounded(points, bounds, Loss.TRUNCATED), certificate, verdict
-        ),
-        certificate=certificate,
-        content=content,
-        verdict=verdict,
-        name=file.name,
+def _truncated(accepted: Accepted) -> AnyReport[Any]:
+    """Of truncated squares: of its rotation what it proves."""
+    certificate = accepted.certificate
+    accepted.require_data(
+        "holds no points: a report of truncated squares needs the certificate.json that certify "
+        "wrote"
     )
+    rows = _rows(certificate)
+    points = RegistrationProblem(rows["source"], rows["target"], rotation_only=True)
+    problem = bounded(points, rows["bounds"], Loss.TRUNCATED)
+    result = restated_truncated(problem, certificate, accepted.verdict)
+    return PairsReport(registration=result, **accepted.fields())
 
 
-def _bounded_problem(
-    body: ConsensusBody | ConsensusSimilarityBody, n: int, data: bytes
-) -> RegistrationProblem:
-    """The pairs of a certificate, each with its bound, and a weight or a spring."""
-    sprung = isinstance(body, ConsensusBody) and body.springs
-    size = BOUNDED_SPRING if sprung else BOUNDED_PAIR
-    doubles = np.frombuffer(data, dtype="<f8", offset=len(data) - size * n)
-    source, target, own, others = np.split(doubles, [3 * n, 6 * n, 7 * n])
-    bounds = own if sprung else others
-    held: dict[str, Any] = {"factors": others.reshape(n, 6)} if sprung else {"weights": own}
-    if isinstance(body, ConsensusSimilarityBody):
-        held["scale"] = body.scale
-    stated = RegistrationProblem(source.reshape(n, 3), target.reshape(n, 3), **held)
-    return bounded(stated, bounds)
+def _turning(body: Any) -> dict[str, Any]:
+    return {"rotation_only": body.rotation_only}
+
+
+SPRINGS = Stored(columns=lambda _: SPRUNG, report=_sprung, options=_turning, in_clouds=False)
+STORED: Mapping[str, Stored] = {  # by the kind that a file names
+    "isotropic": Stored(
+        columns=lambda _: WEIGHED,
+        report=_weighted,
+        options=_turning,
+        relaxed=lambda body: body.multiplier is not None,
+    ),
+    "similarity": Stored(
+        columns=lambda _: WEIGHED,
+        report=_weighted,
+        options=lambda body: {**_turning(body), "scale": body.scale},
+    ),
+    "springs-sos": SPRINGS,
+    "springs-cones": SPRINGS,
+    "consensus": Stored(
+        columns=lambda body: BOUNDED_SPRUNG if body.springs else BOUNDED, report=_consensus
+    ),
+    "consensus-similarity": Stored(
+        columns=lambda _: BOUNDED,
+        report=_consensus,
+        options=lambda body: {"scale": body.scale},
+    ),
+    "truncated-rotation": Stored(columns=lambda _: BOUNDED, report=_truncated),
+}
+WITHOUT_POSE = {"count": "holds no pose", "springs-list": "`certreg verify` tells in words"}
 
 
 def _weaker(given: PoseBounds | None, proved: PoseBounds | None) -> bool:

@@ -9,11 +9,11 @@ from certreg._loading import late
 from certreg.equilibrium.line_set import Finiteness
 from certreg.errors import MissingToolError
 from certreg.report.equilibria import (
-    SpringRests,
     inside_out_words,
     rests_beside,
     scaled_count_words,
     spring_notes,
+    spring_rests,
 )
 from certreg.report.lines import away_words, step_words
 from certreg.report.parts import listed, sprung
@@ -113,12 +113,12 @@ def springs_listed(registration: Registration) -> Listed | None:
         return Listed(words=f"None is listed here: {error}.")
     if found is None:
         return None
-    told, parts = SpringRests(found), found.components
+    told, parts = spring_rests(found), found.components
     stable = [part for part in parts if part.stable][:MOST_RELEASED]
     kept = {id(part) for part in stable if equilibria.returns(problem, objective, part)}
     rows = [
         (*cells, _with(words, part, returned=id(part) in kept))
-        for (*cells, words), part in zip(told.rows(), parts, strict=True)
+        for (*cells, words), part in zip(told.rows, parts, strict=True)
     ]
     traps = frozenset(k for k, part in enumerate(parts) if is_trap(part))
     return Listed(
@@ -179,7 +179,7 @@ def rest_sections(registration: Registration, found: Listed | None) -> Iterator[
 def _rests(registration: Registration) -> Section:
     """What moves, a table, and the states with a scale below 0."""
     told, found = rests_beside(registration), rests_of(registration)
-    words, rows, after = TURNS, told.rows(), tuple[str, ...]()
+    words, rows, after = TURNS, told.rows, tuple[str, ...]()
     if found is not None:
         words = SAME_SIZE
         if found.breathing is not None:

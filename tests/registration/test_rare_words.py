@@ -24,7 +24,7 @@ from certreg.registration.certification import certify
 from certreg.registration.covariance import OF_SPRINGS, covariance_at
 from certreg.registration.enumeration import enumerated, equilibrium_poses
 from certreg.registration.unobservable import Freedom
-from certreg.report.equilibria import SpringRests
+from certreg.report.equilibria import Rests, spring_rests
 from certreg.report.pages import html_page, report_on
 from certreg.report.reload import report_of
 from certreg.report.rest_sections import springs_listed
@@ -45,9 +45,9 @@ def problem_of(made: spring_families.Instance) -> RegistrationProblem:
     return RegistrationProblem(**spring_families.statement(made))
 
 
-def searched(found: Enumeration[SpringEquilibria]) -> SpringRests:
+def searched(found: Enumeration[SpringEquilibria]) -> Rests:
     """What is said of a list with the searches for it."""
-    return SpringRests(found.equilibria, found)
+    return spring_rests(replace(found.equilibria, enumeration=found))
 
 
 @cache

@@ -85,6 +85,7 @@ def test_a_result_explains_exactly_what_is_none_and_can_be_missing(specimen: Spe
     later = {
         "covariance",
         "robustness",
+        "labels",
         "predicted_rate",
         "decay_rate",
         "energy_left",

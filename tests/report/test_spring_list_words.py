@@ -18,7 +18,7 @@ from certreg.cli import dynamics
 from certreg.objective.structure import Structure
 from certreg.registration.enumeration import certified_list, enumerated
 from certreg.registration.equilibria import spring_equilibria
-from certreg.report.equilibria import SpringRests
+from certreg.report.equilibria import Rests, spring_rests
 from certreg.report.methods import COLUMNS, _row
 from certreg.results import Absent, Guarantee
 
@@ -44,9 +44,9 @@ def planes(count: int, seed: int, across: float = 1.0) -> RegistrationProblem:
     return RegistrationProblem(source, target, normals=normals)
 
 
-def searched(found: Enumeration[SpringEquilibria]) -> SpringRests:
+def searched(found: Enumeration[SpringEquilibria]) -> Rests:
     """What is said of a list with the searches for it."""
-    return SpringRests(found.equilibria, found)
+    return spring_rests(replace(found.equilibria, enumeration=found))
 
 
 @cache
