@@ -88,7 +88,7 @@ class Specimen:
     @property
     def rows(self) -> Array:
         """The pairs of the least squares."""
-        labels = getattr(self.result, "labels", ("inlier",) * self.n)
+        labels = self.result.labels or ("inlier",) * self.n
         return np.flatnonzero(np.array(labels) == "inlier")
 
     @property

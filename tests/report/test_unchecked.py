@@ -17,9 +17,10 @@ import pytest
 from commands import certreg
 
 from certreg.certificate.bounds import PoseBounds
+from certreg.certificate.envelope import KINDS
 from certreg.dynamics.integrators import SimulationSettings
 from certreg.report import reload
-from certreg.report.reload import WEAKER, _weaker
+from certreg.report.reload import STORED, WEAKER, WITHOUT_POSE, _weaker
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -177,3 +178,8 @@ def test_a_certificate_that_proves_far_less_is_told_from_one_that_does_not(
     assert _weaker(bounds(gap, angle), bounds(PROVED, 0.5)) is weaker
     assert _weaker(bounds(gap, angle), bounds(PROVED, None)) is (gap > MOST)
     assert not _weaker(bounds(gap, angle), None)
+
+
+def test_each_kind_of_certificate_is_read_again_or_has_no_pose():
+    assert STORED.keys().isdisjoint(WITHOUT_POSE)
+    assert STORED.keys() | WITHOUT_POSE.keys() == KINDS.keys()
