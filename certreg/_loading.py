@@ -8,6 +8,7 @@ from __future__ import annotations
 import functools
 import shlex
 import sys
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from importlib import import_module
 from importlib.util import find_spec
@@ -31,10 +32,6 @@ else:
                 return self
             value = instance.__dict__[self.attrname] = self.func(instance)
             return value
-
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
 
 
 def lazy_face(package: str, names: Mapping[str, Sequence[str]]) -> Callable[[str], Any]:

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import hashlib
 import io
+from collections.abc import Iterator
 from dataclasses import dataclass
 from difflib import get_close_matches
 from pathlib import Path
@@ -25,8 +26,6 @@ from certreg.problem.support import Loss
 from certreg.verify import shown
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     from certreg.io.pairing import Pair
 
 NEEDED = ("source", "target")

@@ -11,6 +11,7 @@ import hashlib
 import json
 import re
 from collections import Counter, defaultdict
+from collections.abc import Container, Iterator
 from dataclasses import asdict, dataclass, field, replace
 from itertools import islice
 from pathlib import Path
@@ -20,6 +21,8 @@ from certreg import __version__
 from certreg.campaign.listing import (
     NEEDED,
     SPRING_FILES,
+    Listing,
+    PairRow,
     asked_of_bounds,
     bounds_file,
     fault_of_bounds,
@@ -31,7 +34,7 @@ from certreg.campaign.workers import Task, TaskResult
 from certreg.errors import CertregError
 from certreg.io.atomic import written_atomically
 from certreg.io.labels import Match
-from certreg.io.pairing import Pairing
+from certreg.io.pairing import Pair, Pairing
 from certreg.io.problems import read_problem
 from certreg.io.springs import SpringSource
 from certreg.io.streams import number
@@ -54,10 +57,6 @@ from certreg.results import Limits, Optimality
 from certreg.verify import shown
 
 if TYPE_CHECKING:
-    from collections.abc import Container, Iterator
-
-    from certreg.campaign.listing import Listing, PairRow
-    from certreg.io.pairing import Pair
     from certreg.problem.problem import RegistrationProblem
 
 

@@ -8,19 +8,20 @@ from __future__ import annotations
 import time
 from abc import ABC, abstractmethod
 from collections import Counter, deque
+from collections.abc import Callable, Container, Generator, Iterable, Iterator, Mapping
 from concurrent.futures import FIRST_COMPLETED, Future, wait
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from certreg.campaign.store import (
     CERTIFICATES,
     SHARDS,
+    Manifest,
     Shards,
     current_versions,
     digest_of,
 )
-from certreg.campaign.workers import Task, TaskResult
+from certreg.campaign.workers import Task, TaskResult, Workers
 from certreg.errors import (
     CampaignError,
     CertregError,
@@ -30,12 +31,6 @@ from certreg.errors import (
 from certreg.io.atomic import write_atomically
 from certreg.io.streams import refused
 from certreg.verify import shown
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Container, Generator, Iterable, Iterator, Mapping
-
-    from certreg.campaign.store import Manifest
-    from certreg.campaign.workers import Workers
 
 UNDER_WAY = 3  # tasks per worker: one at work, two that wait for it
 SPREAD = 64  # shards per worker from the first under way: bounds what must wait for its turn

@@ -23,6 +23,7 @@ import math
 import os
 import re
 import sys
+from collections.abc import Generator, Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import asdict, dataclass
 from functools import cache
@@ -40,8 +41,6 @@ from certreg.native.library import library_if_any
 from certreg.verify import shown
 
 if TYPE_CHECKING:
-    from collections.abc import Generator, Iterable, Iterator, Sequence
-
     from numpy.typing import ArrayLike, NDArray
 
     Reals = NDArray[np.float64]

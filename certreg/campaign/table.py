@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Generator, Iterable, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -11,7 +12,6 @@ from certreg.io.atomic import write_atomically, written_atomically
 from certreg.io.labels import csv_field
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Generator, Iterable, Sequence
     from pathlib import Path
 
 SUMMARY, PARQUET, COLUMNS = "summary.csv", "summary.parquet", "columns.csv"

@@ -17,11 +17,12 @@ import tempfile
 import threading
 import time
 from abc import ABC, abstractmethod
+from collections.abc import Callable
 from concurrent.futures import BrokenExecutor, CancelledError, Executor, ProcessPoolExecutor
 from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Self
 
 from certreg._loading import library
 from certreg.campaign.store import lockable, try_lock
@@ -30,9 +31,7 @@ from certreg.errors import CampaignError
 from certreg.verify import shown
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
     from multiprocessing.connection import Connection
-    from typing import Self
 
 LOG = logging.getLogger(__name__)
 CONNECTING = 15.0  # seconds for a scheduler to answer

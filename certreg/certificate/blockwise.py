@@ -7,6 +7,7 @@ A module of its own: it loads NumPy, and `checking`, which asks it, answers with
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator, Sequence
 from functools import reduce
 from itertools import combinations_with_replacement
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -28,8 +29,6 @@ from certreg.verify import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
-
     from certreg.problem.problem import RegistrationProblem
 
 Table = list[list[int]]

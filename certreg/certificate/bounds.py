@@ -8,6 +8,7 @@ optimum differs from its angle to the certified rotation by less than the certif
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import product
@@ -25,8 +26,6 @@ from certreg.problem.lifting import lift
 from certreg.results import Absent, Explained, Limits, present
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-
     import numpy as np
     from numpy.typing import NDArray
 

@@ -6,6 +6,7 @@ import hashlib
 import os
 import sys
 from array import array
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import partial
@@ -20,7 +21,6 @@ from certreg.results import SHOWN, Ruling, Shown, Verdict
 from certreg.verify import INLINE_MAX, LIMITS, Clouds, Limits, Outcome, Worth, check, main
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
     from pathlib import Path
 
     from certreg.problem import bounds as problem_bounds

@@ -8,14 +8,13 @@ e stays.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from certreg.certificate.consensus import Group, Strike
 from certreg.native.bitset_graph import colours, mask_of, rows_of
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from certreg.certificate.vertex_elimination import GraphThinning
 
 MOST_CHOICES = 10_000  # of a row that is in or out, at effort 1: each takes 3 microseconds

@@ -22,6 +22,7 @@ the same integers, and on doubles for caps and vertices.
 from __future__ import annotations
 
 import warnings
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import product
@@ -52,8 +53,6 @@ from certreg.results import Brief
 from certreg.verify import CAPS_MAX
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-
     from numpy.typing import NDArray
 
     from certreg.exact.spaces import IntegerQuaternion

@@ -6,17 +6,14 @@ each with its stages. The rules, and why they are sound, are in `certreg.verify`
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 from certreg.certificate.envelope import CertificateBody
 from certreg.certificate.file_parts import REST, FilePart, FileRow
 from certreg.exact.dyadic import Dyadic
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
 
 INLIER, OUTLIER, UNDECIDED = "i", "o", "?"  # labels of a file, a letter a pair
 NONE, SAME, OPEN = "-=?"  # of a piece: no motion meets so many; just the same pairs; not proved

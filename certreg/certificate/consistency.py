@@ -8,6 +8,7 @@ their error is too small to matter, integers elsewhere.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -23,7 +24,6 @@ from certreg.problem.lifting import lift
 from certreg.relaxation.similarity_fit import lengths_between, scale_ranges
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
     from fractions import Fraction
 
     from certreg.problem.problem import RegistrationProblem

@@ -17,6 +17,7 @@ import shutil
 import struct
 import subprocess
 import tempfile
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from importlib.resources import files
@@ -31,7 +32,6 @@ from certreg.results import Ruling, Verdict
 from certreg.verify import Clouds, IsotropicStatement, RefusalError, bound_doubles, parse, require
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Sequence
     from fractions import Fraction
 
 

@@ -8,6 +8,7 @@ those that may be met at one turn about the two, whatever the turn. Which these 
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,8 +17,6 @@ from certreg.certificate.consensus import Strike
 from certreg.native.bitset_graph import mask_of, rows_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
-
     from numpy.typing import NDArray
 
     from certreg.certificate.infeasibility_weights import PointRows

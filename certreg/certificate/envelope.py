@@ -10,6 +10,7 @@ import base64
 import hashlib
 import json
 import os
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeVar
@@ -23,8 +24,6 @@ from certreg.results import Brief
 from certreg.verify import FILE_MAX, JSON, NODES_MAX, RefusalError, shown
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     from certreg.problem.problem import RegistrationProblem
 
 

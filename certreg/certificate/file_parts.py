@@ -17,13 +17,13 @@ and whatever else stands there is misread: true is no integer, and no key is mis
 
 from __future__ import annotations
 
+from collections.abc import Callable, Container, Iterable, Sequence
 from dataclasses import fields
 from functools import cache
 from itertools import chain, repeat
 from operator import attrgetter, call
 from types import NoneType, UnionType
 from typing import (
-    TYPE_CHECKING,
     Annotated,
     Any,
     ClassVar,
@@ -38,9 +38,6 @@ from typing import (
 from certreg.exact.dyadic import Dyadic
 from certreg.results import Brief
 from certreg.verify import EXPONENT_MAX, NODES_MAX
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Container, Iterable, Sequence
 
 INTEGERS, PAIR = {int}, [int, int]  # true is of another type
 APPLY: Any = call  # whose types say less

@@ -10,8 +10,8 @@ it leaves.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,10 +20,6 @@ from certreg._loading import cached_property
 from certreg.certificate.consensus import Group
 from certreg.geometry.so3 import davenport_matrices, rotation_matrices
 from certreg.native.lawson import LawsonColumns
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
 
 Reals = NDArray[np.float64]
 

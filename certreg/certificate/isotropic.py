@@ -17,6 +17,7 @@ lies on either side of the largest eigenvalue, so it is rounded outwards until t
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
@@ -30,8 +31,6 @@ from certreg.exact.elimination import is_positive_definite
 from certreg.geometry.so3 import dot, quadratic_form, squared_norm
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from certreg.objective.isotropic import Isotropic
     from certreg.problem.problem import RegistrationProblem
 

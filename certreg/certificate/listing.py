@@ -18,6 +18,7 @@ infinitely many: they are never listed.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
@@ -38,8 +39,6 @@ from certreg.objective.normalisation import LevelledExactly, levelled_exactly
 from certreg.results import Brief
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from certreg.exact.spaces import IntegerQuaternion
     from certreg.objective.springs import Springs
     from certreg.problem.problem import RegistrationProblem

@@ -8,6 +8,8 @@ is compiled, `produce` makes the certificate and the checker accepts it, problem
 from __future__ import annotations
 
 import hashlib
+import os
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, fields
 from operator import index
 from typing import TYPE_CHECKING, Any
@@ -35,9 +37,6 @@ from certreg.problem.problem import RegistrationProblem
 from certreg.results import Brief
 
 if TYPE_CHECKING:
-    import os
-    from collections.abc import Callable, Iterator
-
     from numpy.typing import NDArray
 
     from certreg.problem.many import ManyPairs

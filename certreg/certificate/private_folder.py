@@ -13,14 +13,10 @@ import re
 import shutil
 import stat
 import time
+from collections.abc import Callable, Generator
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from certreg.errors import CertregError
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Generator
-
 
 STALE = 86400.0  # seconds: nothing is compiled for a day
 WRITE_BITS = stat.S_IWGRP | stat.S_IWOTH

@@ -45,7 +45,7 @@ from certreg.errors import UndecidedError
 from certreg.exact.dyadic import Dyadic, dyadic_above, dyadic_below
 from certreg.geometry.pose import Pose
 from certreg.geometry.so3 import davenport_matrix, quaternion_from_matrix, rotation_matrix
-from certreg.native.bitset_graph import mask_of
+from certreg.native.bitset_graph import BitRows, mask_of
 from certreg.native.cliques import greedy_clique
 from certreg.problem.bounds import LEAST_PAIRS
 from certreg.problem.support import PREFIXES
@@ -55,7 +55,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.certificate.pose_claims import PoseBody
-    from certreg.native.bitset_graph import BitRows
     from certreg.problem.problem import RegistrationProblem
 
 

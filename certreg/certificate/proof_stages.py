@@ -6,8 +6,8 @@ tried, and whether the others are enough without each met pair.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 from certreg.certificate.clique_refutation import Assuming
 from certreg.certificate.consensus import (
@@ -24,10 +24,6 @@ from certreg.certificate.consensus import (
 from certreg.certificate.edge_elimination import Parting
 from certreg.certificate.vertex_elimination import Graph, GraphThinning
 from certreg.native.bitset_graph import mask_of
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
 
 MOST_LEFT_OUT = 64  # pairs tried as inliers one by one, at effort 1: each is a stage of its own
 MOST = 40_000  # commas and brackets of all stages; a certificate may have 50,000

@@ -6,11 +6,12 @@ The checker refuses by itself, whatever is said here; it has no words to spare f
 from __future__ import annotations
 
 import base64
+import os
 import re
 import struct
 from array import array
+from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from certreg.exact.dyadic import sigma_of_weight
 from certreg.verify import (
@@ -23,11 +24,6 @@ from certreg.verify import (
     parse,
     shown,
 )
-
-if TYPE_CHECKING:
-    import os
-    from collections.abc import Iterator, Sequence
-
 
 WEIGHED = (("weight", 1), ("bound", 1))
 COLUMNS = {  # of the doubles behind the points, and how many of each a pair has

@@ -10,6 +10,7 @@ left of it, rho, costs a gap of rho^2 over the next eigenvalue. Exact eliminatio
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import combinations_with_replacement
@@ -28,8 +29,6 @@ from certreg.geometry.so3 import dot, squared_norm
 from certreg.verify import BITS, BLOCK, NEAR
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from certreg.objective.springs import Springs
     from certreg.problem.problem import RegistrationProblem
     from certreg.relaxation.optimum import Found

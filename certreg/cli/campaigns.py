@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Generator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
@@ -31,7 +32,6 @@ from certreg.report.markup import printable
 from certreg.results import Limits
 
 if TYPE_CHECKING:
-    from collections.abc import Generator
     from pathlib import Path
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 from array import array
+from collections.abc import Callable
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -25,7 +26,6 @@ from certreg.io.text import TEXT_FORMATS, read_clouds
 from certreg.verify import INLINE_MAX, Clouds
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
     from pathlib import Path
 
     from certreg.certificate import checking

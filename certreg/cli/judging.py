@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,7 +15,7 @@ from certreg.cli.progress import note
 from certreg.cli.writing import WritingCommand, require_apart
 from certreg.cli.wrong_pairs import WrongPairs, consensus_options
 from certreg.errors import InvalidFileError
-from certreg.geometry.given import given_pose
+from certreg.geometry.given import GivenPose, given_pose
 from certreg.geometry.pose_matrix import why_no_rotation
 from certreg.io.atomic import write_atomically
 from certreg.io.clouds import read_cloud
@@ -39,9 +40,6 @@ from certreg.results import PoseVerdict
 from certreg.verify import Clouds, shown
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from certreg.geometry.given import GivenPose
     from certreg.io.pairing import Pair
     from certreg.problem.problem import RegistrationProblem
 

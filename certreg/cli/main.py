@@ -11,9 +11,10 @@ import atexit
 import gc
 import sys
 import traceback
+from collections.abc import Mapping
 from functools import cache
 from importlib import import_module
-from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn
+from typing import Any, NamedTuple, NoReturn
 
 import click
 
@@ -25,9 +26,6 @@ from certreg.cli.output import shelter_streams
 from certreg.errors import CertregError
 from certreg.registration.exit_codes import DEFECT, DONE, INTERRUPTED, MISUSED, code_of_error
 from certreg.report.markup import printable
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
 
 
 class Entry(NamedTuple):

@@ -11,12 +11,9 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
 
 from certreg.errors import MissingToolError
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
 
 # What loading takes at most, in bytes: measured 450 MB with two processors, of which 100 MB are for
 # the buffers of each; twice that, and more for the libraries themselves.

@@ -8,6 +8,7 @@ import re
 import sys
 import threading
 import warnings
+from collections.abc import Callable, Generator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -21,8 +22,6 @@ from certreg.report.markup import printable
 from certreg.results import MAX_ANGLE, MAX_GAP, Limits
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Generator
-
     from certreg.io import labels
     from certreg.io import pairing as io_pairing
     from certreg.io import problems as io_problems

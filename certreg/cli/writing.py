@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, cast
+from typing import Any, cast
 
 import click
 
 from certreg.errors import InvalidFileError
 from certreg.io.streams import is_standard_input
 from certreg.report.markup import printable
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
 
 
 class WritingCommand(click.Command):

@@ -8,6 +8,7 @@ import math
 import re
 import sys
 import time
+from collections.abc import Callable, Generator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -21,8 +22,6 @@ from certreg.errors import InvalidProblemError
 from certreg.report.markup import printable
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Generator
-
     from certreg.io import row_values as io_bounds
     from certreg.io.pairing import Pair
     from certreg.problem import bounds as problem_bounds

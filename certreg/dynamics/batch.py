@@ -24,6 +24,7 @@ that it takes there. A body at rest is in a valley of its energy: which one does
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -32,23 +33,19 @@ import numpy as np
 from certreg.dynamics.body import SMALLEST_INERTIA, basins_of, steps_of
 from certreg.dynamics.integrators import SimulationSettings, integrate, step_parameters
 from certreg.dynamics.states import with_matrices
-from certreg.dynamics.valleys import body_on_springs
+from certreg.dynamics.valleys import SprungBody, body_on_springs
 from certreg.equilibrium.batch import clouds, stationary_poses
 from certreg.equilibrium.line_batch import many_springs
 from certreg.errors import DegenerateProblemError
-from certreg.native.layout import BASIN, BODY, QUATERNION_STATE, symmetric
+from certreg.native.layout import BASIN, BODY, QUATERNION_STATE, Records, symmetric
 from certreg.native.loops import Batch, Ending, Integrator
 from certreg.objective.springs import Springs
 from certreg.problem.motion import DEFAULT_DAMPING, checked_damping
 from certreg.results import Brief
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from numpy.typing import ArrayLike, NDArray
 
-    from certreg.dynamics.valleys import SprungBody
-    from certreg.native.layout import Records
     from certreg.native.stationary import StationaryPoses
 
 

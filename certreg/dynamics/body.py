@@ -27,29 +27,26 @@ from __future__ import annotations
 import enum
 import math
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from certreg.dynamics.integrators import own_steps
+from certreg.dynamics.integrators import SimulationSettings, own_steps
 from certreg.equilibrium.equilibrium_set import unit_entries
 from certreg.errors import DegenerateProblemError
 from certreg.native.engine import compiled_engine, current_engine
-from certreg.native.layout import BASIN, named, record_of, symmetric
-from certreg.native.loops import Integrator, Kind
+from certreg.native.layout import BASIN, Records, RecordType, named, record_of, symmetric
+from certreg.native.loops import Engine, Integrator, Kind
 from certreg.problem.support import Cell, Verb, require_supported
 from certreg.results import Absent, Brief
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
     from fractions import Fraction
 
     from numpy.typing import NDArray
 
-    from certreg.dynamics.integrators import SimulationSettings
-    from certreg.native.layout import Records, RecordType
-    from certreg.native.loops import Engine
     from certreg.objective.isotropic import Isotropic
 
 

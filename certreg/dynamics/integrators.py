@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from array import array
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from types import SimpleNamespace
@@ -18,18 +19,13 @@ from certreg.equilibrium.stability import TRANSLATION_STIFFNESS
 from certreg.errors import DegenerateProblemError
 from certreg.geometry.so3 import rotation_matrices
 from certreg.native.engine import current_engine
-from certreg.native.layout import plain, record_of, symmetric
+from certreg.native.layout import Records, plain, record_of, symmetric
 from certreg.native.library import library_if_any
-from certreg.native.loops import Ending, Integrator, Rules
+from certreg.native.loops import Batch, Ending, Integrator, Log, Rules
 from certreg.problem.motion import DEFAULT_DAMPING
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from numpy.typing import NDArray
-
-    from certreg.native.layout import Records
-    from certreg.native.loops import Batch, Log
 
 
 EULER_STEP = 0.01  # [Yang2020]

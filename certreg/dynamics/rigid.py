@@ -9,13 +9,14 @@ import numpy as np
 
 from certreg.dynamics.body import (
     AnyBody,
+    Basin,
     SimulationStatus,
     certified_basin,
     exponent_of,
     require_rank,
     require_thick,
 )
-from certreg.dynamics.integrators import step_parameters
+from certreg.dynamics.integrators import SimulationSettings, step_parameters
 from certreg.dynamics.states import (
     NO_TURN,
     NO_TURN_QUATERNION,
@@ -26,18 +27,19 @@ from certreg.dynamics.states import (
     with_matrices,
 )
 from certreg.exact.elimination import rank
-from certreg.geometry.so3 import quaternion_from_matrix, rotation_matrix
+from certreg.geometry.so3 import Matrix3, quaternion_from_matrix, rotation_matrix
 from certreg.native.layout import (
     BODY,
     ENERGIES,
     MATRIX_STATE,
     QUATERNION_STATE,
+    Records,
     named,
     plain,
     record_of,
 )
 from certreg.native.loops import Integrator, Kind
-from certreg.problem.moments import trace
+from certreg.problem.moments import ExactMoments, trace
 from certreg.results import Absent
 
 if TYPE_CHECKING:
@@ -45,12 +47,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from certreg.dynamics.body import Basin
-    from certreg.dynamics.integrators import SimulationSettings
-    from certreg.geometry.so3 import Matrix3
-    from certreg.native.layout import Records
     from certreg.objective.isotropic import Isotropic
-    from certreg.problem.moments import ExactMoments
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

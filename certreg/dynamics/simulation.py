@@ -17,15 +17,17 @@ from __future__ import annotations
 
 import math
 from array import array
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
 from certreg._loading import late
-from certreg.dynamics.body import basin_gaps
+from certreg.dynamics.body import AnyBody, Basin, basin_gaps
 from certreg.dynamics.integrators import (
     DEFAULT_SETTINGS,
+    SimulationSettings,
     integrate,
     spring_ratios,
     spring_ratios_of_one,
@@ -48,13 +50,9 @@ from certreg.native.loops import (
 from certreg.objective.structure import Structure
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping
-
     from numpy.typing import NDArray
 
     from certreg.dynamics import valleys
-    from certreg.dynamics.body import AnyBody, Basin
-    from certreg.dynamics.integrators import SimulationSettings
     from certreg.native.layout import Records
     from certreg.objective.isotropic import Isotropic
     from certreg.objective.springs import Springs

@@ -3,20 +3,18 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable, Sequence
 from itertools import product
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from certreg.geometry.so3 import rotation_matrices
-from certreg.native.layout import BREATHING_STATE, MATRIX_STATE, QUATERNION_STATE, plain
+from certreg.native.layout import BREATHING_STATE, MATRIX_STATE, QUATERNION_STATE, Records, plain
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
-
     from numpy.typing import ArrayLike, NDArray
 
-    from certreg.native.layout import Records
     from certreg.problem.moments import ExactMoments
 
 NO_TURN, NO_TURN_QUATERNION = np.eye(3).ravel().tolist(), (1.0, 0.0, 0.0, 0.0)

@@ -10,14 +10,13 @@ import numpy as np
 
 from certreg._loading import cached_property
 from certreg.dynamics.states import with_matrices
-from certreg.native.layout import plain
+from certreg.native.layout import Records, plain
 from certreg.results import Absent, Brief, Explained
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.dynamics.body import AnyBody, Status
-    from certreg.native.layout import Records
     from certreg.native.loops import Integrator
     from certreg.problem.problem import RegistrationProblem
 

@@ -8,6 +8,7 @@ with s > 0 and less energy than Syy never does (derivations, breathing_confined)
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import product
@@ -35,24 +36,21 @@ from certreg.native.layout import (
     SPRING_BODY,
     SPRING_ENERGIES,
     SPRING_SAMPLE,
+    Records,
     named,
     symmetric,
 )
 from certreg.native.loops import Integrator, Kind
 from certreg.problem.exact_sums import UPPER
-from certreg.problem.moments import trace
+from certreg.problem.moments import ExactMoments, trace
 from certreg.problem.motion import Scale
 from certreg.problem.support import Cell
 from certreg.results import Absent
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from numpy.typing import NDArray
 
-    from certreg.native.layout import Records
     from certreg.objective.springs import Springs
-    from certreg.problem.moments import ExactMoments
     from certreg.problem.stiffness import SpringMoments
 
 

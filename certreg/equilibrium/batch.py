@@ -49,6 +49,7 @@ given where the instance is decided and every |g| is larger than its error:
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import nullcontext
 from dataclasses import dataclass, fields
@@ -57,11 +58,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from certreg.equilibrium.critical_set import by_eigenspaces
-from certreg.equilibrium.equilibrium_set import equilibrium_set
+from certreg.equilibrium.equilibrium_set import EquilibriumSet, equilibrium_set
 from certreg.equilibrium.stability import Oscillations
 from certreg.errors import InvalidProblemError
 from certreg.native.library import MANY, library_for
-from certreg.native.stationary import ManyClouds
+from certreg.native.stationary import ManyClouds, StationaryPoses
 from certreg.objective.isotropic import Isotropic
 from certreg.problem.budget import checked_threads
 from certreg.problem.moments import exact_moments
@@ -71,12 +72,7 @@ from certreg.problem.row_labels import require_same_labels
 from certreg.results import Brief
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from numpy.typing import ArrayLike, NDArray
-
-    from certreg.equilibrium.equilibrium_set import EquilibriumSet
-    from certreg.native.stationary import StationaryPoses
 
 
 Array = Any  # NDArray[np.float64]

@@ -36,6 +36,7 @@ v than |K p - v p|, and where that is less than g it is l. Source: [Davis1970].
 from __future__ import annotations
 
 import enum
+from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 from math import isqrt
@@ -45,19 +46,16 @@ from certreg._loading import cached_property
 from certreg.errors import UndecidedError
 from certreg.exact.dyadic import power_of_two, rational_root_above
 from certreg.exact.signs import signs_of_eigenvalues
-from certreg.geometry.so3 import dot, rotation_matrix, squared_norm
+from certreg.geometry.so3 import Vector3, dot, rotation_matrix, squared_norm
 from certreg.native.bitset_graph import rows_of
 from certreg.objective.isotropic import Isotropic
-from certreg.problem.lifting import exact_springs
+from certreg.problem.lifting import ExactSprings, exact_springs
 from certreg.results import Brief, ComponentKind
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
     from fractions import Fraction
 
     from certreg.exact.spaces import IntegerQuaternion
-    from certreg.geometry.so3 import Vector3
-    from certreg.problem.lifting import ExactSprings
     from certreg.problem.problem import RegistrationProblem
 
 

@@ -19,11 +19,10 @@ from certreg.errors import DegenerateProblemError
 from certreg.exact.dyadic import nearest_double, power_of_two
 from certreg.exact.signs import RootSigns, signs_of_eigenvalues
 from certreg.problem.moments import trace
-from certreg.results import OUT_OF_RANGE, Absent, Brief, Explained
+from certreg.results import OUT_OF_RANGE, Absent, Brief, ComponentKind, Explained
 
 if TYPE_CHECKING:
     from certreg.objective.isotropic import Isotropic
-    from certreg.results import ComponentKind
 
 LOST_SCALE = Absent("the scale is so near 0 that no digits of it are known; its sign is exact")
 

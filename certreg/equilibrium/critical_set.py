@@ -9,13 +9,13 @@ distinct are well apart in them, however close they are.
 from __future__ import annotations
 
 import enum
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from certreg.results import Brief, Guarantee
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
     from fractions import Fraction
 
     from certreg.exact.spaces import IntegerQuaternion, Resolution

@@ -7,6 +7,7 @@ motion. Signs and counts come from the classification; numbers are rounded to do
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache
@@ -23,17 +24,22 @@ from certreg.equilibrium.stability import (
 from certreg.exact.dyadic import nearest_double, nearest_quotient, nearest_root, power_of_two
 from certreg.geometry.so3 import canonical, dot, rotation_matrix, squared_norm
 from certreg.problem.moments import trace
-from certreg.results import OUT_OF_RANGE, Absent, Explained, Presented, present
+from certreg.results import (
+    OUT_OF_RANGE,
+    Absent,
+    ComponentKind,
+    Explained,
+    Guarantee,
+    Presented,
+    present,
+)
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from numpy.typing import NDArray
 
     from certreg.equilibrium.critical_set import CriticalSet
     from certreg.objective.classification import Classification
     from certreg.objective.isotropic import Isotropic
-    from certreg.results import ComponentKind, Guarantee
 
 
 LEAST = 5e-324  # the least positive double

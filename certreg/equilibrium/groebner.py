@@ -20,6 +20,7 @@ Floats never enter; roots are isolated in ball arithmetic and refined as far as 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import combinations
 from typing import TYPE_CHECKING, Any
@@ -27,16 +28,13 @@ from typing import TYPE_CHECKING, Any
 from flint import acb, arb, arb_mat, ctx, fmpq_mat, fmpz_mat, fmpz_poly
 
 from certreg.equilibrium.critical_set import Completeness, CriticalSet, spaces_as_components
-from certreg.equilibrium.torques import CHARTS, COLUMNS, torque_table
+from certreg.equilibrium.torques import CHARTS, COLUMNS, Table, torque_table
 from certreg.errors import ContradictionError
 from certreg.exact.balls import fixed_point, morse_bott_index, orthonormal, radius_bits
 from certreg.exact.spaces import Space, resolved
 from certreg.results import Guarantee
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from certreg.equilibrium.torques import Table
     from certreg.objective.isotropic import Isotropic
 
 GROEBNER = "groebner"

@@ -12,14 +12,20 @@ the list is complete. Where ends meet, the list says how many could not be told 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
 from flint import ctx
 
-from certreg.equilibrium.critical_set import Completeness, CriticalSet, spaces_as_components
-from certreg.equilibrium.four_paths import PATHS, HomotopyStatus, continuation
+from certreg.equilibrium.critical_set import (
+    Completeness,
+    Critical,
+    CriticalSet,
+    spaces_as_components,
+)
+from certreg.equilibrium.four_paths import PATHS, Continuation, HomotopyStatus, continuation
 from certreg.equilibrium.line_boxes import (
     BallMatrix,
     BallQuartic,
@@ -39,7 +45,7 @@ from certreg.equilibrium.line_set import (
     finiteness_of,
     line_set,
 )
-from certreg.equilibrium.paths import REAL, critical_lines
+from certreg.equilibrium.paths import REAL, CriticalLines, critical_lines
 from certreg.equilibrium.torques import at_most_four
 from certreg.equilibrium.tracking import REGULAR
 from certreg.errors import UndecidedError
@@ -49,13 +55,8 @@ from certreg.objective.normalisation import levelled_exactly
 from certreg.results import Guarantee
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from numpy.typing import NDArray
 
-    from certreg.equilibrium.critical_set import Critical
-    from certreg.equilibrium.four_paths import Continuation
-    from certreg.equilibrium.paths import CriticalLines
     from certreg.equilibrium.tracking import (
         Complexes,
     )

@@ -8,6 +8,7 @@ tell. With `prove` each problem gets the list that `certreg.equilibria` makes, i
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import cache
@@ -18,7 +19,7 @@ import numpy as np
 from certreg.equilibrium.batch import clouds, require_finite
 from certreg.equilibrium.equilibrium_set import unit_double
 from certreg.equilibrium.homotopy import proved_list
-from certreg.equilibrium.paths import CriticalLines, PathsOutcome, many_critical_lines
+from certreg.equilibrium.paths import CriticalLines, GatheredEnds, PathsOutcome, many_critical_lines
 from certreg.equilibrium.quartics import LEAST_CURVATURE, StackedQuartics
 from certreg.exact.dyadic import nearest_double
 from certreg.geometry.so3 import rotation_matrix
@@ -26,19 +27,21 @@ from certreg.objective.normalisation import levelled
 from certreg.objective.quartics import quartic_of_form
 from certreg.objective.springs import Springs
 from certreg.problem.budget import checked_threads
-from certreg.problem.many_springs import many_spring_moments, stated_many
+from certreg.problem.many_springs import (
+    ManySpringMoments,
+    ManySprings,
+    many_spring_moments,
+    stated_many,
+)
 from certreg.problem.springs import GivenSprings
 from certreg.results import Brief, Guarantee
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
     from fractions import Fraction
 
     from numpy.typing import ArrayLike, NDArray
 
     from certreg.equilibrium.line_set import LineSet
-    from certreg.equilibrium.paths import GatheredEnds
-    from certreg.problem.many_springs import ManySpringMoments, ManySprings
 
 
 Array = Any  # NDArray[np.float64]

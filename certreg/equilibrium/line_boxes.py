@@ -18,6 +18,7 @@ from __future__ import annotations
 
 import enum
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 from itertools import combinations, combinations_with_replacement
@@ -33,8 +34,6 @@ from certreg.objective.quartics import MONOMIALS, PAIR_PLACE, PAIRS
 from certreg.results import Guarantee
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from certreg.equilibrium.critical_set import Critical
     from certreg.objective.isotropic import Isotropic
     from certreg.objective.normalisation import LevelledExactly

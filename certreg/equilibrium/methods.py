@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import accumulate, pairwise
@@ -21,17 +21,13 @@ from certreg.equilibrium.critical_set import CriticalSet
 from certreg.errors import ContradictionError, UndecidedError
 from certreg.exact.decimals import at_most
 from certreg.geometry.so3 import dot
-from certreg.objective.springs import Springs
 from certreg.objective.structure import Structure
-from certreg.problem.support import Verb, refusal
+from certreg.problem.support import Cell, Verb, refusal
 from certreg.results import Brief
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
-
     from certreg.objective.isotropic import Isotropic
     from certreg.objective.springs import Springs
-    from certreg.problem.support import Cell
 
 
 Method = Callable[[Any], CriticalSet]  # of the objective that it is for

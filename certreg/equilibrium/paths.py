@@ -12,6 +12,7 @@ This is floating point: it proposes. What became of the paths is said.
 from __future__ import annotations
 
 import enum
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 from typing import TYPE_CHECKING
@@ -35,8 +36,6 @@ from certreg.objective.quartics import MONOMIALS
 from certreg.results import Brief
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from numpy.typing import NDArray
 
     from certreg.equilibrium.tracking import Complexes, Indices, Reals

@@ -20,6 +20,7 @@ Floats never enter.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -45,12 +46,9 @@ from certreg.equilibrium.line_set import (
 )
 from certreg.errors import UndecidedError
 from certreg.exact.balls import negative_eigenvalues, radius_bits
-from certreg.objective.normalisation import levelled_exactly
+from certreg.objective.normalisation import LevelledExactly, levelled_exactly
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from certreg.objective.normalisation import LevelledExactly
     from certreg.objective.springs import Springs
 
 

@@ -11,6 +11,7 @@ negative and zero, exactly, from the classification.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -19,8 +20,6 @@ import numpy as np
 from certreg.geometry.so3 import body_frame
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from numpy.typing import NDArray
 
 DIGITS = 1e5  # an eigenvalue must exceed the rounding, cond(J) times an ulp, by that factor

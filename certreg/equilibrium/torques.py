@@ -21,16 +21,12 @@ ten over Q if it is ten modulo any prime: a determinant that is not zero modulo 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
-from typing import TYPE_CHECKING
 
 from certreg._loading import library
 from certreg.geometry.so3 import rotation_matrix
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
 
 Table = list[list[int]]
 

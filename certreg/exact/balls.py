@@ -6,19 +6,14 @@ precision, so that a sign read off a ball is a proof [Johansson2017].
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import pairwise
-from typing import TYPE_CHECKING
 
-from flint import arb, arb_mat, ctx
+from flint import arb, arb_mat, ctx, fmpz
 
 from certreg.geometry.so3 import dot, rotation_matrix, squared_norm
 
 BEYOND = 1 << 40
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from flint import fmpz
 
 
 def exact_matrix(rows: Sequence[Sequence[int]], shift: int) -> arb_mat:

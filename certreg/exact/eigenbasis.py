@@ -8,17 +8,14 @@ proposal: proofs are made from it elsewhere, by exact arithmetic.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import combinations
 from math import isqrt
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from certreg.geometry.so3 import dot
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
 
 FixedMatrix = list[list[int]]
 

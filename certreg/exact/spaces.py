@@ -8,15 +8,12 @@ bits is asked until the values are well apart, however close they are.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import TYPE_CHECKING
 
 from certreg._loading import cached_property
 from certreg.results import Brief
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 IntegerQuaternion = tuple[int, int, int, int]
 

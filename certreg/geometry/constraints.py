@@ -7,13 +7,11 @@ a relaxation tighter. Source: [Briales2017], redundant rotation constraints.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator, Sequence
 from itertools import combinations_with_replacement, product
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from certreg.geometry.so3 import T
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
 
 SquareMatrix = tuple[tuple[T, ...], ...]
 Monomials = dict[tuple[int, int], int]  # (i, j): the coefficient of r_i r_j

@@ -7,14 +7,13 @@ fractions, floats and symbols alike. Source: [Horn1987].
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from operator import mul
 from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
 import numpy as np
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from numpy.typing import NDArray
 
 

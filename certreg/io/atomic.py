@@ -9,14 +9,12 @@ import re
 import secrets
 import stat
 import time
+from collections.abc import Generator, Iterable, Mapping
 from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING, BinaryIO
+from typing import BinaryIO
 
 from certreg.errors import InvalidFileError
-
-if TYPE_CHECKING:
-    from collections.abc import Generator, Iterable, Mapping
 
 BINARY: int = getattr(os, "O_BINARY", 0)  # Windows alone tells text from bytes
 TEMPORARY = ".certreg-"  # how names of files begin that are not yet whole

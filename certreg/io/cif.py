@@ -6,6 +6,7 @@ Only the texts are gemmi's: numbers are read as everywhere in certreg.
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
@@ -18,7 +19,6 @@ from certreg.io.streams import MAX_TEXT_BYTES, Place, refused
 from certreg.verify import shown
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
     from pathlib import Path
 
 CONVERTER = "gemmi convert {file} {stem}.pdb"

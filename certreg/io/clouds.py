@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
@@ -16,9 +18,6 @@ from certreg.io.text import TEXT_FORMATS, parse_points
 from certreg.problem.arrays import first_row, remedy_of_shape
 
 if TYPE_CHECKING:
-    import os
-    from collections.abc import Callable
-
     from numpy.typing import NDArray
 
     from certreg.io import npy

@@ -16,14 +16,13 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Generic, NamedTuple, Protocol, TypeVar
 
 from certreg.io.labels import IDENTIFIERS
-from certreg.io.streams import NUMBER, number, refused
+from certreg.io.streams import NUMBER, Place, number, refused
 from certreg.verify import shown
 
 if TYPE_CHECKING:
     from array import array
     from pathlib import Path
 
-    from certreg.io.streams import Place
 
 GRID = ({"e", "east", "easting", "eastings"}, {"n", "north", "northing", "northings"})
 HEIGHTS = {"h", "height", "elev", "elevation", "alt", "altitude", "u", "up"}

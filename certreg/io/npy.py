@@ -6,6 +6,7 @@ import io
 import math
 import tokenize
 import warnings
+from collections.abc import Iterable, Sequence
 from itertools import chain, pairwise
 from typing import TYPE_CHECKING, Any, BinaryIO, NamedTuple, cast
 
@@ -18,7 +19,6 @@ from certreg.problem.arrays import as_doubles, mapped_file, row_blocks
 from certreg.verify import shown
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
     from pathlib import Path
 
     from numpy.typing import NDArray

@@ -11,6 +11,7 @@ import math
 import struct
 import zipfile
 import zlib
+from collections.abc import Generator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, BinaryIO
@@ -22,7 +23,6 @@ from certreg.io.streams import MAX_HEADER_BYTES, MAX_UNPACKED_BYTES, held_bytes,
 from certreg.verify import shown
 
 if TYPE_CHECKING:
-    from collections.abc import Generator
     from pathlib import Path
 
 

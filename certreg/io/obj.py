@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 from array import array
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from certreg.io.columns import Points
@@ -15,7 +16,6 @@ from certreg.io.streams import Place, number
 from certreg.verify import shown
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
     from pathlib import Path
 
 CORNER = re.compile(r"(-?[1-9][0-9]{0,17})(/(-?[1-9][0-9]{0,17})?){0,2}")  # v, v/vt, v//vn, v/vt/vn

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -28,8 +29,6 @@ from certreg.problem.row_labels import LABEL, labels_of, require_same_labels
 from certreg.problem.spring_rows import held_rows, unused_springs, warn_of_unused
 
 if TYPE_CHECKING:
-    import os
-
     from numpy.typing import NDArray
 
     from certreg.problem.problem import RegistrationProblem

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -10,7 +12,7 @@ import numpy as np
 
 from certreg._loading import late
 from certreg.errors import InvalidFileError
-from certreg.io.cloud import RowNumbers
+from certreg.io.cloud import Cloud, RowNumbers
 from certreg.io.clouds import read_cloud
 from certreg.io.columns import notes_on
 from certreg.io.labels import (
@@ -27,14 +29,10 @@ from certreg.results import Brief
 from certreg.verify import shown
 
 if TYPE_CHECKING:
-    import os
-    from collections.abc import Iterator, Sequence
-
     from numpy.typing import NDArray
 
     from certreg.io import pairs as paired
     from certreg.io import trajectories
-    from certreg.io.cloud import Cloud
 else:  # for a file of pairs, and for two of poses
     paired = late("certreg.io.pairs")
     trajectories = late("certreg.io.trajectories")

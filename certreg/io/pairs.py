@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, BinaryIO
 import numpy as np
 
 from certreg.io.npy import parse_npy
-from certreg.io.streams import count, reading, refused
+from certreg.io.streams import Place, count, reading, refused
 from certreg.io.text import TABLE_FORMATS, parse_rows
 from certreg.verify import shown
 
@@ -21,7 +21,6 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from certreg.io.streams import Place
 
 HEADER = ["source", "target"]
 WHOLE = re.compile(r"[0-9]\.[0-9]{18}e\+(0[0-9]|1[0-5])")  # up to 10^16; its doubles are integers

@@ -10,6 +10,7 @@ from __future__ import annotations
 import mmap
 import struct
 from array import array
+from collections.abc import Container, Iterable, Iterator
 from dataclasses import dataclass
 from itertools import chain
 from typing import TYPE_CHECKING, Any, BinaryIO
@@ -38,7 +39,6 @@ from certreg.io.streams import (
 from certreg.verify import shown
 
 if TYPE_CHECKING:
-    from collections.abc import Container, Iterable, Iterator
     from pathlib import Path
 
     from numpy.typing import NDArray

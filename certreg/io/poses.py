@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import json
 import math
+import os
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO, cast
@@ -19,8 +20,6 @@ from certreg.io.streams import Place, lines, reading
 from certreg.verify import FILE_MAX, FORMAT, RefusalError, parse, shown
 
 if TYPE_CHECKING:
-    import os
-
     from numpy.typing import NDArray
 
 

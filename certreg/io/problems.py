@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -10,18 +12,14 @@ from certreg.errors import InvalidFileError
 from certreg.io.columns import noise_of_columns
 from certreg.io.pairing import BY_LABEL, Pair, Pairing, read_pair
 from certreg.io.row_values import numbers_of
-from certreg.io.springs import NO_SPRINGS, read_springs
+from certreg.io.springs import NO_SPRINGS, SpringSource, read_springs
 from certreg.problem.arrays import first_row
 from certreg.problem.problem import RegistrationProblem
 
 if TYPE_CHECKING:
-    import os
-    from collections.abc import Mapping
-
     import numpy as np
     from numpy.typing import ArrayLike, NDArray
 
-    from certreg.io.springs import SpringSource
 
 NONE: dict[str, Any] = {}
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from certreg._loading import late
 from certreg.io.labels import text_of_field
-from certreg.io.streams import count, refused
+from certreg.io.streams import Place, count, refused
 from certreg.io.text import read_numbers, read_rows
 from certreg.problem.arrays import first_row
 from certreg.problem.bounds import INLIER_WORDS
@@ -21,7 +21,6 @@ if TYPE_CHECKING:
 
     from certreg.io import npy
     from certreg.io.pairing import Pair
-    from certreg.io.streams import Place
 
     Rows = list[tuple[Place, list[str]]]
 else:  # for arrays in files

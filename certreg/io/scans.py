@@ -10,6 +10,7 @@ import io
 import struct
 import subprocess
 import sys
+from collections.abc import Generator
 from contextlib import closing, contextmanager, suppress
 from importlib import import_module
 from pathlib import Path
@@ -25,8 +26,6 @@ from certreg.io.streams import MAX_BINARY_BYTES, MAX_UNPACKED_BYTES, held_bytes,
 from certreg.verify import shown
 
 if TYPE_CHECKING:
-    from collections.abc import Generator
-
     from numpy.typing import NDArray
 
 CHUNK = 1 << 20  # points at a time

@@ -8,7 +8,9 @@ spring of this kind.
 
 from __future__ import annotations
 
+import os
 from array import array
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from math import nan
 from pathlib import Path
@@ -20,7 +22,7 @@ from certreg._loading import found_late, late
 from certreg.errors import InvalidFileError, InvalidProblemError
 from certreg.io.columns import LABEL
 from certreg.io.labels import text_of_field
-from certreg.io.streams import is_standard_input, number, reading, refused
+from certreg.io.streams import Place, is_standard_input, number, reading, refused
 from certreg.io.text import titled_rows
 from certreg.problem.arrays import as_doubles
 from certreg.problem.spring_rows import SPRING_COLUMNS, held_rows, require_not_of_source
@@ -28,15 +30,11 @@ from certreg.results import Brief
 from certreg.verify import shown
 
 if TYPE_CHECKING:
-    import os
-    from collections.abc import Callable, Iterable, Mapping
-
     from numpy.typing import NDArray
 
     from certreg.io import npy
     from certreg.io.cloud import Cloud
     from certreg.io.pairing import Pair
-    from certreg.io.streams import Place
 else:
     npy = late("certreg.io.npy")
 

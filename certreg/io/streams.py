@@ -9,22 +9,19 @@ from __future__ import annotations
 import errno
 import io
 import mmap
+import os
 import re
 import sys
+from collections.abc import Generator, Iterator
 from contextlib import contextmanager
 from functools import partial
 from math import inf, isfinite
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, BinaryIO, NamedTuple
 
 from certreg.errors import InvalidFileError
 from certreg.io.atomic import remedy_of
 from certreg.verify import PIPES, shown
-
-if TYPE_CHECKING:
-    import os
-    from collections.abc import Generator, Iterator
-    from typing import BinaryIO
 
 NUMBER = re.compile(r"[+-]?([0-9]+(\.[0-9]*)?|\.[0-9]+)([eE][+-]?[0-9]+)?")
 MISSING = {"", "nan", "na", "n/a", "#n/a", "null", "none", "inf", "infinity"}

@@ -14,11 +14,12 @@ from __future__ import annotations
 import csv
 import re
 from array import array
+from collections.abc import Iterator
 from dataclasses import replace
 from itertools import chain, pairwise, repeat
 from math import inf, isfinite
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, BinaryIO
 
 from certreg._loading import late
 from certreg.errors import InvalidFileError, InvalidProblemError
@@ -55,9 +56,6 @@ from certreg.io.streams import (
 from certreg.verify import Clouds, shown
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from typing import BinaryIO
-
     from certreg.io import atoms, obj
 else:  # each for files of one ending
     atoms = late("certreg.io.atoms")

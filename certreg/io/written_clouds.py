@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import csv
+import os
+from collections.abc import Callable, Iterable, Iterator
 from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -19,9 +21,6 @@ from certreg.problem.arrays import contiguous, row_blocks
 from certreg.verify import shown
 
 if TYPE_CHECKING:
-    import os
-    from collections.abc import Callable, Iterable, Iterator
-
     from numpy.typing import NDArray
 
     Motion = Callable[[NDArray[np.float64]], NDArray[np.float64]]

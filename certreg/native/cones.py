@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import enum
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import combinations_with_replacement, product
 from math import factorial, gcd, prod
@@ -12,14 +13,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from certreg.native.kernels import MissingLibraryError
-from certreg.native.library import little_library_for
+from certreg.native.library import Library, little_library_for
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from numpy.typing import NDArray
-
-    from certreg.native.library import Library
 
     Integers = Sequence[int]
 

@@ -7,12 +7,9 @@ from __future__ import annotations
 
 import ctypes
 import struct
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
 
 from certreg.native.library import little_library
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
 
 FIXED_BITS = 192  # behind the point
 WORD_BYTES, FIXED_WORDS = 8, 4  # CERTREG_FIXED_WORDS, as in native/eigenbasis.h

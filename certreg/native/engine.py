@@ -16,9 +16,9 @@ import numpy as np
 
 from certreg.errors import NotCompiledWarning
 from certreg.native.kernels import GENERATED, MissingLibraryError
-from certreg.native.library import checked, library_for, loaded_library
+from certreg.native.library import Library, checked, library_for, loaded_library
 from certreg.native.runs import run_in_python
-from certreg.native.signatures import generated
+from certreg.native.signatures import Signature, generated
 from certreg.native.tape import Tape, tapes_of
 
 if TYPE_CHECKING:
@@ -26,9 +26,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from certreg.native.library import Library
     from certreg.native.loops import Batch, Engine, Log, Rules
-    from certreg.native.signatures import Signature
 
 LOG = logging.getLogger(__name__)
 

@@ -11,17 +11,15 @@ import ctypes
 import hashlib
 import json
 import os
+from collections.abc import Iterable
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from certreg.errors import CertregError
 from certreg.verify import shown
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
 
 HERE = Path(__file__).resolve().parent
 GENERATED = HERE / "generated"

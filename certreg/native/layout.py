@@ -9,15 +9,13 @@ from __future__ import annotations
 
 import json
 from array import array
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from certreg.native.kernels import GENERATED
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
 
 RecordType = np.dtype[np.void]
 Records = NDArray[np.void]

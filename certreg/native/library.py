@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes
 import struct
 import sys
+from collections.abc import Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, fields
 from functools import cache, lru_cache
@@ -23,21 +24,18 @@ from certreg.native.loops import (
     NEWTON_TOLERANCE,
     PERTURBATION_GROWTH,
     STALLED_TORQUE,
+    Batch,
     Integrator,
     Kind,
+    Log,
+    Rules,
 )
 from certreg.native.runs import run_in_python
-from certreg.native.signatures import generated, opened
-from certreg.native.stationary import StationaryPoses
+from certreg.native.signatures import Signature, generated, opened
+from certreg.native.stationary import ManyClouds, StationaryPoses
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
-
     from numpy.typing import NDArray
-
-    from certreg.native.loops import Batch, Log, Rules
-    from certreg.native.signatures import Signature
-    from certreg.native.stationary import ManyClouds
 
 
 WRONG_PAIRS, MANY = "the search for wrong pairs", "solving or moving many problems at once"

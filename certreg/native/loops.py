@@ -6,6 +6,7 @@ The numbers that no caller changes stand here with their reasons; both engines g
 from __future__ import annotations
 
 import enum
+from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any, Never, Protocol
 
@@ -23,14 +24,13 @@ from certreg.native.layout import (
     SPLITTING_STEP,
     SPRING_BODY,
     STEP,
+    Records,
+    RecordType,
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
     from numpy.typing import NDArray
 
-    from certreg.native.layout import Records, RecordType
 
 BASIN_SHARE = 0.4  # of the barrier: below the 1/2 that the certificate's mu proves
 STALLED_TORQUE = 0.05  # of the curvature: above, a body is off the saddle, only slow

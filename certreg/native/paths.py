@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 import ctypes
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.native.library import MANY, library_for, library_if_any
+from certreg.native.library import MANY, Library, library_for, library_if_any
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from numpy.typing import NDArray
 
-    from certreg.native.library import Library
 
 REACHED, STUCK = range(2)  # as in paths.h
 

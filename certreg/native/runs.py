@@ -7,7 +7,7 @@ springs are moved by C alone; the tests have a run of their own beside it.
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -17,6 +17,7 @@ from certreg.native.layout import (
     ENERGIES,
     MATRIX_STATE,
     QUATERNION_STATE,
+    RecordType,
     named,
     plain,
 )
@@ -29,15 +30,14 @@ from certreg.native.loops import (
     NEWTON_TOLERANCE,
     PERTURBATION_GROWTH,
     STALLED_TORQUE,
+    Batch,
     Ending,
+    Engine,
     Integrator,
     Kind,
+    Log,
+    Rules,
 )
-
-if TYPE_CHECKING:
-    from certreg.native.layout import RecordType
-    from certreg.native.loops import Batch, Engine, Log, Rules
-
 
 Array = Any  # NDArray[np.float64]
 NO_TORQUE = 1e-12  # of the curvature: less is rounding, and must not choose a side

@@ -7,12 +7,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.native.layout import MEANS, SPREADS
+from certreg.native.layout import MEANS, SPREADS, Records
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
-
-    from certreg.native.layout import Records
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

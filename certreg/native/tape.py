@@ -9,14 +9,12 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from operator import add, mul, sub
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
 
 _FUNCTION = re.compile(
     r"^CERTREG_LINKAGE void (\w+)\(\n(.*?)\)\n\{\n(.*?)^\}$", re.DOTALL | re.MULTILINE

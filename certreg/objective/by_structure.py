@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
 from certreg._loading import found_late
 from certreg.objective.structure import Structure
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
-
     from certreg.objective.isotropic import Isotropic
     from certreg.objective.springs import Springs
     from certreg.problem.problem import RegistrationProblem

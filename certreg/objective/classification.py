@@ -12,6 +12,7 @@ det C, in integers, without computing a single root. The decision is scale-free.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
 from itertools import accumulate
@@ -21,8 +22,6 @@ from certreg.exact.elimination import is_positive_definite, rank
 from certreg.results import ComponentKind
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from certreg.geometry.so3 import T
     from certreg.problem.moments import ExactMoments
 

@@ -7,6 +7,7 @@ semidefinite in t: its least value over t is quadratic in r = (1, vec M).
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import chain, combinations, combinations_with_replacement, product
@@ -16,15 +17,12 @@ from typing import TYPE_CHECKING
 from certreg._loading import cached_property
 from certreg.exact.dyadic import power_of_two
 from certreg.exact.elimination import definite_inverse, nullspace
-from certreg.geometry.so3 import dot, quadratic_form
+from certreg.geometry.so3 import Vector3, dot, quadratic_form
 from certreg.problem.exact_sums import UPPER
 from certreg.results import Brief
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from certreg.geometry.constraints import SquareMatrix
-    from certreg.geometry.so3 import Vector3
     from certreg.problem.motion import Motion
 
 

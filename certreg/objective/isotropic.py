@@ -8,6 +8,7 @@ Davenport's matrix K, and M |c|^2 more where the source's centre of mass is c aw
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import product
@@ -17,30 +18,19 @@ from typing import TYPE_CHECKING, ClassVar
 from certreg._loading import cached_property
 from certreg.exact.dyadic import power_of_two
 from certreg.exact.eigenbasis import integer_eigenbasis
-from certreg.exact.spaces import Resolution, Space, resolved
-from certreg.geometry.so3 import (
-    davenport_matrix,
-    dot,
-    quadratic_form,
-    squared_norm,
-)
+from certreg.exact.spaces import IntegerQuaternion, Resolution, Space, resolved
+from certreg.geometry.so3 import Matrix4, davenport_matrix, dot, quadratic_form, squared_norm
 from certreg.native.eigenbasis import FIXED_BITS, fixed_eigenbasis
-from certreg.objective.classification import classify, with_pattern
+from certreg.objective.classification import Classification, Pattern, classify, with_pattern
 from certreg.objective.form import Form, Reduced, bordered
 from certreg.objective.objective import Objective
 from certreg.objective.scaling import Scaling
 from certreg.objective.structure import Structure
 from certreg.problem.exact_sums import UPPER
-from certreg.problem.moments import exact_moments, trace
+from certreg.problem.moments import ExactMoments, exact_moments, trace
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from certreg.exact.spaces import IntegerQuaternion
     from certreg.geometry.constraints import SquareMatrix
-    from certreg.geometry.so3 import Matrix4
-    from certreg.objective.classification import Classification, Pattern
-    from certreg.problem.moments import ExactMoments
     from certreg.problem.problem import RegistrationProblem
 
 

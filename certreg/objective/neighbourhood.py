@@ -11,6 +11,7 @@ d2M of a turn and the scale is along a turn, in which V does not change at an op
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from math import lcm
@@ -25,8 +26,6 @@ from certreg.geometry.so3 import rotation_matrix, squared_norm
 from certreg.results import Brief
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from numpy.typing import NDArray
 
     from certreg.objective.form import Reduced

@@ -12,20 +12,18 @@ by ten form stays, and the eigenvectors go. Each is a class of its own, made fro
 from __future__ import annotations
 
 from abc import abstractmethod
+from collections.abc import Sequence
 from fractions import Fraction
 from typing import TYPE_CHECKING, ClassVar, Literal
 
 from certreg._loading import cached_property
 from certreg.exact.dyadic import nearest_or_zero
-from certreg.geometry.so3 import rotation_matrix, squared_norm
+from certreg.geometry.so3 import Matrix4, T, Vector3, Vector4, rotation_matrix, squared_norm
 from certreg.objective import quartics
 from certreg.results import Brief
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from certreg.geometry.constraints import SquareMatrix
-    from certreg.geometry.so3 import Matrix4, T, Vector3, Vector4
     from certreg.objective.form import Reduced
     from certreg.objective.structure import Structure
 

@@ -8,17 +8,13 @@ such form is one.
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Sequence
 from functools import cache
 from itertools import combinations_with_replacement, groupby, product
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from certreg.geometry.constraints import ROTATION_SIZE, homogeneous
-from certreg.geometry.so3 import rotation_matrix, squared_norm
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from certreg.geometry.so3 import Matrix4, T, Vector4
+from certreg.geometry.so3 import Matrix4, T, Vector4, rotation_matrix, squared_norm
 
 MONOMIALS = tuple(combinations_with_replacement(range(4), 4))  # q_i q_j q_k q_l, i <= j <= k <= l
 PAIRS = tuple(combinations_with_replacement(range(4), 2))  # q_i q_j, i <= j

@@ -17,11 +17,10 @@ from typing import TYPE_CHECKING
 from certreg._loading import cached_property
 from certreg.errors import DegenerateProblemError
 from certreg.exact.dyadic import Dyadic, dyadic_above, dyadic_below, power_of_two
-from certreg.problem.moments import trace
+from certreg.problem.moments import ExactMoments, trace
 from certreg.results import Brief
 
 if TYPE_CHECKING:
-    from certreg.problem.moments import ExactMoments
     from certreg.problem.motion import Motion, Scale
 
 ROOT_BITS = 240  # of a root: its bounds are 2^-239 apart, far within what bounds a scale below

@@ -6,6 +6,7 @@ in r = (1, vec R).
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import product
@@ -16,25 +17,21 @@ import numpy as np
 from certreg._loading import cached_property
 from certreg.exact.dyadic import power_of_two, rational_root_above
 from certreg.exact.elimination import nullspace
-from certreg.geometry.so3 import dot, rotation_matrix, squared_norm
+from certreg.geometry.so3 import Vector3, dot, rotation_matrix, squared_norm
 from certreg.objective import quartics
 from certreg.objective.form import FULL, Form, Reduced, bordered
 from certreg.objective.objective import Objective
 from certreg.objective.structure import Structure
 from certreg.problem.exact_sums import UPPER
-from certreg.problem.stiffness import spring_moments
+from certreg.problem.stiffness import SpringMoments, spring_moments
 from certreg.results import Brief
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from numpy.typing import NDArray
 
     from certreg.geometry.constraints import SquareMatrix
-    from certreg.geometry.so3 import Vector3
     from certreg.problem.motion import Motion
     from certreg.problem.problem import RegistrationProblem
-    from certreg.problem.stiffness import SpringMoments
 
 
 DIAGONAL = (0, 3, 5)  # among the six entries of a symmetric matrix

@@ -8,25 +8,27 @@ audit's own proof of it is in fractions and shares nothing with that.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from certreg.dynamics.states import state_at_rest
 from certreg.geometry.so3 import quaternion_from_matrix, rotation_matrix
-from certreg.paper.experiments import STEP, angle, descend, signs, unstable_counts
-from certreg.paper.observations import STATES
+from certreg.paper.experiments import (
+    STEP,
+    EquilibriumRun,
+    StationaryPose,
+    angle,
+    descend,
+    signs,
+    unstable_counts,
+)
+from certreg.paper.observations import STATES, Observations
 from certreg.paper.particles import SAME_SUM, Particles, parts
 from certreg.problem.problem import RegistrationProblem
 from certreg.registration.enumeration import equilibria
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Sequence
-
-    from certreg.paper.experiments import EquilibriumRun, StationaryPose
-    from certreg.paper.observations import Observations
-
 
 SAME_ANGLE = 1e-9  # degrees, of two eigenvectors of a 4x4 matrix: their rounding
 NEAR = 1.0  # degrees: a simulation stops near its end, not at it; saddles are at 180

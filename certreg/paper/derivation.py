@@ -13,6 +13,7 @@ import importlib
 import importlib.util
 import re
 import sys
+from collections.abc import Generator, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -23,7 +24,6 @@ from certreg.errors import CertregError
 from certreg.io.atomic import write_atomically, write_files
 
 if TYPE_CHECKING:
-    from collections.abc import Generator, Iterable, Iterator, Mapping, Sequence
     from concurrent.futures import Future
 
     from certreg.native.codegen import emit as native_emit

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import base64
 import math
+import os
 import re
 import textwrap
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,21 +19,15 @@ from certreg.errors import InvalidFileError
 from certreg.io.atomic import remedy_of, write_atomically
 from certreg.paper.claims import NEAR
 from certreg.paper.derivation import plain
-from certreg.paper.equilibrium_maps import SPRINGS_FILE, spring_rows
+from certreg.paper.equilibrium_maps import SPRINGS_FILE, SpringCounts, spring_rows
 from certreg.paper.experiments import STEP, STOP, unstable_counts
-from certreg.paper.parameter_sweeps import SWEEPS_FILE, sweep_rows
-from certreg.paper.style import written
+from certreg.paper.parameter_sweeps import SWEEPS_FILE, Sweep, sweep_rows
+from certreg.paper.style import Drawing, written
 from certreg.report.document import dumps
 from certreg.report.markup import rendered
 
 if TYPE_CHECKING:
-    import os
-    from collections.abc import Iterator, Sequence
-
-    from certreg.paper.equilibrium_maps import SpringCounts
     from certreg.paper.observations import Observations
-    from certreg.paper.parameter_sweeps import Sweep
-    from certreg.paper.style import Drawing
     from certreg.paper.verdicts import CertifiedCloud, ClaimVerdict, Reproduction
 
 

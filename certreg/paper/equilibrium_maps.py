@@ -19,6 +19,7 @@ from __future__ import annotations
 
 import enum
 import math
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import astuple, dataclass, fields
 from typing import TYPE_CHECKING, Any
 
@@ -33,17 +34,14 @@ from certreg.equilibrium.paths import PathsOutcome, critical_lines
 from certreg.equilibrium.quartics import FloatingQuartic
 from certreg.objective.springs import Springs
 from certreg.paper.monte_carlo import RandomCampaign, packed, unpacked
-from certreg.paper.observations import each_of
+from certreg.paper.observations import StageProgress, each_of
 from certreg.problem.problem import RegistrationProblem
 from certreg.problem.random_instances import gaussian_instances
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
     from pathlib import Path
 
     from numpy.typing import NDArray
-
-    from certreg.paper.observations import StageProgress
 
 
 SPRING_INSTANCES = 100  # in each cell: a share is known to 0.1

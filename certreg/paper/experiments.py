@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from certreg.dynamics.integrators import SimulationSettings
-from certreg.dynamics.rigid import rigid_body
+from certreg.dynamics.rigid import RigidBody, rigid_body
 from certreg.dynamics.simulation import simulate
 from certreg.dynamics.states import start_at_rest, state_at_rest
 from certreg.equilibrium.equilibrium_set import rotation_double, unit_double
@@ -38,7 +38,6 @@ from certreg.registration.closed_form import horn
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from certreg.dynamics.rigid import RigidBody
     from certreg.problem.problem import RegistrationProblem
 
 

@@ -3,12 +3,22 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.paper.experiments import sides
-from certreg.paper.observations import LANDMARKS, coil, flipped, projected, torques
+from certreg.paper.experiments import EquilibriumRun, SimulationRun, sides
+from certreg.paper.observations import (
+    LANDMARKS,
+    Observations,
+    Polygon,
+    Turn,
+    coil,
+    flipped,
+    projected,
+    torques,
+)
 from certreg.paper.style import (
     BLACK,
     BLUE,
@@ -25,12 +35,7 @@ from certreg.paper.style import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from numpy.typing import NDArray
-
-    from certreg.paper.experiments import EquilibriumRun, SimulationRun
-    from certreg.paper.observations import Observations, Polygon, Turn
 
 
 SHOWN_ANGLE = math.radians(40.0)  # of the polygons that are drawn

@@ -6,6 +6,7 @@ Of springs: how many equilibria there are, and how often runs end at a wrong one
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,8 +14,8 @@ import numpy as np
 from certreg._loading import library
 from certreg.dynamics.integrators import SimulationSettings
 from certreg.paper.claims import rough
-from certreg.paper.equilibrium_maps import FAMILY_WORDS, RunEnd, wilson
-from certreg.paper.parameter_sweeps import QUANTITIES, Curves
+from certreg.paper.equilibrium_maps import FAMILY_WORDS, RunEnd, SpringCounts, wilson
+from certreg.paper.parameter_sweeps import QUANTITIES, Curves, Sweep
 from certreg.paper.style import (
     BLACK,
     BLUE,
@@ -30,12 +31,7 @@ from certreg.paper.style import (
 from certreg.problem.motion import DEFAULT_DAMPING
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
     from numpy.typing import NDArray
-
-    from certreg.paper.equilibrium_maps import SpringCounts
-    from certreg.paper.parameter_sweeps import Sweep
 
 
 STEPS, ESCAPE, MARGIN = QUANTITIES

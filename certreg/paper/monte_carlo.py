@@ -13,6 +13,7 @@ import json
 import math
 import time
 from abc import abstractmethod
+from collections.abc import Callable, Container, Iterator
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -23,7 +24,7 @@ from certreg.campaign.runner import Kind, contents
 from certreg.campaign.store import CERTIFICATES, Manifest, current_versions
 from certreg.campaign.table import Block, Column, csv_bytes, write_table
 from certreg.campaign.workers import Task, TaskResult
-from certreg.equilibrium.batch import solve_many
+from certreg.equilibrium.batch import Solutions, solve_many
 from certreg.errors import InvalidProblemError
 from certreg.geometry.so3 import rotation_matrices
 from certreg.io.atomic import write_atomically
@@ -32,18 +33,16 @@ from certreg.problem.random_instances import (
     PAPER_DAMPING,
     PAPER_POINTS,
     PAPER_SIGMA,
+    Instances,
     gaussian_instances,
 )
 from certreg.registration.certification import certify
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Container, Iterator
     from pathlib import Path
 
     from numpy.typing import NDArray
 
-    from certreg.equilibrium.batch import Solutions
-    from certreg.problem.random_instances import Instances
     from certreg.registration.result import Registration
 
 

@@ -10,7 +10,7 @@ numbers, all sums are polynomials, and zero.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -41,8 +41,6 @@ from certreg.registration.enumeration import equilibria
 from certreg.registration.examples import STORIES, stated
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     from numpy.typing import NDArray
 
 

@@ -10,6 +10,7 @@ A module of its own: both together would be too long.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import product
 from typing import TYPE_CHECKING, Any
@@ -25,8 +26,6 @@ from certreg.problem.random_instances import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from numpy.typing import NDArray
 
 SADDLE_DISTANCE = 1e-3  # radians: small enough for the linearised dynamics, far above rounding

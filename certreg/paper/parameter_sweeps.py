@@ -7,6 +7,7 @@ from the best saddle, and the margin of the eigenvalues, with what the linearise
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, fields, replace
 from typing import TYPE_CHECKING, Any
 
@@ -14,22 +15,17 @@ import numpy as np
 
 from certreg.dynamics.batch import Bodies, bodies_of, simulate_many
 from certreg.dynamics.integrators import SimulationSettings
-from certreg.equilibrium.batch import exactly, solve_many
+from certreg.equilibrium.batch import Solutions, exactly, solve_many
 from certreg.geometry.so3 import rotation_matrices
-from certreg.native.layout import QUATERNION_STATE
+from certreg.native.layout import QUATERNION_STATE, Records
 from certreg.native.loops import BASIN_SHARE, Integrator
 from certreg.paper.experiments import NO_BASIN
-from certreg.paper.parameter_families import FAMILIES
+from certreg.paper.parameter_families import FAMILIES, Family, Sample
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
-
     from numpy.typing import NDArray
 
-    from certreg.equilibrium.batch import Solutions
-    from certreg.native.layout import Records
     from certreg.paper.observations import StageProgress
-    from certreg.paper.parameter_families import Family, Sample
 
 INSTANCES = 200  # at each value: the median is known to a tenth of the spread
 FULL_POINTS = 10_000  # of clouds larger than that fewer instances are made

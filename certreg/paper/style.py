@@ -8,14 +8,12 @@ everywhere.
 from __future__ import annotations
 
 import io
+from collections.abc import Generator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from certreg._loading import library
-
-if TYPE_CHECKING:
-    from collections.abc import Generator
 
 BLUE, VERMILLION, GREEN, ORANGE, BLACK = "#0072B2", "#D55E00", "#009E73", "#E69F00", "#000000"
 GREY, PALE = "#6E6E6E", "#EDEDED"

@@ -9,6 +9,7 @@ they are. What a certificate says is the checker's word, as for any other user.
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
@@ -19,20 +20,16 @@ from certreg.certificate.isotropic import produce
 from certreg.errors import InvalidProblemError
 from certreg.geometry.so3 import squared_norm
 from certreg.objective.isotropic import Isotropic
-from certreg.paper.claims import MEASURED
+from certreg.paper.claims import MEASURED, Evidence
 from certreg.paper.derivation import paper_claims, proving
-from certreg.paper.observations import observe
+from certreg.paper.observations import Observations, Setup, StageProgress, observe
 from certreg.problem.moments import exact_moments
 from certreg.problem.problem import RegistrationProblem
 from certreg.problem.random_instances import PAPER_DAMPING
 from certreg.results import Ruling, Verdict
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
     from concurrent.futures import Future
-
-    from certreg.paper.claims import Evidence
-    from certreg.paper.observations import Observations, Setup, StageProgress
 
 
 SUFFIX, COUNT_SUFFIX = ".json", ".count.json"

@@ -6,6 +6,7 @@ No library is imported to recognise its objects. What is ambiguous is refused, w
 from __future__ import annotations
 
 import mmap
+from collections.abc import Callable, Iterable, Iterator
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,8 +14,6 @@ import numpy as np
 from certreg.errors import InvalidProblemError
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator
-
     from numpy.typing import NDArray
 
     Reals = NDArray[np.float64]

@@ -14,6 +14,7 @@ signs are gone, and what the shift adds to a sum is taken off here.
 from __future__ import annotations
 
 import enum
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import cache
@@ -25,18 +26,20 @@ import numpy as np
 from certreg._loading import found_late
 from certreg.geometry.so3 import dot
 from certreg.native.kernels import MissingLibraryError
-from certreg.native.library import loaded_library
-from certreg.native.sums import fixed_point_fits, joined, sums_by_exponent, sums_in_fixed_point
+from certreg.native.library import Library, loaded_library
+from certreg.native.sums import (
+    IntegerSums,
+    fixed_point_fits,
+    joined,
+    sums_by_exponent,
+    sums_in_fixed_point,
+)
 from certreg.problem.arrays import row_blocks
 from certreg.problem.lifting import lift
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Mapping, Sequence
-
     from numpy.typing import NDArray
 
-    from certreg.native.library import Library
-    from certreg.native.sums import IntegerSums
     from certreg.problem.problem import RegistrationProblem
     from certreg.problem.terms import Pairs
 

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import ctypes
 import math
+from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from functools import cache
@@ -20,15 +21,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from certreg.native.kernels import MissingLibraryError
-from certreg.native.layout import MEANS, SUMS, named, symmetric, width
+from certreg.native.layout import MEANS, SUMS, Records, named, symmetric, width
 from certreg.native.library import loaded_library
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator
-
     from numpy.typing import NDArray
 
-    from certreg.native.layout import Records
 
 BLOCK = 256  # points that are summed plainly
 COMPILED_POINTS = 4096  # from here on in C: below, NumPy takes a millisecond at most

@@ -11,6 +11,7 @@ means, so that offsets of 1e8 and scales of 1e+-150 cost no digits: they propose
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
@@ -21,18 +22,14 @@ from certreg._loading import cached_property
 from certreg.errors import InvalidProblemError
 from certreg.exact.dyadic import power_of_two
 from certreg.native.layout import MEANS, named
-from certreg.problem.exact_sums import WEIGHTED
-from certreg.problem.floating_sums import CloudPair, chunks, floating_sums
+from certreg.problem.exact_sums import WEIGHTED, Sums
+from certreg.problem.floating_sums import CloudPair, FloatingSums, chunks, floating_sums
 from certreg.results import Brief
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from numpy.typing import NDArray
 
     from certreg.geometry.so3 import Matrix3, Vector3
-    from certreg.problem.exact_sums import Sums
-    from certreg.problem.floating_sums import FloatingSums
     from certreg.problem.problem import RegistrationProblem
 
 MOST_EXPONENT = 1025  # two doubles are less than 2^1025 apart

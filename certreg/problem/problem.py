@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -16,7 +17,7 @@ from certreg.problem.arrays import (
     mapped_file,
     row_blocks,
 )
-from certreg.problem.losses import SQUARES
+from certreg.problem.losses import SQUARES, PairLoss
 from certreg.problem.motion import (
     DEFAULT_DAMPING,
     Motion,
@@ -30,11 +31,8 @@ from certreg.problem.support import PREFIXES, Cell, require_supported
 from certreg.results import Brief
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-
     from numpy.typing import ArrayLike, NDArray
 
-    from certreg.problem.losses import PairLoss
     from certreg.problem.terms import Named, Pairs, SpringSummary
 
 

@@ -6,15 +6,13 @@ Rows pair in order. So two clouds that say by labels that they are in another or
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, cast
+from typing import Any, cast
 
 from certreg.errors import InvalidProblemError
 from certreg.problem.arrays import data_frame
 from certreg.results import Brief
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
 
 LABEL = "label"
 

@@ -12,13 +12,14 @@ products add up in vectors without rounding.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
 from operator import mul
 from typing import TYPE_CHECKING, ClassVar
 
 from certreg._loading import cached_property
-from certreg.geometry.so3 import dot
+from certreg.geometry.so3 import Matrix3, Vector3, dot
 from certreg.native.library import library_if_any, loaded_library
 from certreg.native.sums import springs_by_exponent, springs_by_limbs
 from certreg.problem.exact_sums import UPPER, Summation, SumMethod, Sums
@@ -26,9 +27,6 @@ from certreg.problem.lifting import lift
 from certreg.results import Brief
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from certreg.geometry.so3 import Matrix3, Vector3
     from certreg.problem.problem import RegistrationProblem
     from certreg.problem.terms import Pairs
 

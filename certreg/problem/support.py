@@ -6,17 +6,15 @@ where it is supported itself.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from enum import StrEnum
 from functools import cache
 from itertools import combinations
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 from certreg.errors import InvalidProblemError
 from certreg.problem.motion import Scale
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
 
 
 class Loss(StrEnum):

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from certreg._loading import late
-from certreg.certificate.isotropic import IsotropicBody
+from certreg.certificate.isotropic import IsotropicBody, SimilarityBody
 from certreg.dynamics.body import SimulationStatus
 from certreg.errors import ContradictionError
 from certreg.exact.dyadic import power_of_two
@@ -22,7 +22,6 @@ from certreg.registration.closed_form import arun, horn
 from certreg.results import Absent, Explained
 
 if TYPE_CHECKING:
-    from certreg.certificate.isotropic import SimilarityBody
     from certreg.dynamics.trajectory import Trajectory
     from certreg.equilibrium import breathing
     from certreg.objective.isotropic import Isotropic

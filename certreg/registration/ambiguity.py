@@ -12,19 +12,17 @@ out. Statistics, as of the fit: nothing of it is proved.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from certreg.equilibrium.equilibrium_set import equilibrium_set
+from certreg.equilibrium.equilibrium_set import EquilibriumSet, equilibrium_set
 from certreg.registration.misfits import LEVEL, FitCode, FitSums
 from certreg.registration.outlying import independent_rows
 from certreg.registration.tail_probabilities import log_ratio_below
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from certreg.equilibrium.critical_set import CriticalSet
-    from certreg.equilibrium.equilibrium_set import EquilibriumSet
     from certreg.objective.isotropic import Isotropic
     from certreg.problem.problem import RegistrationProblem
     from certreg.registration.fit import Fit

@@ -6,14 +6,13 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from certreg.registration.findings import GOOD
+from certreg.registration.findings import GOOD, JudgedEnergies, SigmaDistance
 from certreg.results import Absent, Explained, PoseVerdict, Presented
 
 if TYPE_CHECKING:
     from certreg.geometry.pose import Pose
     from certreg.geometry.similarity import Similarity
     from certreg.registration.convention_errors import Slip
-    from certreg.registration.findings import JudgedEnergies, SigmaDistance
     from certreg.registration.fit import Fit
     from certreg.registration.scaled_poses import GapParts
 

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any, Unpack, cast
 
 from certreg.errors import InvalidProblemError
 from certreg.exact.dyadic import double_above, nearest_double, nearest_root
-from certreg.geometry.given import given_pose
+from certreg.geometry.given import GivenPose, given_pose
 from certreg.geometry.pose_matrix import why_no_rotation
 from certreg.objective.structure import Structure
 from certreg.problem.bounds import bounded
@@ -14,9 +15,10 @@ from certreg.problem.support import Loss
 from certreg.registration.assessed import Assessment
 from certreg.registration.assessment_words import WORDS, headline_of_pose, words_of_pose
 from certreg.registration.certification import certify
-from certreg.registration.convention_errors import slip_of
+from certreg.registration.convention_errors import Slip, slip_of
 from certreg.registration.findings import (
     GOOD,
+    Findings,
     JudgedEnergies,
     exact_pose,
     findings,
@@ -24,7 +26,7 @@ from certreg.registration.findings import (
     verdict_of,
 )
 from certreg.registration.headlines import NO_ROTATION
-from certreg.registration.label_assessment import judged_labels
+from certreg.registration.label_assessment import LabelAssessment, judged_labels
 from certreg.registration.landscape import AssessmentSettings, landscape_of, optimum_worth
 from certreg.registration.problem_arguments import (
     ProblemOptions,
@@ -32,19 +34,12 @@ from certreg.registration.problem_arguments import (
     stated_in_clouds,
     stated_problem_of,
 )
-from certreg.registration.result import UNDECIDED, Registration
+from certreg.registration.result import UNDECIDED, PoseWorth, Registration
 from certreg.registration.scaled_poses import NOT_SCALED, read_for
 from certreg.results import OUT_OF_RANGE, Absent, PoseVerdict, present
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
     from fractions import Fraction
-
-    from certreg.geometry.given import GivenPose
-    from certreg.registration.convention_errors import Slip
-    from certreg.registration.findings import Findings
-    from certreg.registration.label_assessment import LabelAssessment
-    from certreg.registration.result import PoseWorth
 
 
 NUMBERS = (

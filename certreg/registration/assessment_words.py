@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING
@@ -12,7 +13,7 @@ from certreg.exact.dyadic import nearest_root
 from certreg.geometry.pose_matrix import UNNOTED_DEFECT, rotation_defect
 from certreg.objective.structure import Structure
 from certreg.registration.ambiguity import DISTINGUISHABLE, ambiguous_words, narrow_words
-from certreg.registration.findings import GOOD, rules_out
+from certreg.registration.findings import GOOD, Findings, SigmaDistance, rules_out
 from certreg.registration.headlines import (
     NEAR_AS_OTHERS,
     NEAR_OPTIMAL_NOT_UNIQUE,
@@ -25,6 +26,7 @@ from certreg.registration.headlines import (
     POSE_BOUNDED,
     RULED_OUT,
     SPURIOUS,
+    Headline,
     degrees_words,
     headline_of_data,
     interval_words,
@@ -37,11 +39,7 @@ from certreg.registration.weakly_constrained import weak_shift_words
 from certreg.results import Absent, ComponentKind, Limits, PoseVerdict
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
     from certreg.geometry.given import GivenPose
-    from certreg.registration.findings import Findings, SigmaDistance
-    from certreg.registration.headlines import Headline
     from certreg.registration.landscape import Rest
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from certreg.dynamics.breaking import SHRINKING, BreakingRun, BreakingStatus, run_breaking
-from certreg.equilibrium.breaking import LEAST_SPRINGS, Labels, SpringSet, label_sets
+from certreg.equilibrium.breaking import LEAST_SPRINGS, Labels, RestPose, SpringSet, label_sets
 from certreg.errors import DegenerateProblemError, InvalidProblemError
 from certreg.exact.dyadic import nearest_double, power_of_two
 from certreg.native.loops import Integrator
@@ -26,7 +26,6 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
     from certreg.dynamics.integrators import SimulationSettings
-    from certreg.equilibrium.breaking import RestPose
     from certreg.geometry.pose import Pose
     from certreg.geometry.similarity import Similarity
 

@@ -2,28 +2,24 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, Unpack
 
 from certreg._loading import found_late, late
 from certreg.dynamics.integrators import SimulationSettings
 from certreg.native.loops import Integrator
 from certreg.objective.structure import Structure
-from certreg.problem.support import Loss
+from certreg.problem.support import Cell, Loss
 from certreg.registration.pipeline import Asked, Work, accepting
-from certreg.registration.problem_arguments import stated_problem_of
+from certreg.registration.problem_arguments import ProblemOptions, stated_problem_of
 from certreg.registration.progress import counted
 from certreg.registration.robustness import ROBUSTNESS_ANGLE, checked_angle
 from certreg.registration.squares import SQUARES
 from certreg.results import MAX_ANGLE, MAX_GAP, Limits
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-    from typing import Unpack
-
     from certreg.problem import bounds
-    from certreg.problem.support import Cell
     from certreg.registration.pipeline import Prover, Provers
-    from certreg.registration.problem_arguments import ProblemOptions
     from certreg.registration.progress import Progress
     from certreg.registration.result import Registration
 else:

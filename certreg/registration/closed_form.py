@@ -7,6 +7,7 @@ they propose, and are compared with what is proved.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any, TypedDict, Unpack
 
 import numpy as np
@@ -25,8 +26,8 @@ from certreg.geometry.so3 import (
 )
 from certreg.problem.arrays import cloud_array, finite_doubles, real_numbers
 from certreg.problem.budget import checked_threads
-from certreg.problem.fast_pose import floating_pose
-from certreg.problem.moments import davenport_error, moments_of_clouds
+from certreg.problem.fast_pose import FloatingPose, floating_pose
+from certreg.problem.moments import Moments, davenport_error, moments_of_clouds
 from certreg.problem.motion import Scale, checked_rotation_only, checked_scale
 from certreg.problem.problem import RegistrationProblem
 from certreg.problem.row_labels import require_same_labels
@@ -34,12 +35,8 @@ from certreg.problem.spring_rows import warn_of_unused
 from certreg.problem.support import Cell, require_supported
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
-
     from numpy.typing import ArrayLike, NDArray
 
-    from certreg.problem.fast_pose import FloatingPose
-    from certreg.problem.moments import Moments
     from certreg.registration import equilibria
 
     BestScale = Callable[[float, float, float], float]

@@ -7,6 +7,7 @@ better candidate is sought: the proof is the stopping rule.
 from __future__ import annotations
 
 import logging
+from collections.abc import Iterable
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -31,8 +32,6 @@ from certreg.registration.squares import fitted
 from certreg.relaxation.consensus_search import candidates
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
-
     from certreg.certificate.consensus import ConsensusBody, ConsensusSimilarityBody
     from certreg.certificate.envelope import Certificate
     from certreg.problem.problem import RegistrationProblem

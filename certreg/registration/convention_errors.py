@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import enum
 import math
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import chain
@@ -22,6 +23,7 @@ from certreg.geometry.pose_matrix import ROTATION_TOLERANCE, why_no_rotation
 from certreg.geometry.so3 import quaternion_from_matrix, rotation_matrix
 from certreg.registration.findings import (
     GOOD,
+    Findings,
     added,
     findings,
     nearest_quaternion,
@@ -30,17 +32,13 @@ from certreg.registration.findings import (
     turned,
     verdict_of,
 )
-from certreg.registration.landscape import linear_rounding_cost, little
+from certreg.registration.landscape import AssessmentSettings, linear_rounding_cost, little
 from certreg.results import Brief, PoseVerdict
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-
     from numpy.typing import NDArray
 
     from certreg.geometry.given import GivenPose
-    from certreg.registration.findings import Findings
-    from certreg.registration.landscape import AssessmentSettings
     from certreg.registration.result import Registration
 
 UNITS = {  # of the translation against the clouds

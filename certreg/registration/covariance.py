@@ -20,6 +20,7 @@ Source: Gauss-Markov theory for the linearised problem; the Hessian as in `Neigh
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from math import hypot, inf
@@ -41,8 +42,6 @@ from certreg.problem.arrays import contiguous, row_blocks
 from certreg.results import OUT_OF_RANGE, Absent, Explained, present
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
     from numpy.typing import NDArray
 
     from certreg.geometry.pose import Pose

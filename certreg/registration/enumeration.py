@@ -2,28 +2,27 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields, replace
 from typing import TYPE_CHECKING, Any, Generic, TypeVar, cast
 
 from certreg._loading import late
 from certreg.certificate.checking import check_own, require_accepted
 from certreg.equilibrium.equilibrium_set import EquilibriumSet
-from certreg.equilibrium.methods import FINDERS, compare, search
+from certreg.equilibrium.methods import FINDERS, Comparison, Search, compare, search
 from certreg.errors import UndecidedError
 from certreg.objective.by_structure import objective_of
 from certreg.objective.structure import Structure
 from certreg.registration.ambiguity import equilibria_at
 from certreg.registration.covariance import pose_covariance
 from certreg.registration.exit_codes import code_of_list
-from certreg.registration.fit import fit_of
+from certreg.registration.fit import Fit, fit_of
 from certreg.registration.optimum import optimal_pose, pose_at
 from certreg.registration.problem_arguments import require_method, require_problem
 from certreg.registration.progress import counted
 from certreg.results import Absent, Brief
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
-
     from certreg.certificate import count, listing
     from certreg.certificate.count import CountBody
     from certreg.certificate.envelope import Certificate
@@ -31,7 +30,6 @@ if TYPE_CHECKING:
     from certreg.equilibrium import paths
     from certreg.equilibrium.critical_set import CriticalSet
     from certreg.equilibrium.line_set import LineSet
-    from certreg.equilibrium.methods import Comparison, Search
     from certreg.geometry.pose import Pose
     from certreg.geometry.similarity import Similarity
     from certreg.objective.isotropic import Isotropic
@@ -39,7 +37,6 @@ if TYPE_CHECKING:
     from certreg.problem.problem import RegistrationProblem
     from certreg.registration import equilibria as listed
     from certreg.registration.equilibria import SpringEquilibria
-    from certreg.registration.fit import Fit
     from certreg.registration.progress import Progress
 
     Certified = Certificate[Any] | Absent

@@ -9,6 +9,7 @@ are an `EquilibriumSet`.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
@@ -18,9 +19,9 @@ import numpy as np
 from certreg._loading import late
 from certreg.dynamics.simulation import simulate
 from certreg.dynamics.valleys import spring_body
-from certreg.equilibrium.breathing import breathing_equilibria
-from certreg.equilibrium.equilibrium_set import unit_double
-from certreg.equilibrium.line_set import Finiteness
+from certreg.equilibrium.breathing import BreathingEquilibria, breathing_equilibria
+from certreg.equilibrium.equilibrium_set import Component, EquilibriumSet, unit_double
+from certreg.equilibrium.line_set import Finiteness, LineSet
 from certreg.equilibrium.methods import FINDERS, search
 from certreg.errors import DegenerateProblemError
 from certreg.exact.dyadic import nearest_double, nearest_root
@@ -38,13 +39,8 @@ from certreg.registration.weakly_constrained import weak_shift_words, weak_shift
 from certreg.results import OUT_OF_RANGE, Absent, ComponentKind, Explained, Guarantee, Presented
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from numpy.typing import NDArray
 
-    from certreg.equilibrium.breathing import BreathingEquilibria
-    from certreg.equilibrium.equilibrium_set import Component, EquilibriumSet
-    from certreg.equilibrium.line_set import LineSet
     from certreg.geometry.pose import Pose
     from certreg.objective.isotropic import Isotropic
     from certreg.problem.problem import RegistrationProblem

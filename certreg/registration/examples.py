@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from importlib.resources import as_file, files
 from typing import TYPE_CHECKING
@@ -11,8 +12,6 @@ from certreg.registration.certification import certify
 from certreg.results import Optimality
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     from certreg.io.pairing import Pair
     from certreg.problem.problem import RegistrationProblem
     from certreg.registration.result import Registration

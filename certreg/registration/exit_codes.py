@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from certreg.errors import ContradictionError, RefusedCertificateError, UndecidedError
 from certreg.results import Optimality
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-
 
 DONE, REFUSED, MISUSED, NOT_UNIQUE, NOT_CERTIFIED = 0, 1, 2, 3, 4
 DIGITS = 6  # of an RMSE, in words

@@ -3,36 +3,32 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import TYPE_CHECKING, cast
 
-from certreg.certificate.bounds import ExactPose
+from certreg.certificate.bounds import ExactPose, PoseBounds
 from certreg.errors import UndecidedError
 from certreg.exact.dyadic import nearest_double, nearest_root
 from certreg.exact.eigenbasis import integer_eigenbasis
 from certreg.geometry.so3 import davenport_matrix, dot, rotation_matrix, squared_norm
 from certreg.problem.lifting import lift
-from certreg.registration.landscape import landscape_of
+from certreg.registration.landscape import AssessmentSettings, Place, landscape_of
 from certreg.registration.loose_turns import LOOSE_SIGMA, TURNED_FAR, beyond_first_order
 from certreg.registration.misfits import LEVEL
-from certreg.registration.scaled_poses import gap_parts
+from certreg.registration.scaled_poses import GapParts, gap_parts
 from certreg.registration.tail_probabilities import log_chi2_above
 from certreg.results import OUT_OF_RANGE, Absent, Brief, Limits, PoseVerdict
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     import numpy as np
     from numpy.typing import NDArray
 
-    from certreg.certificate.bounds import PoseBounds
     from certreg.geometry.given import GivenPose
     from certreg.objective.isotropic import Isotropic
     from certreg.objective.springs import Springs
-    from certreg.registration.landscape import AssessmentSettings, Place
     from certreg.registration.result import PoseWorth, Registration
-    from certreg.registration.scaled_poses import GapParts
 
 
 GOOD = (PoseVerdict.OPTIMAL, PoseVerdict.NEAR_OPTIMAL)

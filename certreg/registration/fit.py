@@ -7,13 +7,14 @@ warnings and their rates: `certreg.registration.misfits`.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
 from certreg.exact.dyadic import nearest_double, power_of_two
 from certreg.geometry.so3 import squared_norm
-from certreg.registration.covariance import NO_FREEDOM, worst_residuals
+from certreg.registration.covariance import NO_FREEDOM, PoseCovariance, Residual, worst_residuals
 from certreg.registration.loose_turns import LOOSE_SIGMA, beyond_first_order
 from certreg.registration.misfits import (
     LEVEL,
@@ -29,20 +30,16 @@ from certreg.registration.misfits import (
     log_scale_p,
     misfits,
 )
-from certreg.registration.outlying import LISTED, independent_rows, row_fit
+from certreg.registration.outlying import LISTED, RowFit, independent_rows, row_fit
 from certreg.registration.row_names import RowNames
 from certreg.registration.tail_probabilities import log_chi2_above, log_ratio_below
 from certreg.results import OUT_OF_RANGE, Absent, Explained, present
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from certreg.geometry.pose import Pose
     from certreg.geometry.similarity import Similarity
     from certreg.objective.isotropic import Isotropic
     from certreg.problem.problem import RegistrationProblem
-    from certreg.registration.covariance import PoseCovariance, Residual
-    from certreg.registration.outlying import RowFit
     from certreg.registration.spring_rows import ResidualSums
 
 

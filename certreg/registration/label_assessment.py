@@ -10,11 +10,12 @@ from __future__ import annotations
 
 import enum
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from certreg.certificate.joint_feasibility import CommonMotion, common_motion
-from certreg.certificate.producing_consensus import ConsensusProver, pose_of
+from certreg.certificate.producing_consensus import ConsensusProver, ProvedConsensus, pose_of
 from certreg.certificate.truncated import disproves_labels
 from certreg.native.bitset_graph import colours
 from certreg.problem.bounds import LEAST_DIRECTIONS, checked_inliers
@@ -22,21 +23,16 @@ from certreg.problem.budget import checked_effort
 from certreg.problem.support import Loss, Verb, require_supported
 from certreg.registration.consensus import proved_consensus
 from certreg.registration.exit_codes import DONE, NOT_CERTIFIED, REFUSED
-from certreg.registration.labelled import NO_COST
+from certreg.registration.labelled import NO_COST, TruncatedRegistration
 from certreg.registration.pair_words import within_words
 from certreg.registration.pipeline import Asked, Work
 from certreg.registration.row_names import RowNames
 from certreg.registration.truncated import PROVER
-from certreg.results import Presented
+from certreg.results import Absent, Presented
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from certreg.certificate.producing_consensus import ProvedConsensus
     from certreg.geometry.pose import Pose
     from certreg.problem.problem import RegistrationProblem
-    from certreg.registration.labelled import TruncatedRegistration
-    from certreg.results import Absent
 
 
 NAMED_ROWS = 8  # of the refuted ones, in a sentence

@@ -7,10 +7,11 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from certreg.certificate.producing_consensus import pose_of
+from certreg.certificate.producing_consensus import ProvedConsensus, pose_of
 from certreg.exact.decimals import at_least, at_most
 from certreg.exact.dyadic import double_above, double_below
 from certreg.geometry.similarity import Similarity
@@ -33,7 +34,6 @@ from certreg.registration.row_names import RowNames
 from certreg.results import Absent, Saved
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
     from fractions import Fraction
 
     import numpy as np
@@ -41,7 +41,6 @@ if TYPE_CHECKING:
 
     from certreg.certificate.consensus import ConsensusBody, ConsensusSimilarityBody
     from certreg.certificate.envelope import Certificate
-    from certreg.certificate.producing_consensus import ProvedConsensus
     from certreg.certificate.truncated import TruncatedRotationBody
     from certreg.equilibrium.equilibrium_set import EquilibriumSet
     from certreg.geometry.pose import Pose

@@ -7,13 +7,14 @@ pose, if there is one.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.certificate.bounds import ExactPose, flat_energy, sin2_half_angle_between
+from certreg.certificate.bounds import ExactPose, PoseBounds, flat_energy, sin2_half_angle_between
 from certreg.exact.dyadic import half_angle_bound, nearest_or_zero, rational_root_above
 from certreg.geometry.pose_matrix import ROTATION_TOLERANCE
 from certreg.objective.structure import Structure
@@ -22,9 +23,6 @@ from certreg.registration.optimum import exact_pose
 from certreg.registration.rounding import rounding_cost, rounding_errors
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
-
-    from certreg.certificate.bounds import PoseBounds
     from certreg.geometry.given import GivenPose
     from certreg.objective.isotropic import Isotropic
     from certreg.registration.linear import LinearSolution

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import logging
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from certreg._loading import cached_property
-from certreg.certificate.bounds import pose_bounds, pose_energy
-from certreg.certificate.isotropic import produce
-from certreg.dynamics.integrators import DEFAULT_SETTINGS
+from certreg.certificate.bounds import ExactPose, PoseBounds, pose_bounds, pose_energy
+from certreg.certificate.isotropic import RotationState, produce
+from certreg.dynamics.integrators import DEFAULT_SETTINGS, SimulationSettings
 from certreg.dynamics.simulation import optimal_damping
 from certreg.equilibrium.critical_set import by_eigenspaces
 from certreg.errors import DegenerateProblemError, InvalidProblemError
@@ -20,39 +21,35 @@ from certreg.native.kernels import MissingLibraryError
 from certreg.native.loops import Integrator
 from certreg.objective.isotropic import Isotropic
 from certreg.problem.arrays import row_blocks
-from certreg.problem.support import Verb, refusal
-from certreg.registration.agreement import agreement, require_sound_trajectory
+from certreg.problem.support import Cell, Verb, refusal
+from certreg.registration.agreement import Agreement, agreement, require_sound_trajectory
 from certreg.registration.ambiguity import equilibria_at
-from certreg.registration.covariance import pose_covariance, residual_distances, worst_residuals
-from certreg.registration.fit import fit_of
+from certreg.registration.covariance import (
+    PoseCovariance,
+    Residual,
+    pose_covariance,
+    residual_distances,
+    worst_residuals,
+)
+from certreg.registration.fit import Fit, fit_of
 from certreg.registration.optimum import optimal_pose
 from certreg.registration.result import Method, PoseWorth, Solution
-from certreg.registration.simulation import final_state, simulated_motion
+from certreg.registration.simulation import SimulatedMotion, final_state, simulated_motion
 from certreg.registration.squares import NOT_CERTIFIED, SquaresProver
-from certreg.relaxation.shor import relax
+from certreg.relaxation.shor import Relaxation, relax
 from certreg.results import Absent
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
     from fractions import Fraction
 
-    from certreg.certificate.bounds import ExactPose, PoseBounds
     from certreg.certificate.envelope import Certificate
-    from certreg.certificate.isotropic import RotationState
-    from certreg.dynamics.integrators import SimulationSettings
     from certreg.equilibrium.equilibrium_set import EquilibriumSet
     from certreg.problem.moments import ExactMoments
     from certreg.problem.problem import RegistrationProblem
-    from certreg.problem.support import Cell
-    from certreg.registration.agreement import Agreement
-    from certreg.registration.covariance import PoseCovariance, Residual
-    from certreg.registration.fit import Fit
     from certreg.registration.pipeline import Asked, Work
     from certreg.registration.result import ResidualBlock
     from certreg.registration.robustness import Robustness
     from certreg.registration.row_names import RowNames
-    from certreg.registration.simulation import SimulatedMotion
-    from certreg.relaxation.shor import Relaxation
 
 
 LOG = logging.getLogger(__name__)

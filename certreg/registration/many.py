@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING, Any, Literal, cast, overload
 
-from certreg.certificate.many import certificates_of
+from certreg.certificate.many import Certificates, certificates_of
 from certreg.errors import CertregError, InvalidProblemError
 from certreg.problem.many import ManyPairs
 from certreg.registration.certification import certify
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
-
-    from certreg.certificate.many import Certificates
     from certreg.problem.problem import RegistrationProblem
     from certreg.registration.result import Registration
 

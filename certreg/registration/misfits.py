@@ -44,7 +44,7 @@ from certreg.exact.elimination import rank
 from certreg.geometry.so3 import squared_norm
 from certreg.problem.bounds import MOST_PAIRS
 from certreg.problem.moments import trace
-from certreg.registration.outlying import PAIRINGS, ROUNDING
+from certreg.registration.outlying import PAIRINGS, ROUNDING, OtherPairing, RowFit
 from certreg.registration.tail_probabilities import log_beta_below, log_choices, log_ratio_below
 from certreg.registration.units import UNITS
 from certreg.results import Brief
@@ -52,7 +52,6 @@ from certreg.results import Brief
 if TYPE_CHECKING:
     from certreg.objective.isotropic import Isotropic
     from certreg.problem.motion import Motion
-    from certreg.registration.outlying import OtherPairing, RowFit
     from certreg.registration.row_names import RowNames
 
 LEVEL = 1e-6  # of each test; a hundredth of what is promised, for what is not linear

@@ -8,6 +8,7 @@ nothing is decided.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -19,7 +20,6 @@ from certreg.registration.curvature import slope_and_curvature
 from certreg.relaxation.refining import refined
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
     from fractions import Fraction
 
     from certreg.objective.normalisation import LevelledExactly

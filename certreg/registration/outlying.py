@@ -7,6 +7,7 @@ pose and every set of rows, however they were found.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
@@ -24,7 +25,6 @@ from certreg.registration.covariance import (
 from certreg.registration.motions import RigidMotion, WeightedPairs
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
     from fractions import Fraction
 
     from numpy.typing import NDArray

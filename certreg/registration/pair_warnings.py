@@ -8,6 +8,7 @@ measured, when to say it is a choice.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from certreg.problem.bounds import LEAST_PAIRS
@@ -23,8 +24,6 @@ from certreg.registration.pair_words import bound_share, bound_words
 from certreg.results import Optimality
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from certreg.problem.problem import RegistrationProblem
     from certreg.registration.result import Registration
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -11,8 +12,6 @@ from certreg.exact.decimals import as_given, at_least, at_most
 from certreg.problem.bounds import narrow_cloud
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from numpy.typing import NDArray
 
     from certreg.certificate.producing_consensus import ProvedConsensus

@@ -9,20 +9,18 @@ from __future__ import annotations
 
 import time
 from abc import ABC, abstractmethod
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeVar
 
 from certreg.native.loops import Integrator
 from certreg.registration.progress import logged
-from certreg.results import Absent, Limits
+from certreg.results import Absent, Limits, Verdict
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from certreg.dynamics.integrators import SimulationSettings
     from certreg.problem.problem import RegistrationProblem
     from certreg.problem.support import Cell
-    from certreg.results import Verdict
 
     Provers = tuple[Callable[[], "Prover[Any, Any, Any]"], ...]
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, TypeGuard
 
 from certreg.errors import InvalidProblemError
@@ -13,8 +14,6 @@ from certreg.problem.support import Cell, Loss, Verb, require_supported
 from certreg.registration.closed_form import SpringArguments
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from numpy.typing import ArrayLike
 
 

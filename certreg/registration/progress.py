@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import itertools
 import logging
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     Progress = Callable[[int, int], object]
 
 LOG = logging.getLogger(__name__)

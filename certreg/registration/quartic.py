@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
@@ -10,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from certreg._loading import cached_property, late
 from certreg.certificate.bounds import (
     ExactPose,
+    PoseBounds,
     sin2_half_angle_between,
     spring_energy,
     spring_pose_bounds,
@@ -18,9 +20,16 @@ from certreg.exact.dyadic import half_angle_bound
 from certreg.objective.neighbourhood import Neighbourhood
 from certreg.objective.springs import Springs
 from certreg.problem.lifting import lift
-from certreg.registration.covariance import FLAT, NOT_UNIQUE, OF_SPRINGS, covariance_at
+from certreg.registration.covariance import (
+    FLAT,
+    NOT_UNIQUE,
+    OF_SPRINGS,
+    PoseCovariance,
+    Residual,
+    covariance_at,
+)
 from certreg.registration.curvature import soft_axes
-from certreg.registration.fit import spring_fit
+from certreg.registration.fit import Fit, spring_fit
 from certreg.registration.optimum import pose_at
 from certreg.registration.outlying import LISTED
 from certreg.registration.result import UNDECIDED, Method, PoseWorth, Solution
@@ -31,17 +40,12 @@ from certreg.registration.weakly_constrained import WeakShift, weak_shifts
 from certreg.results import Absent
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     import numpy as np
     from numpy.typing import NDArray
 
     from certreg.certificate import cones
-    from certreg.certificate.bounds import PoseBounds
     from certreg.geometry.pose import Pose
     from certreg.problem.problem import RegistrationProblem
-    from certreg.registration.covariance import PoseCovariance, Residual
-    from certreg.registration.fit import Fit
     from certreg.registration.pipeline import Asked, Work
     from certreg.registration.result import ResidualBlock
     from certreg.registration.row_names import RowNames

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import enum
 from abc import ABC, abstractmethod
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, Generic, NamedTuple
+from typing import TYPE_CHECKING, Any, Generic, NamedTuple, Self
 
 import numpy as np
 
@@ -14,12 +15,19 @@ from certreg.registration.exit_codes import code_of_status
 from certreg.registration.optimum import exact_pose
 from certreg.registration.robustness import NONE_PROVED, Robustness
 from certreg.registration.row_names import RowNames
-from certreg.results import Absent, Explained, Optimality, Saved, present, presenter
+from certreg.results import (
+    Absent,
+    Explained,
+    Limits,
+    Optimality,
+    Saved,
+    Verdict,
+    present,
+    presenter,
+)
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
     from fractions import Fraction
-    from typing import Self
 
     from numpy.typing import NDArray
     from typing_extensions import TypeVar
@@ -38,7 +46,6 @@ if TYPE_CHECKING:
     from certreg.registration.simulation import SimulatedMotion
     from certreg.registration.unobservable import Freedom
     from certreg.registration.weakly_constrained import WeakShift
-    from certreg.results import Limits, Verdict
 
     ResidualBlock = tuple[slice, NDArray[np.float64], NDArray[np.float64]]
     Solved_co = TypeVar("Solved_co", bound="Solution", covariant=True, default=Any)

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from certreg.certificate.radius import MOST_DEGREES
+from certreg.certificate.radius import MOST_DEGREES, Radius
 from certreg.errors import InvalidProblemError
 from certreg.exact.decimals import at_most
 from certreg.exact.dyadic import degrees_above, double_below, half_angle_bound
@@ -15,7 +15,6 @@ from certreg.results import Absent, Brief
 
 if TYPE_CHECKING:
     from certreg.certificate.isotropic import SimilarityBody
-    from certreg.certificate.radius import Radius
     from certreg.problem.moments import ExactMoments
 
 ROBUSTNESS_ANGLE = 5.0  # degrees, unless another is asked for

@@ -11,20 +11,18 @@ in its last place off if it was rounded once.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from certreg.exact.dyadic import nearest_root, power_of_two, rational_root_above
-from certreg.problem.moments import trace
+from certreg.problem.moments import ExactMoments, trace
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     import numpy as np
     from numpy.typing import NDArray
 
     from certreg.objective.isotropic import Isotropic
-    from certreg.problem.moments import ExactMoments
 
 MATRIX = (3, 3)
 UNIT = Fraction(1, 2**50)  # of a scale that is read from a matrix, or rounded once

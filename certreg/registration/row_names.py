@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, TypeVar, cast
+from typing import Any, TypeVar, cast
 
 from certreg.verify import shown
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
 
 T = TypeVar("T", str, int)
 

@@ -14,12 +14,11 @@ from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from certreg.exact.dyadic import double_above, double_below, power_of_two, rational_root_above
-from certreg.problem.moments import trace
+from certreg.problem.moments import ExactMoments, trace
 from certreg.problem.motion import Scale
 
 if TYPE_CHECKING:
     from certreg.certificate.isotropic import SimilarityBody
-    from certreg.problem.moments import ExactMoments
 
 Spreads = tuple[Fraction, Fraction, Fraction]  # M, Sxx, Syy
 Scales = tuple[Fraction, Fraction]  # the least and the largest

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import partial
@@ -11,7 +12,7 @@ from certreg._loading import cached_property, found_late, late
 from certreg.certificate.checking import check_own, require_accepted
 from certreg.certificate.isotropic import RotationState, produce
 from certreg.dynamics import simulation
-from certreg.dynamics.integrators import DEFAULT_SETTINGS
+from certreg.dynamics.integrators import DEFAULT_SETTINGS, SimulationSettings
 from certreg.dynamics.simulation import optimal_damping
 from certreg.dynamics.trajectory import Trajectory
 from certreg.exact.dyadic import nearest_double, power_of_two
@@ -25,13 +26,10 @@ from certreg.registration.problem_arguments import require_problem
 from certreg.results import OUT_OF_RANGE, Absent, Brief, Presented
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
-
     import numpy as np
     from numpy.typing import NDArray
 
     from certreg.dynamics.body import Basin
-    from certreg.dynamics.integrators import SimulationSettings
     from certreg.dynamics.valleys import BreathingBody
     from certreg.equilibrium import breathing
     from certreg.objective.springs import Springs

@@ -10,6 +10,7 @@ weights w.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING
@@ -22,8 +23,6 @@ from certreg.registration.covariance import Residual, largest
 from certreg.results import Brief
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     from numpy.typing import NDArray
 
     from certreg.geometry.pose import Pose

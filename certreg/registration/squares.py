@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -12,17 +13,14 @@ from certreg.objective.structure import Structure
 from certreg.registration.optimum import exact_pose
 from certreg.registration.pipeline import USUAL, Asked, Prover, Work, accepting
 from certreg.registration.result import Registration, Solution
-from certreg.results import OUT_OF_RANGE, Absent
+from certreg.results import OUT_OF_RANGE, Absent, Verdict
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
-
     from certreg.certificate.envelope import Certificate
     from certreg.problem.problem import RegistrationProblem
     from certreg.problem.support import Cell
     from certreg.registration.pipeline import Provers
     from certreg.registration.row_names import RowNames
-    from certreg.results import Verdict
 
 
 Proposal = TypeVar("Proposal")

@@ -7,11 +7,8 @@ most registrations do. Source: [Olver2010], 8.17.22 and 8.9.2.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from functools import lru_cache
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 CONVERGED = 1e-14  # of the last factor from one
 ROUNDING = 2.0**-53  # of 1 - p: a complement is never as small as a tail that matters

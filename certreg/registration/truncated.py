@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.certificate.truncated import truncated_certificate
+from certreg.certificate.truncated import TruncatedRotationBody, truncated_certificate
 from certreg.errors import UndecidedError
 from certreg.exact.decimals import at_least
 from certreg.geometry.so3 import rotation_matrix
@@ -28,7 +28,6 @@ if TYPE_CHECKING:
 
     from certreg.certificate.checking import CertificateVerdict
     from certreg.certificate.envelope import Certificate
-    from certreg.certificate.truncated import TruncatedRotationBody
     from certreg.registration.result import Registration
     from certreg.results import Verdict
 

@@ -8,6 +8,7 @@ every optimum is moved, so that it is not the only one.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import combinations_with_replacement
 from math import hypot
@@ -21,8 +22,6 @@ from certreg.registration.loose_turns import axes_words, axis_words
 from certreg.results import Brief
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from certreg.objective.springs import Springs
 
 AXIS = "target's axis"

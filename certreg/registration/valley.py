@@ -12,7 +12,7 @@ import numpy as np
 from certreg._loading import cached_property
 from certreg.certificate.basin import SpringState, barrier_of, basin_of_springs
 from certreg.certificate.checking import check_own, require_accepted
-from certreg.certificate.listing import springs_list_certificate
+from certreg.certificate.listing import SpringsListBody, springs_list_certificate
 from certreg.dynamics.trajectory import Trajectory
 from certreg.equilibrium.equilibrium_set import unit_double
 from certreg.equilibrium.paths import critical_lines
@@ -23,16 +23,14 @@ from certreg.registration.nearby_equilibrium import TIE, equilibrium_near
 from certreg.registration.simulation import SimulatedMotion
 from certreg.registration.unobservable import Freedom
 from certreg.registration.weakly_constrained import weak_shift_words, weak_shifts
-from certreg.relaxation.optimum import find_optimum
+from certreg.relaxation.optimum import Found, find_optimum
 from certreg.results import Ruling, Verdict
 
 if TYPE_CHECKING:
     from certreg.certificate.envelope import Certificate
-    from certreg.certificate.listing import SpringsListBody
     from certreg.dynamics.valleys import SprungBody
     from certreg.native.layout import Records
     from certreg.objective.springs import Springs
-    from certreg.relaxation.optimum import Found
 
 
 NEAR = 0.01  # radians: a body at rest is within a thousandth of its equilibrium, unless it is weak

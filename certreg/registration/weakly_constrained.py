@@ -13,6 +13,7 @@ each move the optimum along an eigenvector of S by e over that share, at most.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING
@@ -27,8 +28,6 @@ from certreg.registration.loose_turns import axes_words
 from certreg.results import Brief
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from numpy.typing import NDArray
 
     from certreg.objective.springs import Springs

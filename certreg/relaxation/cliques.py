@@ -7,6 +7,7 @@ where poses with many rows begin.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -16,8 +17,6 @@ from certreg.native.bitset_graph import BitRows, Thinned, agreeing, rows_of
 from certreg.native.cliques import Enumeration, greedy_clique, triangles
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     from certreg.relaxation.paired_rows import PairedRows, Rows
 
 FIT_STEPS = 32  # of an enumeration, and two a row: what it takes to see whether a clique fits

@@ -8,6 +8,7 @@ state from solve to solve. What the solver complains of becomes a status here an
 from __future__ import annotations
 
 import enum
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
 from importlib.metadata import version
@@ -18,15 +19,12 @@ import numpy as np
 from certreg._loading import library
 from certreg.errors import MissingToolError
 from certreg.geometry.so3 import canonical
-from certreg.relaxation.cones import NEED, cones_of
+from certreg.relaxation.cones import NEED, Cones, cones_of
 from certreg.results import Brief
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from numpy.typing import NDArray
 
-    from certreg.relaxation.cones import Cones
 
 SOLVER = "Clarabel"
 # How far the solver goes. Data are scaled so that the largest entry is near 1.

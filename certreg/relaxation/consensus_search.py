@@ -16,6 +16,7 @@ is known. What is found is fitted with its scale.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from itertools import islice
 from typing import TYPE_CHECKING
@@ -37,8 +38,6 @@ from certreg.relaxation.similarity_fit import Similar, SimilarRows
 from certreg.relaxation.truncated_squares import Candidate, candidate_of, truncated_fit
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     from certreg.relaxation.paired_rows import PairedRows, Reals, Rows
 
 

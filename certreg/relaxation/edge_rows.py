@@ -8,6 +8,7 @@ largest: above 1 the rows do not fit. Source: [Lawson1961].
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from itertools import combinations
 from typing import TYPE_CHECKING
@@ -18,8 +19,6 @@ from certreg.native.lawson import LawsonColumns
 from certreg.relaxation.paired_rows import Poses, fitted, squared_ratios
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
-
     from numpy.typing import NDArray
 
     from certreg.relaxation.paired_rows import PairedRows, Reals

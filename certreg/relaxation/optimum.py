@@ -9,31 +9,26 @@ says what it is worth.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.equilibrium.paths import PathsOutcome, critical_lines
-from certreg.equilibrium.quartics import FloatingQuartic, descended
+from certreg.equilibrium.paths import CriticalLines, PathsOutcome, critical_lines
+from certreg.equilibrium.quartics import FloatingQuartic, QuarticDescent, descended
 from certreg.geometry.so3 import squared_norm
-from certreg.objective.normalisation import levelled_exactly
-from certreg.relaxation.quartic import relax_quartic
+from certreg.objective.normalisation import LevelledExactly, levelled_exactly
+from certreg.relaxation.quartic import QuarticRelaxation, relax_quartic
 from certreg.relaxation.refining import POSE_BITS, newton, refined
 from certreg.results import Brief
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from numpy.typing import NDArray
 
-    from certreg.equilibrium.paths import CriticalLines
-    from certreg.equilibrium.quartics import QuarticDescent
     from certreg.exact.spaces import IntegerQuaternion
-    from certreg.objective.normalisation import LevelledExactly
     from certreg.objective.springs import Springs
-    from certreg.relaxation.quartic import QuarticRelaxation
 
     Reals = NDArray[np.float64]
 

@@ -13,8 +13,9 @@ quadratics and the objective of the rotation form are twice what they are named 
 from __future__ import annotations
 
 import enum
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Generic
+from typing import Any, Generic
 
 from certreg.geometry.constraints import (
     ROTATION_SIZE,
@@ -24,9 +25,6 @@ from certreg.geometry.constraints import (
     symmetric,
 )
 from certreg.geometry.so3 import T, davenport_matrix
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
 
 QUATERNION_SIZE = 4
 

@@ -6,8 +6,8 @@ either side of the truth, so they bound nothing; a certificate makes a proved bo
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,10 +16,6 @@ from certreg.objective.normalisation import levelled
 from certreg.objective.quartics import PAIR_PLACE
 from certreg.relaxation.conic import SolvedRelaxation, rank_and_quaternion, solve, solver_name
 from certreg.relaxation.cvxpy_models import quartic_statement, solve_stated, stated_name
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
 
 Reals = NDArray[np.float64]
 

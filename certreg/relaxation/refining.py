@@ -8,19 +8,17 @@ each step of the same Hessian adds as many. One or two make 96 bits of what doub
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.geometry.so3 import body_frame, dot
+from certreg.geometry.so3 import Matrix3, Vector3, body_frame, dot
 from certreg.native.paths import critical_point_near
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from certreg.exact.spaces import IntegerQuaternion
-    from certreg.geometry.so3 import Matrix3, Vector3
     from certreg.objective.normalisation import LevelledExactly
 
 POSE_BITS = 96  # of the quaternion: far below what is proved of its angle

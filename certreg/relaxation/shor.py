@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from certreg.exact.dyadic import power_of_two
-from certreg.geometry.so3 import quaternion_from_matrix
+from certreg.geometry.so3 import Matrix3, quaternion_from_matrix
 from certreg.relaxation.conic import (
     ConicSolution,
     RelaxationStatus,
@@ -30,7 +30,6 @@ from certreg.relaxation.qcqp import RelaxationForm
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from certreg.geometry.so3 import Matrix3
     from certreg.objective.isotropic import Isotropic
 
 

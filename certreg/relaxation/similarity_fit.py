@@ -13,13 +13,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.relaxation.paired_rows import FAR, Poses, fitted, paired_rows
+from certreg.relaxation.paired_rows import FAR, PairedRows, Poses, fitted, paired_rows
 from certreg.relaxation.truncated_squares import graduated
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
-
-    from certreg.relaxation.paired_rows import PairedRows
 
     Reals = NDArray[np.float64]
 

@@ -8,6 +8,7 @@ than four of five pairs are wrong. Source: [Yang2020GNC].
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeVar
 
@@ -16,8 +17,6 @@ import numpy as np
 from certreg.relaxation.paired_rows import fitted, squared_ratios
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from numpy.typing import NDArray
 
     from certreg.relaxation.paired_rows import PairedRows, Poses, Reals

@@ -6,6 +6,7 @@ import base64
 import hashlib
 import shlex
 from abc import ABC, abstractmethod
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from importlib.resources import files
 from typing import TYPE_CHECKING, Any, Generic, Self, TypeVar
@@ -16,8 +17,6 @@ from certreg.report.sentences import THEOREMS, begun, sentence
 from certreg.report.viewer import Names
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
-
     from certreg.certificate.envelope import Certificate
     from certreg.registration.result import Registration
     from certreg.results import Verdict

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -17,19 +18,16 @@ from certreg.report.lines import (
 )
 from certreg.report.markup import printable, rendered
 from certreg.report.parts import listed
-from certreg.report.picture import registration_picture
+from certreg.report.picture import Picture, registration_picture
 from certreg.report.remedies import ADVICE, remedies
 from certreg.report.springs import springs_words
 from certreg.report.uncertainty import uncertainty_rows
 from certreg.results import Brief
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-
     from certreg.certificate.checking import CertificateVerdict
     from certreg.registration.assessed import Assessment
     from certreg.registration.result import Registration
-    from certreg.report.picture import Picture
 
 
 GREEN, AMBER = "#1f8d3e", "#bd5f00"  # 4.2 : 1 on white and on #131416, as a page is in the dark

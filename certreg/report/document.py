@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Sequence
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from certreg.exact.dyadic import double_above, double_below, nearest_double
 from certreg.registration.quartic import NOT_LISTED, NOT_SIMULATED, QuarticSolution
-from certreg.registration.result import UNDECIDED, Method
+from certreg.registration.result import UNDECIDED, Method, Registration
 from certreg.report.encoding import Document, encoded
 from certreg.report.equilibria import rests_beside
 from certreg.report.equilibrium_fields import NO_EIGENVALUES, margin_fields
@@ -28,10 +29,7 @@ from certreg.report.uncertainty import uncertainty_rows
 from certreg.results import OUT_OF_RANGE, Absent
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from certreg.certificate.squares import SpringsSosBody
-    from certreg.registration.result import Registration
 
 
 RESULT_SCHEMA = "certreg-result/1"

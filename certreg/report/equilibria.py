@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -18,8 +19,6 @@ from certreg.report.scale import rests_of
 from certreg.results import Brief, ComponentKind, Guarantee
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
     from certreg.equilibrium import line_set
     from certreg.equilibrium.breathing import BreathingEquilibria
     from certreg.equilibrium.equilibrium_set import Component, EquilibriumSet

@@ -3,26 +3,23 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from certreg.exact.dyadic import degrees_above, double_above, double_below
 from certreg.registration.headlines import is_loose
-from certreg.registration.result import UNDECIDED
-from certreg.report.encoding import Noted
+from certreg.registration.result import UNDECIDED, Registration
+from certreg.report.encoding import Document, Noted
 from certreg.report.scale import scale_of
 from certreg.report.uncertainty import covariance_of, more_than_noise, shift_sigmas, turn_sigmas
 from certreg.results import OUT_OF_RANGE, Absent
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
-
     from certreg.certificate.isotropic import SimilarityClaims
     from certreg.registration.fit import Fit, FitRow
     from certreg.registration.misfits import FitWarning
-    from certreg.registration.result import Registration
-    from certreg.report.encoding import Document
 
 
 TURNED = Absent("without a translation the source's mean goes where the rotation takes it")

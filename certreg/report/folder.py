@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
@@ -28,9 +30,6 @@ from certreg.report.residual_table import residual_table
 from certreg.verify import INLINE_MAX
 
 if TYPE_CHECKING:
-    import os
-    from collections.abc import Iterator, Sequence
-
     from certreg.registration.labelled import LabelledRegistration
     from certreg.registration.result import Registration
 

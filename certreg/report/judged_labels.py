@@ -2,19 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, cast
+from collections.abc import Iterator
+from typing import cast
 
-from certreg.registration.label_assessment import LabelsVerdict
+from certreg.registration.label_assessment import KeptPairs, LabelsVerdict, TruncatedLabels
 from certreg.report.cards import Card
 from certreg.report.encoding import Document, encoded
 from certreg.report.pairs import pair_facts
 from certreg.results import Absent, present
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from certreg.registration.label_assessment import KeptPairs, TruncatedLabels
-
 
 LABELS_SCHEMA = "certreg-labels/1"
 TRUNCATED_SCHEMA = "certreg-truncated-labels/1"

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import TYPE_CHECKING, TypeVar
 
 from certreg.exact.decimals import at_most
 from certreg.exact.dyadic import rational_root_above
-from certreg.registration.findings import FIT_WARNED
+from certreg.registration.findings import FIT_WARNED, JudgedEnergies, SigmaDistance
 from certreg.registration.headlines import degrees_words, interval_words
 from certreg.registration.loose_turns import TooLarge
 from certreg.report.encoding import Document, encoded
@@ -19,10 +20,7 @@ from certreg.report.uncertainty import known
 from certreg.results import OUT_OF_RANGE, Absent, PoseVerdict
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from certreg.registration.assessed import Assessment
-    from certreg.registration.findings import JudgedEnergies, SigmaDistance
     from certreg.registration.scaled_poses import GapParts
 
 

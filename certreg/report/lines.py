@@ -7,7 +7,7 @@ from decimal import MAX_EMAX, MIN_EMIN, Context, Decimal
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from certreg.certificate.bounds import flat_energy
+from certreg.certificate.bounds import PoseBounds, flat_energy
 from certreg.exact.decimals import as_given, at_most
 from certreg.exact.dyadic import nearest_double
 from certreg.registration.ambiguity import ambiguous_words, narrow_words
@@ -30,7 +30,6 @@ from certreg.report.uncertainty import uncertainty_rows
 from certreg.results import Absent, Limits, Optimality
 
 if TYPE_CHECKING:
-    from certreg.certificate.bounds import PoseBounds
     from certreg.dynamics.trajectory import Trajectory
     from certreg.equilibrium.equilibrium_set import EquilibriumSet
     from certreg.registration.fit import Fit

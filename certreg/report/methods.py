@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from certreg.equilibrium.methods import FINDERS
+from certreg.equilibrium.methods import FINDERS, Comparison, Search
 from certreg.exact.decimals import at_most
 from certreg.exact.dyadic import nearest_double
 from certreg.objective.structure import Structure
@@ -15,10 +16,7 @@ from certreg.report.equilibrium_fields import NO_PATTERN
 from certreg.results import OUT_OF_RANGE, Absent, ComponentKind, Guarantee
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
-
     from certreg.equilibrium.critical_set import CriticalSet
-    from certreg.equilibrium.methods import Comparison, Search
     from certreg.registration.enumeration import Enumeration
 
 

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from certreg.exact.decimals import as_given, at_least, at_most
-from certreg.registration.fit import silent_tests
+from certreg.registration.fit import Fit, silent_tests
 from certreg.registration.headlines import headline_of, headline_words, proved_degrees, share_words
 from certreg.registration.misfits import FitCode
 from certreg.report.fields import scale_interval
@@ -29,9 +30,6 @@ from certreg.report.uncertainty import chi2_words
 from certreg.results import Absent, Optimality, present
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from certreg.registration.fit import Fit
     from certreg.registration.result import Registration
 
 

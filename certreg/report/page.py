@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from certreg._loading import late
 from certreg.registration.ambiguity import ambiguous_words
-from certreg.registration.headlines import WEAK, headline_of, is_green
+from certreg.registration.headlines import WEAK, Headline, headline_of, is_green
 from certreg.registration.result import Registration
 from certreg.report.any_report import GUARANTEE_WORDS, AnyReport, head_of
 from certreg.report.lines import verdict_words, warnings
@@ -17,16 +18,12 @@ from certreg.report.parts import listed, sprung
 from certreg.report.remedies import remedies
 from certreg.report.scene_words import trap_words
 from certreg.report.sections import worst_section
-from certreg.report.viewer import packed, sample_of, scene_document, told_rmse, viewer_words
+from certreg.report.viewer import Names, packed, sample_of, scene_document, told_rmse, viewer_words
 from certreg.report.words import not_claimed, sentences, weak_words
 from certreg.results import Optimality
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from certreg.registration.headlines import Headline
     from certreg.report import rest_sections
-    from certreg.report.viewer import Names
 else:
     rest_sections = late("certreg.report.rest_sections")
 

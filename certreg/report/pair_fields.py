@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, cast
 
 from certreg.report.document import WORST, result_document
@@ -11,8 +12,6 @@ from certreg.report.parts import labelled
 from certreg.results import Absent
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from certreg.registration.labelled import (
         ConsensusRegistration,
         LabelledRegistration,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -33,14 +34,12 @@ from certreg.report.pairs import (
 )
 from certreg.report.pose_facts import Fact
 from certreg.report.remedies import causes, remedies
-from certreg.report.sections import Section, rows_table
+from certreg.report.sections import Section, Table, rows_table
 from certreg.report.sentences import Sentence, begun, sentence
 from certreg.report.words import RESTS_ON
 from certreg.results import Absent, Guarantee, present
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
-
     from numpy.typing import NDArray
 
     from certreg.registration.labelled import (
@@ -49,7 +48,6 @@ if TYPE_CHECKING:
         TruncatedRegistration,
     )
     from certreg.registration.result import Registration
-    from certreg.report.sections import Table
     from certreg.report.viewer import Names
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -10,7 +11,7 @@ from certreg.certificate.bounds import ExactPose, angle_from
 from certreg.exact.decimals import as_given, at_most
 from certreg.exact.dyadic import degrees_above
 from certreg.problem.support import Loss
-from certreg.registration.misfits import FitCode
+from certreg.registration.misfits import FitCode, FitWarning
 from certreg.registration.pair_words import bound_words, ranges_words
 from certreg.report.cards import Card
 from certreg.report.lines import (
@@ -31,13 +32,11 @@ from certreg.report.springs import springs_words
 from certreg.results import Absent, Limits, present
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Sequence
     from fractions import Fraction
 
     from certreg.geometry.pose import Pose
     from certreg.geometry.similarity import Similarity
     from certreg.registration.labelled import ConsensusRegistration, LabelledRegistration
-    from certreg.registration.misfits import FitWarning
     from certreg.registration.result import Registration
 
     Facts = Iterator[tuple[str, str]]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -26,8 +27,6 @@ from certreg.report.uncertainty import (
 from certreg.results import Absent, present
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     from certreg.registration import scaled_poses
     from certreg.registration.covariance import PoseCovariance
     from certreg.registration.result import Registration

@@ -6,6 +6,7 @@ and functions are loaded when they are called for: a process shows results of on
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,8 +18,6 @@ from certreg.io.atomic import write_atomically
 from certreg.verify import shown
 
 if TYPE_CHECKING:
-    import os
-
     from certreg.registration.result import Registration
     from certreg.report import folder as registration_folder
     from certreg.report import pages, plotting

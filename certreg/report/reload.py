@@ -7,6 +7,8 @@ certificate given proves, be it less than certreg would prove.
 
 from __future__ import annotations
 
+import os
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from pathlib import Path
@@ -33,9 +35,6 @@ from certreg.report.pair_page import PairsReport
 from certreg.verify import FILE_MAX, Clouds, shown
 
 if TYPE_CHECKING:
-    import os
-    from collections.abc import Callable, Mapping
-
     from numpy.typing import NDArray
 
     from certreg.certificate.bounds import PoseBounds

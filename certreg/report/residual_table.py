@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,8 +13,6 @@ from certreg.io.labels import csv_field
 from certreg.registration.row_names import RowNames
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     from certreg.registration.result import Registration
 
 

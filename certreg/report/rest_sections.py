@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -20,6 +21,7 @@ from certreg.report.parts import listed, sprung
 from certreg.report.picture import (
     CLOUDS,
     ON_PAGE,
+    Picture,
     energy_picture,
     registration_picture,
     scale_picture,
@@ -34,12 +36,9 @@ from certreg.report.simulation import motion_beside
 from certreg.results import Absent, Guarantee
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-
     from certreg.registration import equilibria
     from certreg.registration.equilibria import SpringEquilibrium
     from certreg.registration.result import Registration
-    from certreg.report.picture import Picture
 else:
     equilibria = late("certreg.registration.equilibria")
 

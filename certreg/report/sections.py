@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from certreg.report.lines import number
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from certreg.registration.result import Registration
     from certreg.report.picture import Picture
     from certreg.report.pose_facts import Fact

@@ -3,11 +3,17 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from certreg.native.loops import Kind
-from certreg.registration.simulation import SimulatedRegistration, proved_end
+from certreg.registration.simulation import (
+    SimulatedBreathing,
+    SimulatedMotion,
+    SimulatedRegistration,
+    proved_end,
+)
 from certreg.report.cards import Card
 from certreg.report.encoding import Document, encoded
 from certreg.report.lines import away_words, number, rate_words, step_words
@@ -16,10 +22,7 @@ from certreg.report.thinning import unspent_words
 from certreg.results import OUT_OF_RANGE, Absent, Brief, present
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
-
     from certreg.registration.result import Registration
-    from certreg.registration.simulation import SimulatedBreathing, SimulatedMotion
     from certreg.registration.valley import SimulatedSprings
 
 

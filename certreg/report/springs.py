@@ -7,14 +7,13 @@ from typing import TYPE_CHECKING
 
 from certreg.exact.dyadic import nearest_or_zero
 from certreg.registration.loose_turns import axis_words
-from certreg.registration.result import Method
+from certreg.registration.result import Method, Registration
 from certreg.registration.weakly_constrained import weak_shift_words
 from certreg.report.parts import sprung
 from certreg.results import Absent
 
 if TYPE_CHECKING:
     from certreg.registration.quartic import QuarticSolution
-    from certreg.registration.result import Registration
 
 NAMES = {
     "plane": "planes",

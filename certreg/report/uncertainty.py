@@ -7,26 +7,24 @@ derivations.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
 from certreg.exact.decimals import as_given, at_most
 from certreg.exact.dyadic import nearest_or_zero, sigma_of_weight
-from certreg.registration.covariance import NO_RESIDUALS
+from certreg.registration.covariance import NO_RESIDUALS, PoseCovariance
 from certreg.registration.loose_turns import axis_words, beyond_first_order
 from certreg.registration.misfits import FitCode
 from certreg.report.scale import scale_of
 from certreg.results import Absent, present
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from numpy.typing import NDArray
 
     from certreg.geometry.pose import Pose
     from certreg.geometry.similarity import Similarity
-    from certreg.registration.covariance import PoseCovariance
     from certreg.registration.fit import Fit
     from certreg.registration.result import Registration
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
@@ -11,7 +12,7 @@ from certreg.certificate.bounds import sin2_half_angle_between
 from certreg.exact.decimals import at_least, at_most
 from certreg.exact.dyadic import degrees_above, half_angle_bound, rational_root_above
 from certreg.registration.headlines import proved_degrees
-from certreg.registration.result import Method
+from certreg.registration.result import Method, Registration
 from certreg.report.equilibria import count_words, inside_out_words, scaled_count_words
 from certreg.report.fields import scale_interval
 from certreg.report.lines import bounds_nothing, margin_words
@@ -25,12 +26,9 @@ from certreg.report.springs import few_words, how_words, relaxation_words, soft_
 from certreg.results import Absent, ComponentKind, Guarantee
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     from certreg.certificate.isotropic import Claims, IsotropicBody
     from certreg.registration.agreement import Agreement
     from certreg.registration.quartic import QuarticSolution
-    from certreg.registration.result import Registration
     from certreg.report import simulation
     from certreg.report.rest_sections import Listed
 else:

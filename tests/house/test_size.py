@@ -14,8 +14,8 @@ from syntax import nodes
 import certreg
 
 PACKAGE = Path(certreg.__file__).parent
-MOST_STATEMENTS = 34_947
-MOST_FILES = 338
+MOST_STATEMENTS = 33_922
+MOST_FILES = 317
 
 
 def written() -> list[Path]:

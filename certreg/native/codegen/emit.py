@@ -10,17 +10,12 @@ from __future__ import annotations
 
 import json
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from certreg.native.codegen.records import layout_files
-from certreg.native.codegen.translate import casadi_function
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from certreg.native.codegen.records import RecordLayout
-    from certreg.native.codegen.translate import Definition, Port
+from certreg.native.codegen.records import RecordLayout, layout_files
+from certreg.native.codegen.translate import Definition, Port, casadi_function
 
 C_FILE, HEADER_FILE = "dynamics.c", "dynamics.h"
 

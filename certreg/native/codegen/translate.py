@@ -7,15 +7,12 @@ A module of its own: it knows SymPy and no C, and `emit` knows C and no SymPy.
 
 from __future__ import annotations
 
+from collections.abc import Generator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import reduce
 from operator import mul
-from typing import TYPE_CHECKING, Any
-
-if TYPE_CHECKING:
-    from collections.abc import Generator, Sequence
-
+from typing import Any
 
 _Signed = tuple[Any, Any]  # whether it is to be subtracted, and a CasADi expression
 
