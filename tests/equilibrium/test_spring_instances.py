@@ -13,11 +13,13 @@ import spring_families
 from scipy.optimize import least_squares
 
 import certreg
-from certreg import solve_many_springs
+from certreg import RegistrationProblem, solve_many_springs
 from certreg.equilibrium.equilibrium_set import unit_double
+from certreg.equilibrium.methods import search
 from certreg.equilibrium.paths import PathsOutcome
 from certreg.errors import InvalidProblemError
 from certreg.geometry.so3 import rotation_matrix
+from certreg.objective.springs import Springs
 from certreg.results import Guarantee
 
 EACH = 2  # problems of a family
@@ -34,6 +36,34 @@ def arrays(made) -> tuple[Any, Any, dict[str, Any]]:
 @functools.cache
 def instances(cell):
     return [spring_families.instance(cell, seed) for seed in range(EACH)]
+
+
+def listed_alone(one) -> Any:
+    """The proved list of one instance, by itself."""
+    problem = RegistrationProblem(one.source, one.target, **one.springs)
+    return search(Springs.of(problem), "homotopy").critical
+
+
+@pytest.mark.one_in(4)
+@pytest.mark.parametrize("cell", CELLS, ids=map(str, CELLS))
+def test_many_have_the_equilibria_that_each_has_by_itself(cell):
+    source, target, springs = arrays(instances(cell))
+
+    found = solve_many_springs(source, target, **springs)
+
+    for k, one in enumerate(instances(cell)):
+        alone = listed_alone(one)
+        here = slice(found.counts[k])
+        assert found.outcomes[k] is PathsOutcome.FOUND
+        assert list(alone.indices) == found.indices[k, here].tolist()
+        energies = np.array([float(part.value) for part in alone.components])
+        assert np.abs(found.energies[k, here] - energies).max() < 1e-12 * np.ptp(energies)
+        quaternions = np.array([unit_double(part.quaternion) for part in alone.components])
+        overlaps = np.abs(quaternions @ found.quaternions[k, here].T)
+        assert np.abs(overlaps.max(axis=1) - 1.0).max() < 1e-14  # in any order: energies may tie
+    assert not found.decided.any()
+    assert found.guarantee is Guarantee.NUMERICAL
+    assert np.isnan(found.energies[found.indices == -1]).all()
 
 
 def turned(start, turn):

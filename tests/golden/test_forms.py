@@ -93,7 +93,7 @@ def modules() -> dict[str, str]:
 def told() -> str:
     """All records, and the literals of all tests of these wings and of the commands."""
     records = "\n".join(path.read_text("utf-8") for path in (HERE / "records").glob("*.txt"))
-    tests = (path for wing in (*WINGS, "cli") for path in (HERE.parent / wing).glob("*.py"))
+    tests = (path for wing in (*WINGS, "cli", "laws") for path in (HERE.parent / wing).glob("*.py"))
     asserted = "\n".join(path.read_text("utf-8") for path in tests).replace("\\", "")
     joined = re.sub(r'"\s*\n\s*r?f?"', "", asserted)
     return plain(f"{records}\n{joined}")

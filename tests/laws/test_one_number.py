@@ -56,6 +56,8 @@ def test_the_document_holds_the_attributes_and_has_the_form_of_its_schema(one: S
     if one.cell.loss is not Loss.SQUARES:
         assert document[one.cell.loss.value]["labels"] == list(result.labels)
         assert document[one.cell.loss.value]["headline"] == result.headline
+    else:
+        assert result.stated("labels").reason == "all pairs count: none is labelled"
 
 
 PRESENT = ("problem", "pose", "fit", "residuals", "rmse", "objective", "certificate", "verdict")

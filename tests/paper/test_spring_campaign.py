@@ -16,7 +16,7 @@ from commands import certreg as run_command
 
 from certreg.campaign.store import MANIFEST, SHARDS
 from certreg.campaign.table import SUMMARY, records_bytes
-from certreg.cli import reproducing
+from certreg.cli import campaigns, reproducing
 from certreg.cli.reproducing import LARGEST_RUNS
 from certreg.errors import InvalidFileError, InvalidProblemError
 from certreg.paper import equilibrium_maps
@@ -178,7 +178,7 @@ def figures(monkeypatch) -> list[tuple[SpringCounts, ...]]:
     monkeypatch.setattr(reproducing, "write_reproduction", written)
     monkeypatch.setattr(reproducing, "spring_counts", lambda *_: IN_PROCESS)
     monkeypatch.setattr(reproducing, "SpringCampaign", partial(InPairs, cells=CELLS))
-    monkeypatch.setattr(reproducing, "workers_at", lambda _: InProcess())
+    monkeypatch.setattr(campaigns, "workers_at", lambda _: InProcess())
     return asked
 
 
