@@ -13,13 +13,21 @@ from dataclasses import dataclass
 from fractions import Fraction
 from itertools import product
 from operator import mul
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, ClassVar, Literal
 
 from certreg._loading import cached_property
-from certreg.exact.dyadic import power_of_two
+from certreg.exact.dyadic import power_of_two, quotient_or_zero
 from certreg.exact.eigenbasis import integer_eigenbasis
 from certreg.exact.spaces import IntegerQuaternion, Resolution, Space, resolved
-from certreg.geometry.so3 import Matrix4, davenport_matrix, dot, quadratic_form, squared_norm
+from certreg.geometry.so3 import (
+    Matrix4,
+    Vector3,
+    davenport_matrix,
+    dot,
+    quadratic_form,
+    rotation_matrix,
+    squared_norm,
+)
 from certreg.native.eigenbasis import FIXED_BITS, fixed_eigenbasis
 from certreg.objective.classification import Classification, Pattern, classify, with_pattern
 from certreg.objective.form import Form, Reduced, bordered
@@ -170,6 +178,51 @@ class Isotropic(Objective):
     def best_scale(self, q: Sequence[int]) -> Fraction:
         """The scale that is best at fixed rotation; 1 where it is not free."""
         return Fraction(1) if self.scaling is None else self.scaling.best(self.alignment(q))
+
+    # --- the best translation is mean(y) - s R(q) mean(x): no form is made for it
+
+    def best_translation(
+        self, q: Sequence[int], scale: Fraction | Literal[1] | None = None
+    ) -> Vector3[Fraction]:
+        """As the base has it."""
+        stretch = self.best_scale(q) if scale is None else scale
+        (x, y, z), up, over = self._best_translation(q, stretch)
+        return Fraction(x * up, over), Fraction(y * up, over), Fraction(z * up, over)
+
+    def rounded_translation(
+        self, q: Sequence[int], scale: Fraction | Literal[1] = 1
+    ) -> list[float]:
+        """As the base has it."""
+        entries, up, over = self._best_translation(q, scale)
+        return [quotient_or_zero(entry * up, over) for entry in entries]
+
+    def translation_energy(
+        self, q: Sequence[int], translation: Sequence[Fraction], scale: Fraction | Literal[1] = 1
+    ) -> Fraction:
+        """M |t - best t|^2, at a scale: what a translation adds to sum w |y - s R x - t|^2."""
+        best, up, down = self._best_translation(q, scale)
+        over = math.lcm(down, *[entry.denominator for entry in translation])
+        worth, weight = up * (over // down), self.moments.total_weight
+        offset = [
+            entry.numerator * (over // entry.denominator) - own * worth
+            for entry, own in zip(translation, best, strict=True)
+        ]
+        return Fraction(squared_norm(offset) * weight.numerator, over**2 * weight.denominator)
+
+    def _best_translation(
+        self, q: Sequence[int], scale: Fraction | Literal[1]
+    ) -> tuple[list[int], int, int]:
+        """The best one in integers; what one of them is worth is the quotient of the last two."""
+        moments, norm = self.moments, squared_norm(q)
+        stretch, over = scale.numerator, scale.denominator
+        rotated = [dot(row, moments.source_sum) for row in rotation_matrix(q)]
+        a, b = moments.source_exponent, moments.target_exponent
+        common = min(a, b)
+        entries = [
+            (end * norm * over << (b - common)) - (moved * stretch << (a - common))
+            for end, moved in zip(moments.target_sum, rotated, strict=True)
+        ]
+        return entries, 1 << max(common, 0), moments.mass * norm * over << max(-common, 0)
 
     # --- energies of single poses, exactly
 

@@ -108,6 +108,11 @@ def test_the_quartic_of_the_form_is_that_of_one_weight_per_pair(specimen: Specim
             assert forms.gradient(quartic, q) == objective.gradient(q)
             assert forms.hessian(quartic, q) == objective.hessian(q)
             assert form.best_translation(r, norm) == objective.best_translation(q)
+            rounded = [float(entry) for entry in objective.best_translation(q)]
+            assert objective.rounded_translation(q) == rounded
+            off = (Fraction(1, 3), Fraction(-2), Fraction(5, 7))
+            more = form.translation_energy(off, r, norm)
+            assert objective.translation_energy(q, off) == more
 
 
 @pytest.mark.parametrize("motion", MOTIONS)
