@@ -47,8 +47,8 @@ from certreg.registration.exit_codes import (
     NOT_UNIQUE,
     REFUSED,
     FitDemands,
+    code_of_demands,
     code_of_error,
-    worst,
 )
 from certreg.registration.simulation import optimally_damped
 from certreg.report.document import ERROR_SCHEMA, error_document
@@ -177,10 +177,11 @@ class PairCampaign(Kind):
             entry: dict[str, Any] = json.loads(line)
             registered = entry["schema"] != ERROR_SCHEMA
             warned = registered and bool(entry["fit"]["warnings"])
-            if not registered or not self.demands.unmet(entry["rmse"], warned=warned):
+            unmet = self.demands.unmet(entry["rmse"], warned=warned) if registered else []
+            if not unmet:
                 yield line, entry
                 continue
-            entry["exit_code"] = worst([entry["exit_code"], NOT_CERTIFIED])
+            entry["exit_code"] = code_of_demands(entry["exit_code"], unmet)
             yield _line(entry), entry
 
     def files(self, content: bytes) -> dict[str, str]:

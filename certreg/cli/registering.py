@@ -26,7 +26,7 @@ from certreg.cli.writing import WritingCommand
 from certreg.cli.wrong_pairs import WrongPairs, consensus_options
 from certreg.registration.certification import certify as certified
 from certreg.registration.examples import STORIES, differences, tell
-from certreg.registration.exit_codes import DONE, NOT_CERTIFIED, REFUSED, FitDemands, worst
+from certreg.registration.exit_codes import DONE, REFUSED, FitDemands, code_of_demands
 from certreg.registration.robustness import ROBUSTNESS_ANGLE
 from certreg.report.file_names import FILES, REPORT
 from certreg.report.markup import printable
@@ -123,7 +123,7 @@ def certify(
     unmet = demands.unmet(result.rmse, warned=warned)
     for words in unmet:
         click.echo(f"certreg: {words}: exit code 4", err=True)
-    return worst([result.exit_code, *[NOT_CERTIFIED] * bool(unmet)])
+    return code_of_demands(result.exit_code, unmet)
 
 
 def _tell_files(certificate: Path) -> None:

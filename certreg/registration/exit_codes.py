@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from certreg.errors import ContradictionError, RefusedCertificateError, UndecidedError
@@ -53,6 +53,11 @@ def _told_above(value: float, limit: float) -> str:
     """A value above a limit in six digits, or in more where these are not above it."""
     told = (f"{value:.{digits}g}" for digits in range(DIGITS, 17))
     return next((words for words in told if float(words) > limit), f"{value!r}")
+
+
+def code_of_demands(code: int, unmet: Sequence[str]) -> int:
+    """The code of a run, and 4 where something asked of its fit is not met."""
+    return worst([code, NOT_CERTIFIED]) if unmet else code
 
 
 def code_of_status(status: Optimality) -> int:
