@@ -95,13 +95,7 @@ SHAPES = (  # the light ones first: classes are loaded up to that of the result
         card=_by("cards", "assessment_card"),
     ),
     Shape(
-        of=_of("labelled", "ConsensusRegistration"),
-        words=_by("pairs", "pairs_summary"),
-        document=_by("pair_fields", "pairs_document"),
-        card=_by("pairs", "pairs_card"),
-    ),
-    Shape(
-        of=_of("labelled", "TruncatedRegistration"),
+        of=_of("labelled", "LabelledRegistration"),
         words=_by("pairs", "pairs_summary"),
         document=_by("pair_fields", "pairs_document"),
         card=_by("pairs", "pairs_card"),
