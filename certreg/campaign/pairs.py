@@ -27,7 +27,7 @@ from certreg.campaign.listing import (
     bounds_file,
     fault_of_bounds,
 )
-from certreg.campaign.runner import Kind, contents
+from certreg.campaign.runner import Campaign, contents
 from certreg.campaign.store import Manifest, current_versions, digest_of
 from certreg.campaign.table import COLUMNS, PARQUET, SUMMARY, Block, Column, write_table
 from certreg.campaign.workers import Task, TaskResult
@@ -116,7 +116,7 @@ PAIR_COLUMNS = (
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class PairCampaign(Kind):
+class PairCampaign(Campaign):
     """The pairs of a list; with certificates, if they are to be kept.
 
     limits: what must be proved of a pose to call it certified. demands: on its fit; they change

@@ -41,7 +41,7 @@ TICK = 5.0  # seconds between two counts of the workers
 MISTAKEN = f"cannot unpack non-iterable {TaskResult.__name__} object"
 
 
-class Kind(ABC):
+class Campaign(ABC):
     """What a campaign computes.
 
     Of a kind that is made of its manifest alone a shard says again whatever it said, and nothing
@@ -249,7 +249,7 @@ def _listed(versions: dict[str, str], names: list[str]) -> str:
     return ", ".join(f"{name} {versions.get(name, 'unknown')}" for name in names)
 
 
-def run(kind: Kind, folder: Path, workers: Workers, observer: Observer) -> dict[str, float]:
+def run(kind: Campaign, folder: Path, workers: Workers, observer: Observer) -> dict[str, float]:
     """Compute what the folder, occupied by this process, lacks; seconds of the workers' time.
 
     Raises what `completed` raises, and InvalidFileError where a file cannot be written.
@@ -275,7 +275,7 @@ def run(kind: Kind, folder: Path, workers: Workers, observer: Observer) -> dict[
     return dict(timings)
 
 
-def contents(kind: Kind, folder: Path) -> Iterator[bytes]:
+def contents(kind: Campaign, folder: Path) -> Iterator[bytes]:
     """The shards of a campaign that has ended, one after the other.
 
     Raises InvalidFileError where one has been lost since.
@@ -303,7 +303,7 @@ class _Kept:
     changed: dict[str, None]  # in their order
 
 
-def _kept(kind: Kind, shards: Shards, folder: Path) -> _Kept:
+def _kept(kind: Campaign, shards: Shards, folder: Path) -> _Kept:
     times: Counter[int] = Counter()
     final: set[int] = set()
     named: dict[int, set[str]] = {}

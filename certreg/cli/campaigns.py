@@ -10,7 +10,7 @@ import click
 
 from certreg.campaign.listing import read_listing
 from certreg.campaign.pairs import RESULTS, TABLES, PairCampaign, Tally, write_pair_results
-from certreg.campaign.runner import Kind, completed, in_order, run
+from certreg.campaign.runner import Campaign, completed, in_order, run
 from certreg.campaign.store import CERTIFICATES, occupied
 from certreg.campaign.table import SUMMARY, require_parquet
 from certreg.campaign.workers import Workers, workers_at
@@ -166,7 +166,7 @@ def _require_kept(campaign: PairCampaign, out: Path) -> None:
 
 @contextmanager
 def at_work(
-    campaign: Kind,
+    campaign: Campaign,
     out: Path,
     scheduler: str | None,
     *,

@@ -51,7 +51,7 @@ class _Search(ctypes.Structure):
     )
 
 
-class Enumeration:
+class CliqueEnumeration:
     """All cliques of a size, of all rows of the graph, some at a time.
 
     dear: the steps of a clique, beside those of the search.

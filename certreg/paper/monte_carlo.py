@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from certreg import __version__
-from certreg.campaign.runner import Kind, contents
+from certreg.campaign.runner import Campaign, contents
 from certreg.campaign.store import CERTIFICATES, Manifest, current_versions
 from certreg.campaign.table import Block, Column, csv_bytes, write_table
 from certreg.campaign.workers import Task, TaskResult
@@ -70,7 +70,7 @@ EXTREMES = ("margin", "rotation_error_rad", "translation_error", "half_turn_erro
 EXCEPTION_COLUMNS = ("instance", "pattern", "unstable", "certificate")
 
 
-class RandomCampaign(Kind):
+class RandomCampaign(Campaign):
     """A campaign over random instances, which are made of its manifest alone.
 
     Shards are archives of arrays.

@@ -14,7 +14,7 @@ from certreg.exact.dyadic import nearest_double, nearest_root
 from certreg.exact.eigenbasis import integer_eigenbasis
 from certreg.geometry.so3 import davenport_matrix, dot, rotation_matrix, squared_norm
 from certreg.problem.lifting import lift
-from certreg.registration.landscape import AssessmentSettings, Place, landscape_of
+from certreg.registration.landscape import AssessmentSettings, PosePlace, landscape_of
 from certreg.registration.loose_turns import LOOSE_SIGMA, TURNED_FAR, beyond_first_order
 from certreg.registration.misfits import LEVEL
 from certreg.registration.scaled_poses import GapParts, gap_parts
@@ -87,7 +87,7 @@ class Findings:
     worth: PoseWorth
     bounds: PoseBounds
     rounding_cost: Fraction
-    place: Place
+    place: PosePlace
     away: float | None
     parts: GapParts | None
 

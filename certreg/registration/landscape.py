@@ -77,7 +77,7 @@ class Rest:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Place:
+class PosePlace:
     """Where a pose is; energies exact, angles in radians.
 
     translation_energy: what the translation adds to the best one. energy_range: the scale that says
@@ -104,7 +104,7 @@ class Landscape:
 
     optimum: Callable[[Any], Sequence[int]]
     centre: Callable[[Any], Sequence[Fraction]]
-    place: Callable[[Any, ExactPose, PoseBounds, GapParts | None, AssessmentSettings], Place]
+    place: Callable[[Any, ExactPose, PoseBounds, GapParts | None, AssessmentSettings], PosePlace]
     rounding_cost: Callable[[Registration[Any], GivenPose], Fraction]
 
 
@@ -132,7 +132,7 @@ def linear_place(
     bounds: PoseBounds,
     parts: GapParts | None,
     settings: AssessmentSettings,
-) -> Place:
+) -> PosePlace:
     """Among the eigenspaces; at one whose best scale is zero no pose is."""
     del bounds
     objective, components, q = solution.objective, solution.equilibria.components, pose.quaternion
@@ -142,7 +142,7 @@ def linear_place(
     costs = shifted if parts is None else max(shifted, parts.scale)
     settled = angles[nearest] <= settings.equilibrium_angle and costs <= little(settings, scale)
     half = angles[0] / 2
-    return Place(
+    return PosePlace(
         translation_energy=shifted,
         energy_range=scale,
         away=angles[0],
@@ -192,7 +192,7 @@ def quartic_place(
     bounds: PoseBounds,
     parts: GapParts | None,
     settings: AssessmentSettings,
-) -> Place:
+) -> PosePlace:
     """Where Newton's steps lead, if that is at the pose and an equilibrium."""
     del parts
     objective, q, rest, away = solution.objective, pose.quaternion, None, None
@@ -204,7 +204,7 @@ def quartic_place(
             rest = Rest(index=near.index, angle=near.angle, here=True, worse=near.is_worse)
     if solution.unique_rotation:
         away = float(half_angle_bound(sin2_half_angle_between(solution.quaternion, q)))
-    return Place(translation_energy=shifted, energy_range=scale, away=away, rest=rest)
+    return PosePlace(translation_energy=shifted, energy_range=scale, away=away, rest=rest)
 
 
 def quartic_rounding_cost(

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from certreg.native.bitset_graph import BitRows, Thinned, agreeing, rows_of
-from certreg.native.cliques import Enumeration, greedy_clique, triangles
+from certreg.native.cliques import CliqueEnumeration, greedy_clique, triangles
 
 if TYPE_CHECKING:
     from certreg.relaxation.paired_rows import PairedRows, Rows
@@ -59,7 +59,7 @@ class CliqueSearch:
         part = near.table[np.ix_(rows, rows)]
         order = np.argsort(part.sum(axis=1), kind="stable")  # poor rows first: short branches
         part = BitRows.of_table(part[np.ix_(order, order)])
-        search = Enumeration(part, size, self.steps, FIT_STEPS + 2 * size)
+        search = CliqueEnumeration(part, size, self.steps, FIT_STEPS + 2 * size)
         while len(found := search.some(batch)):
             self.steps = search.steps
             yield rows[order[found]]

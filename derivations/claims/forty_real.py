@@ -169,7 +169,7 @@ CLAIM = Claim(
     r"$a_i > 0$ they share one energy, too. Stable ones that are spurious: claim "
     r"`stable_spurious`.",
     needs=("quaternions", "spring_translation", "quartic_relaxation"),
-    runs=("certreg.objective.springs.Springs.hessian",),
+    runs=("certreg.objective.objective.Objective.hessian",),
     used_by=("derivations.spring_counterexamples",),
     not_in_coq="All of it: the theorems in Coq are about one weight for each pair.",
 )

@@ -166,7 +166,7 @@ CLAIM = Claim(
     standard=(
         "The rotations are a closed manifold; boundaries of cells modulo 2 give its homology.",
     ),
-    runs=("certreg.objective.springs.Springs.hessian",),
+    runs=("certreg.objective.objective.Objective.hessian",),
     used_by=("certreg.equilibrium.paths.critical_lines",),
     not_in_coq="All of it: nothing in Coq speaks of topology.",
 )

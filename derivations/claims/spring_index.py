@@ -200,6 +200,6 @@ CLAIM = Claim(
         "The roots of a polynomial depend continuously on its coefficients.",
     ),
     runs=("certreg.objective.quartics.hessian", "certreg.objective.quartics.value"),
-    used_by=("certreg.objective.springs.Springs.hessian",),
+    used_by=("certreg.objective.objective.Objective.hessian",),
     not_in_coq="All of it: the theorems in Coq are about one weight for each pair.",
 )

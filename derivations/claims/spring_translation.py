@@ -208,7 +208,7 @@ CLAIM = Claim(
     needs=("translation_gap", "elimination"),
     runs=(
         "certreg.verify.CheckedSprings.of",
-        "certreg.objective.springs.Springs.translation_energy",
+        "certreg.objective.objective.Objective.translation_energy",
     ),
     used_by=("certreg.objective.springs.Springs.best_translation",),
     not_in_coq="All of it: the theorems in Coq are about one weight for each pair.",

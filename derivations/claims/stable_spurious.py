@@ -203,7 +203,7 @@ CLAIM = Claim(
     not_claimed="Anything of one weight for each pair, where every spurious equilibrium is "
     "unstable: claim `instability`. That these are all equilibria of the 18 planes.",
     needs=("quaternions", "spring_translation", "quartic_relaxation"),
-    runs=("certreg.objective.springs.Springs.hessian",),
+    runs=("certreg.objective.objective.Objective.hessian",),
     used_by=("derivations.spring_counterexamples",),
     not_in_coq="All of it: the theorems in Coq are about one weight for each pair.",
 )

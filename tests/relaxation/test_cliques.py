@@ -108,7 +108,7 @@ def test_cliques_come_in_the_same_order_and_at_the_same_price_in_c_and_in_python
         return [one.tolist() for one in search.of_size(near, ALL, 4, 50)], search.steps
 
     compiled = told()
-    monkeypatch.setattr(cliques, "Enumeration", PlainEnumeration)
+    monkeypatch.setattr(cliques, "CliqueEnumeration", PlainEnumeration)
 
     assert told() == compiled
     assert compiled[1] < 0
