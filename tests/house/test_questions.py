@@ -1,8 +1,9 @@
 """How often the code asks which kind it has: what composes does not ask.
 
 Asked is by `isinstance` or a pattern of classes of problems, results, objectives and bodies of
-certificates; by comparing with a member of an enumeration of kinds; and by an attribute that says
-the kind. The table of what is supported answers for all, and is not counted.
+certificates; by comparing with a member of an enumeration of kinds; by an attribute that says the
+kind, under whatever name; and by how many numbers a motion finds. The table of what is supported
+answers for all, and is not counted.
 """
 
 from __future__ import annotations
@@ -24,11 +25,14 @@ if TYPE_CHECKING:
 PACKAGE = Path(certreg.__file__).parent
 ANSWERS = ("problem/support.py", "verify.py")  # the table; and the checker, which shares no code
 CLASSES = re.compile(
-    r"(Problem|Registration|Body|Trajectory|Equilibria|Similarity)$|^(Isotropic|Springs)$"
+    r"(Problem|Registration|Body|Trajectory|Equilibria|Equilibrium|Similarity|Solution|Witness"
+    r"|Assessment|Labels|Motion|Pairs)$"
+    r"|^(Isotropic|Springs|Squares|Consensus|Truncated|Breaking)$"
 )
-ENUMERATIONS = {"Loss", "Scale", "Structure"}
-ATTRIBUTES = {"factors", "rotation_only", "scaled"}
-MOST = 25  # now; it only falls
+ENUMERATIONS = {"Loss", "Scale", "Structure", "Kind"}
+ATTRIBUTES = {"factors", "rotation_only", "scaled", "free", "divides", "rigid", "matrices"}
+FOUND = {"translations", "scales"}  # of a motion: whether it shifts, whether it scales
+MOST = 109  # now; it only falls
 
 
 def named(node: ast.AST) -> Iterator[str]:
@@ -59,8 +63,9 @@ def asks(node: ast.AST) -> bool:
             return any(CLASSES.search(name) for name in named(of))
         case ast.Compare(left=left, comparators=others):
             return any(map(of_a_kind, (left, *others)))
-        case ast.Attribute(attr=name, ctx=ast.Load()):
-            return name in ATTRIBUTES
+        case ast.Attribute(value=of, attr=name, ctx=ast.Load()):
+            motion = getattr(of, "attr", getattr(of, "id", None)) == "motion"
+            return name in ATTRIBUTES or (motion and name in FOUND)
         case _:
             return False
 
@@ -92,5 +97,6 @@ match body:
     case SimilarityBody(): ...
 if isinstance(problem, str) or scale == 1.0: ...
 problem.scaled = True
+if problem.motion.scales or motion.translations or scale.free or run.scales: ...
 """
-    assert sum(map(asks, nodes(text))) == 1 + 2 + 3 + 1
+    assert sum(map(asks, nodes(text))) == 1 + 2 + 3 + 1 + 3
