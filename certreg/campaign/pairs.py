@@ -286,10 +286,10 @@ def write_pair_results(kind: PairCampaign, folder: Path, *, parquet: bool) -> Ta
 
 def _row(entry: dict[str, Any]) -> dict[str, Any]:
     """What the table says of a line of results."""
-    row: dict[str, Any] = dict.fromkeys((column.name for column in PAIR_COLUMNS), None)
-    row |= {key: entry[key] for key in ("name", "place", "exit_code")}
+    row = {key: entry[key] for key in ("name", "place", "exit_code")}
     if entry["schema"] == ERROR_SCHEMA:
-        return row | {"status": "error", "error": entry["error"]["message"]}
+        nothing = dict.fromkeys((column.name for column in PAIR_COLUMNS), None)
+        return nothing | row | {"status": "error", "error": entry["error"]["message"]}
     optimality, equilibria = entry["optimality"], entry["equilibria"]
     margin = entry["margin"]
     loose, near = margin["hardly_determined"], margin["nearly_ambiguous"]
@@ -307,6 +307,7 @@ def _row(entry: dict[str, Any]) -> dict[str, Any]:
         "hardly_determined": None if loose is None else int(loose),
         "pattern": "" if equilibria is None else " ".join(map(str, equilibria["pattern"])),
         "certificate": entry["certificate"],
+        "error": None,
     }
 
 
@@ -327,10 +328,9 @@ def _labels(entry: dict[str, Any]) -> dict[str, int | None]:
     """How many labels of each kind are proved, where pairs have bounds."""
     consensus, truncated = entry.get("consensus"), entry.get("truncated")
     told: dict[str, Any] = consensus or truncated or {}
-    if not told:
-        return {}
     kinds = {"inliers": "inlier", "outliers": "outlier", "undecided": "undecided"}
-    counts = {column: told["labels"].count(word) for column, word in kinds.items()}
+    labels = told.get("labels")
+    counts = {column: labels and labels.count(word) for column, word in kinds.items()}
     return {**counts, "most_within": told.get("upper")}
 
 

@@ -23,7 +23,7 @@ from certreg.errors import InvalidFileError, InvalidProblemError
 from certreg.io.columns import LABEL
 from certreg.io.labels import text_of_field
 from certreg.io.streams import Place, is_standard_input, number, reading, refused
-from certreg.io.text import titled_rows
+from certreg.io.text import COLUMN_FORMATS, titled_rows
 from certreg.problem.arrays import as_doubles
 from certreg.problem.spring_rows import SPRING_COLUMNS, held_rows, require_not_of_source
 from certreg.results import Brief
@@ -201,7 +201,6 @@ def _taken(values: Any, kind: str, pair: Pair) -> Any:
     return array[pair.target_rows] if taken is None else taken(pair.target_rows)
 
 
-TABLES = (".csv", ".txt", ".xyz", ".asc", ".pts")
 CLOUDS: dict[str, Callable[[], Callable[..., Cloud]]] = {  # loaded when needed
     ".ply": found_late("certreg.io.ply", "parse_ply"),
     ".pcd": found_late("certreg.io.pcd", "parse_pcd"),
@@ -229,15 +228,15 @@ def read_spring_table(path: Path, kind: str) -> SpringTable:
     kind: as `RegistrationProblem` calls it. Raises InvalidFileError: file, line, remedy.
     """
     suffix = path.suffix.lower()
-    if suffix not in {".npy", *CLOUDS, *TABLES}:
-        known = ", ".join(TABLES)
+    if suffix not in {".npy", *CLOUDS, *COLUMN_FORMATS}:
+        known = ", ".join(COLUMN_FORMATS)
         raise refused(
             path, f"{kind} are read from {known} with a header, .npy, .ply or .pcd", value=suffix
         )
     with reading(path) as stream:
         if suffix == ".npy":
             return _of_array(stream, path)
-        return (_of_text if suffix in TABLES else _of_cloud)(stream, path, kind)
+        return (_of_text if suffix in COLUMN_FORMATS else _of_cloud)(stream, path, kind)
 
 
 def columns_of(titles: Iterable[str], kind: str) -> tuple[str, ...] | None:
@@ -340,10 +339,10 @@ def _cells(place: Place, texts: list[str], names: tuple[str, ...]) -> list[float
 def titles_of(path: Path) -> list[str]:
     """The names of the columns of a table that may be springs; none of another file."""
     suffix = path.suffix.lower()
-    if suffix not in {*CLOUDS, *TABLES}:
+    if suffix not in {*CLOUDS, *COLUMN_FORMATS}:
         return []
     with reading(path) as stream:
-        if suffix in TABLES:
+        if suffix in COLUMN_FORMATS:
             return titled_rows(stream, path)[1]
         wanted = frozenset(name for kind in SPRING_COLUMNS.values() for one in kind for name in one)
         further = CLOUDS[suffix]()(stream, path, wanted | PCL.keys()).further

@@ -62,7 +62,8 @@ else:  # each for files of one ending
     obj = late("certreg.io.obj")
 
 TABLE_FORMATS = (".csv", ".txt")  # of numbers, too: weights, pairs
-TEXT_FORMATS = (*TABLE_FORMATS, ".xyz", ".asc", ".pts", ".obj", ".pdb")
+COLUMN_FORMATS = (*TABLE_FORMATS, ".xyz", ".asc", ".pts")  # rows of columns: normals, too
+TEXT_FORMATS = (*COLUMN_FORMATS, ".obj", ".pdb")
 BLANKS = re.compile(r"[ \t]+")
 COMMENTS = ("#", "//")
 TOO_FEW = (

@@ -88,8 +88,9 @@ def certify(  # noqa: PLR0913 - each is one question, and has its usual answer
         Called with the number of parts that are done and that of all: exact sums, relaxation,
         simulation, certificate and checker; with `max_residual` consensus, fit and checker.
     **statement
-        `sigma`, `weights`, `damping`, `scale` and `rotation_only`, as for a problem, beside source
-        and target; what is noted of the pairs goes to the logger.
+        `sigma`, `weights`, `damping`, `scale`, `rotation_only`, and general springs (`normals`,
+        `directions`, `covariances`, `information`, `factors`), as for a problem, beside source and
+        target; what is noted of the pairs goes to the logger.
 
     Returns
     -------
