@@ -284,7 +284,7 @@ def _rests(registration: Registration, body: Any) -> Iterator[Sentence]:
         "Poses at which a body can rest whose size is free: "
         f"{scaled_count_words(found)}{which}. The list is complete."
     )
-    yield Sentence(words=words, guarantee=found.rigid.guarantee, theorems=COUNTED)
+    yield Sentence(words=words, guarantee=found.guarantee, theorems=COUNTED)
     words = inside_out_words(found.breathing)
     yield _proved(words, *COUNTED)
     trajectory = registration.solution.trajectory
