@@ -169,15 +169,9 @@ def robustness_fields(registration: Registration) -> Document | Absent:
     found = registration.stated("robustness")
     if isinstance(found, Absent):
         return found
-    fields = {
+    return {
         "angle_deg": found.angle,
         "radius_target": found.target,
         "radius_both": found.both,
-    }
-    if not registration.problem.scaled:
-        return fields
-    return {
-        **fields,
-        "scale_target": found.scale_target or UNBOUNDED_SCALE,
-        "scale_both": found.scale_both or UNBOUNDED_SCALE,
+        **{f"scale_{off}": within or UNBOUNDED_SCALE for off, within in found.scales.items()},
     }

@@ -270,7 +270,7 @@ def robustness_facts(registration: Registration) -> Iterator[Fact]:
             words=f"by less than this every target point may be off, and every optimum stays "
             f"within {as_given(found.angle)}° of the certified rotation; points of both clouds by "
             f"less than {at_least(found.both)} (sufficient, not sharp)"
-            f"{meanwhile_words(registration, found)}",
+            f"{meanwhile_words(found)}",
         )
 
 
