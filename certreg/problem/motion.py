@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, Any, TypedDict, TypeVar
 from certreg.errors import InvalidProblemError
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterable, Mapping
 
+T = TypeVar("T")
 Count = TypeVar("Count", int, float)  # floats: of rows of unequal weights
 DEFAULT_DAMPING = math.sqrt(8.0)  # critical damping of every mode of noise-free data: 2 sqrt(2)
 MIN_DAMPING, MAX_DAMPING = 1e-150, 1e150  # their squares, in the spectrum, are doubles
@@ -128,6 +129,16 @@ class Motion:
         """What it has that others have not, or has not."""
         scale = [f"{self.scale.value} scale"] * self.scales
         return (*scale, *["rotation only"] * (not self.translations))
+
+    def entries(self, table: Iterable[tuple[Unknown, T]]) -> list[T]:
+        """What a table has of the unknowns that are found, in its order."""
+        own = self.unknowns
+        return [entry for unknown, entry in table if unknown in own]
+
+    def lacking(self, table: Iterable[tuple[Unknown, T]]) -> list[T]:
+        """What it has of those that are not."""
+        own = self.unknowns
+        return [entry for unknown, entry in table if unknown not in own]
 
 
 def checked_motion(scale: Any, rotation_only: Any) -> Motion:
