@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     from certreg.registration.misfits import FitWarning
 
 
-TURNED = Absent("without a translation the source's mean goes where the rotation takes it")
 UNBOUNDED_SCALE = Absent("points that move so far may leave no size to the source, nor a bound")
 
 
@@ -72,7 +71,7 @@ def _covariance(registration: Registration) -> Document:
     sigmas = {
         "translation": moved,
         "rotation_deg": np.degrees(turned) if known else turned,
-        "centre": covariance.centre_sigma if registration.problem.motion.translations else TURNED,
+        "centre": covariance.stated("centre_sigma"),
         "loosest_turn": {
             "sigma_deg": math.degrees(covariance.loosest_sigma) if known else turned,
             "axis": covariance.loosest_axis,

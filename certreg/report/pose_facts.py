@@ -136,7 +136,7 @@ def _shift_facts(registration: Registration, covariance: PoseCovariance | None) 
         yield translation
         return
     if own is None:  # as sure as along its least sure axis
-        yield Fact(name="Centre ±", value="", words=two_digits([covariance.centre_sigma]))
+        yield Fact(name="Centre ±", value="", words=two_digits([covariance.stated("centre_sigma")]))
     else:
         yield Fact(name="Centre", value=f"({', '.join(centre_words(own, covariance))})")
         yield Fact(name="Centre ±", value="", words=sigma_words(covariance))

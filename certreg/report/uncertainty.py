@@ -71,7 +71,7 @@ def known(value: T | Absent, words: Callable[[T], str]) -> str:
 def _centre_row(registration: Registration, covariance: PoseCovariance) -> str:
     """How sure the place of the source's centre is; on springs not alike along every axis."""
     if registration.problem.springs is not None:
-        sigma = _two_digits(covariance.centre_sigma)
+        sigma = _two_digits(covariance.stated("centre_sigma"))
         return f"{sigma} along the axis that is least sure  (the source's mean)"
     centre = " ".join(centre_words(registration, covariance))
     return f"{sigma_words(covariance)}  (the centre of the source lands at {centre})"
@@ -105,13 +105,13 @@ def scale_words(pose: Pose | Similarity, sigma: float) -> str:
 
 def sigma_words(covariance: PoseCovariance) -> str:
     """The deviation of the centre."""
-    return f"{_two_digits(covariance.centre_sigma)} along every axis"
+    return f"{_two_digits(covariance.stated('centre_sigma'))} along every axis"
 
 
 def centre_words(registration: Registration, covariance: PoseCovariance) -> list[str]:
     """Where the weighted mean of the source goes, that of the target, as its deviation allows."""
     centre = map(nearest_or_zero, registration.solution.moments.target_centroid)
-    return [told_to(entry, covariance.centre_sigma) for entry in centre]
+    return [told_to(entry, covariance.stated("centre_sigma")) for entry in centre]
 
 
 def told_to(value: float, sigma: float) -> str:
