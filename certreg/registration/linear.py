@@ -21,6 +21,7 @@ from certreg.native.kernels import MissingLibraryError
 from certreg.native.loops import Integrator
 from certreg.objective.isotropic import Isotropic
 from certreg.problem.arrays import row_blocks
+from certreg.problem.motion import Scale
 from certreg.problem.support import Cell, Verb, refusal
 from certreg.registration.agreement import (
     Agreement,
@@ -142,6 +143,10 @@ class LinearSolution(Solution):
             else pose_bounds(objective, body, place, shifted=shifted, energy=energy),
         )
 
+    def squares(self, objective: float) -> float:
+        """The symmetric scale divides them."""
+        return self.objective.squares(objective, self.pose.scale)
+
     def method_by(self, bounds: PoseBounds) -> Method:
         """Eigenvalues."""
         del bounds
@@ -179,12 +184,13 @@ class LinearProposal:
 class LinearProver(SquaresProver[LinearProposal, LinearSolution]):
     """Of a rigid motion, or a rotation alone."""
 
+    SCALES = frozenset({Scale.NONE})
     PARTS = 3  # exact sums, certificate, checker
     USUAL = CROSS_CHECK  # integrator
 
     def accepts(self, cell: Cell) -> bool:
-        """Whether the scale is 1."""
-        return not cell.scaled
+        """Whether the scale is its own."""
+        return cell.scale in self.SCALES
 
     def parts(self, asked: Asked) -> int:
         """With relaxation and simulation, where they are asked for."""
@@ -284,11 +290,8 @@ class LinearProver(SquaresProver[LinearProposal, LinearSolution]):
 class SimilarityProver(LinearProver):
     """Of a free scale, with its own certificate: no relaxation, no best damping, no basin."""
 
+    SCALES = frozenset({Scale.ASYMMETRIC, Scale.SYMMETRIC})
     USUAL = Integrator.MIDPOINT
-
-    def accepts(self, cell: Cell) -> bool:
-        """Whether the scale is free."""
-        return cell.scaled
 
     def require_end(self, body: Any, run: SimulatedMotion) -> None:
         """Nothing: it may end anywhere."""
