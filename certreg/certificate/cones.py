@@ -347,7 +347,7 @@ class ConeProof:
             ),
             claims=claims,
             symmetry=symmetry,
-            rotation_only=not self.objective.motion.translations,
+            rotation_only=self.objective.motion.arguments["rotation_only"],
         )
 
     def _form(self, body: SpringsConesBody) -> list[int]:

@@ -179,7 +179,7 @@ def produce(
     angle = dyadic_above(delta.value / mu.value, BOUND_BITS) if mu.mantissa else None
     radius = _radius(objective, angle, robustness_angle)
     rotation: dict[str, Any] = {"quaternion": q, "mu": mu, "delta": delta, "radius": radius}
-    rotation["rotation_only"] = not problem.motion.translations
+    rotation["rotation_only"] = problem.motion.arguments["rotation_only"]
     claims: dict[str, Any] = {"sin2_half_angle": angle, "unique": shape.unique}
     claims["pattern"] = shape.pattern
     if scaling is not None:

@@ -366,7 +366,7 @@ def _claimed(
             sin2_half_angle=dyadic_above(sines[0], GAP_BITS) if unique else None,
             unique=True if unique else None,
         ),
-        rotation_only=not objective.motion.translations,
+        rotation_only=objective.motion.arguments["rotation_only"],
     )
 
 

@@ -199,7 +199,7 @@ def _body(
         gram=(*short.mantissas, short.exponent),
         claims=claims,
         symmetry=symmetry,
-        rotation_only=not objective.motion.translations,
+        rotation_only=objective.motion.arguments["rotation_only"],
     )
 
 

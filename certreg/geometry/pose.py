@@ -52,6 +52,8 @@ class Pose(Brief):
     translation: NDArray[np.float64]
     quaternion_wxyz: NDArray[np.float64]
 
+    scale: ClassVar[float] = 1.0  # target units per source unit, as of a `Similarity`
+
     __array_ufunc__: ClassVar[None] = None  # `array @ pose` is a TypeError, no array of objects
 
     def __repr__(self) -> str:

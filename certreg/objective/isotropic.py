@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from itertools import product
 from operator import mul
-from typing import TYPE_CHECKING, ClassVar, Literal
+from typing import TYPE_CHECKING, ClassVar, Literal, TypeVar
 
 from certreg._loading import cached_property
 from certreg.exact.dyadic import power_of_two, quotient_or_zero
@@ -42,6 +42,7 @@ if TYPE_CHECKING:
     from certreg.problem.problem import RegistrationProblem
 
 
+Real = TypeVar("Real", Fraction, float)
 KEPT = 16  # alignments that are asked for again
 
 
@@ -265,7 +266,7 @@ class Isotropic(Objective):
             return self.energy(q) + shifted
         return self.scaling.energy_at(self.alignment(q), scale, shifted)
 
-    def squares(self, energy: Fraction, scale: Fraction) -> Fraction:
+    def squares(self, energy: Real, scale: Real) -> Real:
         """The sum w |y - s R x - t|^2 of a pose of that energy: the symmetric one is over s."""
         return energy * scale if self.scaling is not None and self.scaling.symmetric else energy
 

@@ -5,13 +5,34 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypedDict, TypeVar
 
 from certreg.errors import InvalidProblemError
 
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+
+T = TypeVar("T")
 Count = TypeVar("Count", int, float)  # floats: of rows of unequal weights
 DEFAULT_DAMPING = math.sqrt(8.0)  # critical damping of every mode of noise-free data: 2 sqrt(2)
 MIN_DAMPING, MAX_DAMPING = 1e-150, 1e150  # their squares, in the spectrum, are doubles
+
+
+@dataclass(frozen=True, slots=True)
+class Unknown:
+    """What a motion finds. count: how many numbers it is."""
+
+    name: str
+    count: int
+
+    @property
+    def plural(self) -> str:
+        """Of its name."""
+        return f"{self.name}s"
+
+
+ROTATION, TRANSLATION = Unknown("rotation", 3), Unknown("translation", 3)
+SCALE = Unknown("scale", 1)
 
 
 class Scale(StrEnum):
@@ -40,6 +61,20 @@ class Scale(StrEnum):
         return self is Scale.SYMMETRIC
 
 
+SCALES: Mapping[Scale, tuple[Unknown, ...]] = {  # what is found of each
+    Scale.NONE: (),
+    Scale.ASYMMETRIC: (SCALE,),
+    Scale.SYMMETRIC: (SCALE,),
+}
+
+
+class MotionArguments(TypedDict):
+    """A motion as users name it."""
+
+    scale: Scale
+    rotation_only: bool
+
+
 @dataclass(frozen=True, slots=True)
 class Motion:
     """How the source may move: it turns; it shifts, or not; its scale is free, or not.
@@ -48,17 +83,22 @@ class Motion:
     """
 
     scale: Scale = Scale.NONE
-    translations: int = 3
+    translations: int = TRANSLATION.count
+
+    @property
+    def unknowns(self) -> tuple[Unknown, ...]:
+        """What is found: rotation, translation, scale, in this order."""
+        return (ROTATION, *[TRANSLATION] * bool(self.translations), *SCALES[self.scale])
 
     @property
     def scales(self) -> int:
         """How many numbers of a scale are found."""
-        return int(self.scale.free)
+        return sum(unknown.count for unknown in SCALES[self.scale])
 
     @property
     def parameters(self) -> int:
         """How many numbers of a pose are found: the only place where they are counted."""
-        return 3 + self.translations + self.scales
+        return sum(unknown.count for unknown in self.unknowns)
 
     @property
     def rigid(self) -> bool:
@@ -74,10 +114,31 @@ class Motion:
         return self.parameters - (0 if translation else self.translations)
 
     @property
+    def arguments(self) -> MotionArguments:
+        """What a user gives for it, and what a certificate states of it."""
+        return {"scale": self.scale, "rotation_only": not self.translations}
+
+    @property
     def options(self) -> str:
         """What to type for such a problem, as the checker says it."""
         scale = [f"--scale {self.scale.value}"] * self.scales
         return " ".join([*scale, *["--rotation-only"] * (not self.translations)])
+
+    @property
+    def words(self) -> tuple[str, ...]:
+        """What it has that others have not, or has not."""
+        scale = [f"{self.scale.value} scale"] * self.scales
+        return (*scale, *["rotation only"] * (not self.translations))
+
+    def entries(self, table: Iterable[tuple[Unknown, T]]) -> list[T]:
+        """What a table has of the unknowns that are found, in its order."""
+        own = self.unknowns
+        return [entry for unknown, entry in table if unknown in own]
+
+    def lacking(self, table: Iterable[tuple[Unknown, T]]) -> list[T]:
+        """What it has of those that are not."""
+        own = self.unknowns
+        return [entry for unknown, entry in table if unknown not in own]
 
 
 def checked_motion(scale: Any, rotation_only: Any) -> Motion:

@@ -150,10 +150,8 @@ class RegistrationProblem(Brief):
 
     def __repr__(self) -> str:
         springs = [] if self.springs is None else [f"springs: {self.springs.kind}"]
-        scale = [f"{self.scale.value} scale"] * self.motion.scales
-        still = ["rotation only"] * (not self.motion.translations)
         loss = [self.loss.kind.value] * self.loss.bounds.ndim
-        words = (*springs, *scale, *still, *["sigma given"] * self.noise_given, *loss)
+        words = (*springs, *self.motion.words, *["sigma given"] * self.noise_given, *loss)
         return f"<RegistrationProblem: {', '.join((f'n={self.n}', *words))}>"
 
     def modelled(self, scale: str | Scale, *, rotation_only: bool) -> RegistrationProblem:
@@ -203,8 +201,7 @@ class RegistrationProblem(Brief):
     @property
     def cell(self) -> Cell:
         """What was declared, for the table of what is supported."""
-        still = not self.motion.translations
-        return Cell(self.pairs.matrices, self.motion.scale, still, self.loss.kind)
+        return Cell(self.pairs.matrices, **self.motion.arguments, loss=self.loss.kind)
 
     @property
     def scale(self) -> Scale:
@@ -214,7 +211,7 @@ class RegistrationProblem(Brief):
     @property
     def rotation_only(self) -> bool:
         """Whether the motion has no translation."""
-        return not self.motion.translations
+        return self.motion.arguments["rotation_only"]
 
     @property
     def scaled(self) -> bool:
@@ -272,8 +269,7 @@ class RegistrationProblem(Brief):
         other = RegistrationProblem(
             **dict(self.pairs.rows(list(rows)).data()),
             damping=self.damping if self.damping_given else None,
-            scale=self.scale,
-            rotation_only=not self.motion.translations,
+            **self.motion.arguments,
         )
         object.__setattr__(other, "noise_given", self.noise_given)
         return other

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from certreg._loading import late
-from certreg.certificate.isotropic import IsotropicBody, SimilarityBody
 from certreg.dynamics.body import SimulationStatus
 from certreg.errors import ContradictionError
 from certreg.exact.dyadic import power_of_two
@@ -22,6 +21,7 @@ from certreg.registration.closed_form import arun, horn
 from certreg.results import Absent, Explained
 
 if TYPE_CHECKING:
+    from certreg.certificate.isotropic import IsotropicBody, RotationBody
     from certreg.dynamics.trajectory import Trajectory
     from certreg.equilibrium import breathing
     from certreg.objective.isotropic import Isotropic
@@ -78,21 +78,14 @@ def agreement(
 
 def require_sound_trajectory(
     objective: Isotropic,
-    body: IsotropicBody | SimilarityBody,
+    body: RotationBody,
     trajectory: Trajectory,
 ) -> None:
-    """Nothing, if a trajectory respects what is proved; ContradictionError if not.
+    """Nothing, if a trajectory respects the proved minimum; ContradictionError if not.
 
-    A run that came to rest inside the basin must be proved to lie there, and no logged V_p may be
-    below the certified minimum by more than rounding: 64 ulps of the terms of its sum, and one for
-    every step, as rotations multiplied add up theirs.
+    No logged V_p may be below it by more than rounding: 64 ulps of the terms of its sum, and one
+    for every step, as rotations multiplied add up theirs.
     """
-    ended = trajectory.status is SimulationStatus.CONVERGED
-    if ended and isinstance(body, IsotropicBody) and not body.claims.basin:
-        raise ContradictionError(
-            "the simulation ended where the basin could not be proved: please report this",
-            methods=("simulation", "certificate"),
-        )
     moments = objective.moments
     unit = moments.total_weight * power_of_two(2 * trajectory.length_exponent)
     minimum = objective.energy(body.quaternion) - body.gap
@@ -106,6 +99,18 @@ def require_sound_trajectory(
             methods=("simulation", "certificate"),
             value=float(trajectory.potential.min()),
             limit=float(minimum / unit),
+        )
+
+
+def require_basin(body: IsotropicBody, trajectory: Trajectory) -> None:
+    """Nothing, if a run that came to rest inside the basin is proved to lie there.
+
+    ContradictionError if not.
+    """
+    if trajectory.status is SimulationStatus.CONVERGED and not body.claims.basin:
+        raise ContradictionError(
+            "the simulation ended where the basin could not be proved: please report this",
+            methods=("simulation", "certificate"),
         )
 
 

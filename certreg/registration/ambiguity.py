@@ -17,6 +17,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from certreg.equilibrium.equilibrium_set import EquilibriumSet, equilibrium_set
+from certreg.registration.fit import rows_tested
 from certreg.registration.misfits import LEVEL, FitCode, FitSums
 from certreg.registration.outlying import independent_rows
 from certreg.registration.tail_probabilities import log_ratio_below
@@ -46,8 +47,7 @@ def equilibria_at(
     fit: gives that of the optimum; asked only where the noise of right pairs decides.
     """
     found = equilibrium_set(critical, objective, problem.damping)
-    tested = problem.motion.rigid  # of others no fit is, either
-    if not (tested and found.narrow) or not _rules_out_next(problem, objective):
+    if not (found.narrow and rows_tested(problem)) or not _rules_out_next(problem, objective):
         return found
     doubted = any(code is not FitCode.CHI2 for code in fit().codes)
     return replace(found, next_ruled_out=not doubted, pairs_in_doubt=doubted)

@@ -39,6 +39,7 @@ from certreg.exact.dyadic import (
 )
 from certreg.objective.neighbourhood import Neighbourhood
 from certreg.problem.arrays import contiguous, row_blocks
+from certreg.problem.motion import TRANSLATION, Scale
 from certreg.results import OUT_OF_RANGE, Absent, Explained, present
 
 if TYPE_CHECKING:
@@ -52,6 +53,7 @@ if TYPE_CHECKING:
 
 PARAMETERS = 6  # of a pose in a matrix: a translation that is given has rows of 0 there
 TURN = 3  # where its rotation begins
+GIVEN_ROWS = ((TRANSLATION, TURN),)  # how many are 0 where it is not found
 # Six entries rounded once change the correlations by a matrix of norm 6 / 2^53 at most, so every
 # variance computed with them by less than this share of itself: a hundredth.
 LEAST_CORRELATION = 100 * 6 / 2**53
@@ -64,10 +66,13 @@ FEW_CARRY = Absent(
     "they stand for noise: give sigma"
 )
 NO_RESIDUALS = Absent("the residuals are so near rounding that they tell no noise: give sigma")
-BIASED = Absent(
-    "noise in the target makes the symmetric scale too large, of many points by more than it "
-    "scatters, which no covariance tells"
-)
+BIASED = {  # what is said in the place of a covariance, by the scale
+    Scale.SYMMETRIC: Absent(
+        "noise in the target makes the symmetric scale too large, of many points by more than it "
+        "scatters, which no covariance tells"
+    )
+}
+TURNED = Absent("without a translation the source's mean goes where the rotation takes it")
 NO_SCALE = Absent("the scale was not asked for")
 NOT_TOLD_APART = Absent("the two best eigenvalues are not told apart")
 NO_FREEDOM = Absent(
@@ -103,7 +108,8 @@ class PoseCovariance(Explained):
     degrees_of_freedom: of the residuals, 3 N - 6; N counts the points with weight. One less where
         the scale is free, three more without a translation.
     centre_sigma: standard deviation, along any axis, of where the weighted mean of the source goes:
-        of that no rotation moves it, it is the least that a point of the source can have.
+        of that no rotation moves it, it is the least that a point of the source can have. None
+        without a translation.
     estimated: whether all this was scaled by the variance factor, because no noise was given.
     rotation: (3, 3), the R of the pose.
     scale_sigma: one standard deviation of a free scale; None of others.
@@ -119,7 +125,7 @@ class PoseCovariance(Explained):
     loosest_axis: NDArray[np.float64]
     variance_factor: float | None
     degrees_of_freedom: int
-    centre_sigma: float
+    centre_sigma: float | None
     estimated: bool
     rotation: NDArray[np.float64]
     scale_sigma: float | None = None
@@ -179,8 +185,8 @@ def pose_covariance(problem: RegistrationProblem, objective: Isotropic) -> PoseC
 
     Absent also of a symmetric scale, which noise in the target shifts.
     """
-    if problem.scale.divides:
-        return BIASED
+    if (biased := BIASED.get(problem.scale)) is not None:
+        return biased
     if not objective.classification.unique:
         return NOT_UNIQUE
     q = objective.optimum
@@ -217,7 +223,8 @@ def covariance_at(
     fault = _flatness(near, centre, conditions)
     if fault is not None:
         return fault
-    whole, shifted = _propagated(near, variance)
+    given = sum(near.motion.lacking(GIVEN_ROWS))
+    whole, shifted = _propagated(near, variance, given)
     if whole.sigmas is None or shifted.sigmas is None:
         return OUT_OF_RANGE
     translation, rotation = whole.sigmas[:TURN], rotation_double(near.quaternion)
@@ -225,7 +232,7 @@ def covariance_at(
     middle = np.hstack([shifted.factor(), near.moves(centre) @ turning])
     if not np.isfinite(middle).all():
         return OUT_OF_RANGE
-    matrix = _in_doubles(whole, 0 if near.motion.translations else TURN)
+    matrix = _in_doubles(whole, given)
     axes, sizes, _ = np.linalg.svd(turning[:TURN])
     size = next(iter(whole.sigmas[PARAMETERS:].tolist()), None)
     arm = [nearest_or_zero(near.scale * entry) for entry in centre]
@@ -241,12 +248,13 @@ def covariance_at(
         loosest_axis=axes[:, 0] * np.sign(axes[np.argmax(np.abs(axes[:, 0])), 0]),
         variance_factor=nearest_double(least / degrees) if degrees > 0 else None,
         degrees_of_freedom=max(degrees, 0),
-        centre_sigma=float(np.linalg.norm(middle, 2)),
+        centre_sigma=None if given else float(np.linalg.norm(middle, 2)),
         estimated=not problem.noise_given,
         rotation=rotation,
         scale_sigma=size,
         absent={
             "scale_sigma": NO_SCALE,
+            "centre_sigma": TURNED,
             "variance_factor": conditions.no_freedom if degrees <= 0 else OUT_OF_RANGE,
             **({"matrix": matrix} if isinstance(matrix, Absent) else {}),
         },
@@ -308,14 +316,20 @@ class RationalMatrix:
         return sigmas[:, np.newaxis] * axes * np.sqrt(np.maximum(levels, 0.0))
 
 
-def _propagated(near: Neighbourhood, variance: Fraction) -> tuple[RationalMatrix, RationalMatrix]:
-    """Exactly, of (dt, phi) and a free scale, and of dt where these are fixed."""
+def _propagated(
+    near: Neighbourhood, variance: Fraction, given: int
+) -> tuple[RationalMatrix, RationalMatrix]:
+    """Exactly, of (dt, phi) and a free scale, and of dt where these are fixed.
+
+    given: so many rows of dt are 0.
+    """
     inverse: Any = near.inverse
     form, (adjugate, determinant), (moves, over) = near.form, inverse, near.shifts
     length, weight = power_of_two(2 * form.length_exponent), variance / form.unit
     moves = np.concatenate([moves, over * np.eye(len(adjugate), dtype=int).astype(object)])
     rows = 2 * weight.numerator * (moves @ adjugate @ moves.T)
-    own = np.array(form.compliance, dtype=object) * (near.motion.translations > 0)
+    own = np.array(form.compliance, dtype=object)
+    own[:given] = 0
     own = weight.numerator * length.numerator * own
     rows[:TURN, :TURN] += determinant * own
     below = weight.denominator * (over // near.over) ** 2

@@ -350,19 +350,23 @@ class ScaledEquilibrium(Explained):
 class ScaledEquilibria(Presented):
     """All equilibria with a scale above 0, the optimum first.
 
-    rigid: those of the body of scale 1, which has the same rotations. breathing: with the scale as
-    a state, their exact count and the inside-out states; None of the symmetric scale. enumeration:
+    rigid: those of the body of scale 1, which has the same rotations, and so the same `guarantee`
+    that they are `complete`. unique: whether there is one optimum. breathing: with the scale as a
+    state, their exact count and the inside-out states; None of the symmetric scale. enumeration:
     the searches for them, an `Enumeration`; None beside a registration.
     """
 
     rigid: EquilibriumSet
+    guarantee: Guarantee
+    complete: bool
+    unique: bool
     components: tuple[ScaledEquilibrium, ...]
     breathing: BreathingEquilibria | None
     enumeration: Any = None
 
     def __repr__(self) -> str:
         count = "infinitely many" if self.count is None else self.count
-        return f"<ScaledEquilibria: {count}; {self.rigid.guarantee.label}>"
+        return f"<ScaledEquilibria: {count}; {self.guarantee.label}>"
 
     @property
     def finite(self) -> bool:
@@ -381,14 +385,9 @@ class ScaledEquilibria(Presented):
         return len(others) if all(each.kind.dimension == 0 for each in others) else None
 
     @property
-    def unique(self) -> bool:
-        """Whether there is one optimum."""
-        return self.rigid.classification.unique
-
-    @property
     def exit_code(self) -> int:
         """What `equilibria` ends with: 0; 3 where several are optimal; 4 where more may be."""
-        return code_of_list(unique=self.unique if self.rigid.complete else None)
+        return code_of_list(unique=self.unique if self.complete else None)
 
     def stated(self, name: str) -> Any:
         """The number of that name, or why it is none."""
@@ -407,6 +406,9 @@ def scaled_equilibria(
         kept = len(breathing.upright)  # rigid ones come with the largest eigenvalue first
     return ScaledEquilibria(
         rigid=rigid,
+        guarantee=rigid.guarantee,
+        complete=rigid.complete,
+        unique=rigid.classification.unique,
         components=tuple(
             _with_scale(objective, component, objective.quaternions[place])
             for place, component in enumerate(rigid.components[:kept])

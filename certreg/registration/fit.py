@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from certreg.exact.dyadic import nearest_double, power_of_two
 from certreg.geometry.so3 import squared_norm
+from certreg.problem.motion import TRANSLATION, Scale
 from certreg.registration.covariance import NO_FREEDOM, PoseCovariance, Residual, worst_residuals
 from certreg.registration.loose_turns import LOOSE_SIGMA, beyond_first_order
 from certreg.registration.misfits import (
@@ -55,7 +56,12 @@ NOT_LOOKED_FOR = (
     "not tested for wrong rows, another order of the rows, or a mirror image: only fits of scale 1 "
     "with a translation are"
 )
-NO_CHI2 = Absent("the symmetric scale is not the one of the least squares, which are tested")
+NO_CHI2 = {  # by the scale
+    Scale.SYMMETRIC: Absent(
+        "the symmetric scale is not the one of the least squares, which are tested"
+    )
+}
+SURE = ((TRANSLATION, TRANSLATION.count),)  # what counts whatever the turn and the scale take
 UNNAMED = RowNames(None)
 LEAST_ROWS = 3  # with 3 n - 6 > 0 degrees of freedom there are more
 
@@ -107,6 +113,11 @@ class Fit(Explained):
         return tuple(warning.code for warning in self.warnings)
 
 
+def rows_tested(problem: RegistrationProblem) -> bool:
+    """Whether there are tests for wrong rows: of a rigid motion alone."""
+    return problem.motion.rigid
+
+
 def fit_of(
     problem: RegistrationProblem,
     objective: Isotropic,
@@ -125,7 +136,7 @@ def fit_of(
         "explained": COINCIDENT if sums.explained is None else _double(sums.explained),
         "best_scale": NO_SOURCE if sums.scale is None else _double(sums.scale),
     }
-    if not problem.motion.rigid:  # of the tests only that of a given sigma
+    if not rows_tested(problem):  # only the size is, by a given sigma
         values["scale_p"] = UNTESTED
         values["largest_over_median_residual"] = ROUNDED if _at_rounding(sums) else UNTESTED
         worst = worst_residuals(problem, pose, LISTED)
@@ -277,8 +288,8 @@ def _chi2(
     """
     if not problem.noise_given:
         return NO_NOISE
-    if problem.scale.divides:
-        return NO_CHI2
+    if (untested := NO_CHI2.get(problem.scale)) is not None:
+        return untested
     least = _least(sums)
     if nearest_double(least) is None:
         return OUT_OF_RANGE
@@ -288,7 +299,7 @@ def _chi2(
     else:
         loose = beyond_first_order(covariance) is not None
     motion = problem.motion
-    found = motion.translations if loose else motion.parameters - sums.free_turns
+    found = sum(motion.entries(SURE)) if loose else motion.parameters - sums.free_turns
     dof = problem.observations - found
     return TOO_FEW if dof <= 0 else _tested(least, dof, bound=loose)
 

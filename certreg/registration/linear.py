@@ -21,8 +21,14 @@ from certreg.native.kernels import MissingLibraryError
 from certreg.native.loops import Integrator
 from certreg.objective.isotropic import Isotropic
 from certreg.problem.arrays import row_blocks
+from certreg.problem.motion import Scale
 from certreg.problem.support import Cell, Verb, refusal
-from certreg.registration.agreement import Agreement, agreement, require_sound_trajectory
+from certreg.registration.agreement import (
+    Agreement,
+    agreement,
+    require_basin,
+    require_sound_trajectory,
+)
 from certreg.registration.ambiguity import equilibria_at
 from certreg.registration.covariance import (
     PoseCovariance,
@@ -137,6 +143,10 @@ class LinearSolution(Solution):
             else pose_bounds(objective, body, place, shifted=shifted, energy=energy),
         )
 
+    def squares(self, objective: float) -> float:
+        """The symmetric scale divides them."""
+        return self.objective.squares(objective, self.pose.scale)
+
     def method_by(self, bounds: PoseBounds) -> Method:
         """Eigenvalues."""
         del bounds
@@ -174,12 +184,13 @@ class LinearProposal:
 class LinearProver(SquaresProver[LinearProposal, LinearSolution]):
     """Of a rigid motion, or a rotation alone."""
 
+    SCALES = frozenset({Scale.NONE})
     PARTS = 3  # exact sums, certificate, checker
     USUAL = CROSS_CHECK  # integrator
 
     def accepts(self, cell: Cell) -> bool:
-        """Whether the scale is 1."""
-        return not cell.scaled
+        """Whether the scale is its own."""
+        return cell.scale in self.SCALES
 
     def parts(self, asked: Asked) -> int:
         """With relaxation and simulation, where they are asked for."""
@@ -234,9 +245,14 @@ class LinearProver(SquaresProver[LinearProposal, LinearSolution]):
         return solution
 
     def require_sound(self, proved: LinearSolution, certificate: Certificate[Any]) -> None:
-        """Raises ContradictionError where the simulation goes below the proved minimum."""
+        """Raises ContradictionError where the simulation goes, or ends, where it must not."""
         if not isinstance(proved.trajectory, Absent):
             require_sound_trajectory(proved.objective, certificate.body, proved.trajectory)
+            self.require_end(certificate.body, proved.trajectory)
+
+    def require_end(self, body: Any, run: SimulatedMotion) -> None:
+        """Raises ContradictionError where it ends in a basin in which it is not proved to be."""
+        require_basin(body, run)
 
     def damped(self, problem: RegistrationProblem, objective: Isotropic) -> RegistrationProblem:
         """The problem with the damping of the fastest decay, where it names none and one is."""
@@ -272,13 +288,13 @@ class LinearProver(SquaresProver[LinearProposal, LinearSolution]):
 
 
 class SimilarityProver(LinearProver):
-    """Of a free scale, with its own certificate; it has no relaxation, and no best damping."""
+    """Of a free scale, with its own certificate: no relaxation, no best damping, no basin."""
 
+    SCALES = frozenset({Scale.ASYMMETRIC, Scale.SYMMETRIC})
     USUAL = Integrator.MIDPOINT
 
-    def accepts(self, cell: Cell) -> bool:
-        """Whether the scale is free."""
-        return cell.scaled
+    def require_end(self, body: Any, run: SimulatedMotion) -> None:
+        """Nothing: it may end anywhere."""
 
     def damped(self, problem: RegistrationProblem, objective: Isotropic) -> RegistrationProblem:
         """The problem as it is."""

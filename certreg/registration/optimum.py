@@ -62,5 +62,4 @@ def pose_at(objective: Isotropic | Springs, q: IntegerQuaternion) -> Pose | Simi
 
 def exact_pose(pose: Pose | Similarity) -> ExactPose:
     """The pose with exactly the doubles that it shows."""
-    scale = pose.scale if isinstance(pose, Similarity) else 1.0
-    return ExactPose.of_doubles(pose.quaternion_wxyz, pose.translation, scale)
+    return ExactPose.of_doubles(pose.quaternion_wxyz, pose.translation, pose.scale)

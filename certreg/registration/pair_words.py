@@ -10,6 +10,7 @@ import numpy as np
 
 from certreg.exact.decimals import as_given, at_least, at_most
 from certreg.problem.bounds import narrow_cloud
+from certreg.problem.motion import Scale
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -33,13 +34,17 @@ class MotionWords(NamedTuple):
     none: str
 
 
-RIGID = MotionWords("rigid motion", "rigid motion")
 SCALED = MotionWords("motion with a scale", "motion of any scale")
+MOTIONS = {
+    Scale.NONE: MotionWords("rigid motion", "rigid motion"),
+    Scale.ASYMMETRIC: SCALED,
+    Scale.SYMMETRIC: SCALED,
+}
 
 
 def motion_words(problem: RegistrationProblem) -> MotionWords:
     """How the source may move."""
-    return SCALED if problem.scaled else RIGID
+    return MOTIONS[problem.scale]
 
 
 def headline(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, TypeGuard
+from typing import TYPE_CHECKING, Any
 
 from certreg.errors import InvalidProblemError
 from certreg.io.objects import stated_problem
@@ -15,6 +15,7 @@ from certreg.registration.closed_form import SpringArguments
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
+    from typing_extensions import TypeIs
 
 
 LOG = logging.getLogger(__name__)
@@ -53,7 +54,7 @@ def stated_problem_of(
     return stated_in_clouds(problem, target, statement)
 
 
-def is_problem(value: Any) -> TypeGuard[RegistrationProblem]:
+def is_problem(value: Any) -> TypeIs[RegistrationProblem]:
     """Whether it is a problem that is stated."""
     return isinstance(value, RegistrationProblem)
 

@@ -33,7 +33,7 @@ from certreg.registration.fit import Fit, spring_fit
 from certreg.registration.optimum import pose_at
 from certreg.registration.outlying import LISTED
 from certreg.registration.result import UNDECIDED, Method, PoseWorth, Solution
-from certreg.registration.spring_rows import ResidualSums, blocks_at, source_centre
+from certreg.registration.spring_rows import ResidualSums, SpringAxes, blocks_at, source_centre
 from certreg.registration.squares import NOT_CERTIFIED, SquaresProver
 from certreg.registration.unobservable import Freedom
 from certreg.registration.weakly_constrained import WeakShift, weak_shifts
@@ -158,6 +158,10 @@ class QuarticSolution(Solution):
     def worst_residuals(self, count: int) -> list[Residual]:
         """The rows that are farthest off along their springs, at most ten."""
         return list(self.sums.worst[:count])
+
+    def spring_axes(self, rows: NDArray[np.int64]) -> SpringAxes:
+        """Along which axes the springs of some rows pull."""
+        return SpringAxes.of(self.problem.pairs.rows(rows).springs)
 
     @property
     def equilibria(self) -> None:

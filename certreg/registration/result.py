@@ -44,6 +44,7 @@ if TYPE_CHECKING:
     from certreg.registration.covariance import PoseCovariance, Residual
     from certreg.registration.fit import Fit
     from certreg.registration.simulation import SimulatedMotion
+    from certreg.registration.spring_rows import SpringAxes
     from certreg.registration.unobservable import Freedom
     from certreg.registration.weakly_constrained import WeakShift
 
@@ -130,6 +131,10 @@ class Solution(Explained, ABC):
     def worth(self, place: ExactPose, body: Any) -> PoseWorth:
         """What a pose costs, and what a body of a certificate of this problem proves of it."""
 
+    def squares(self, objective: float) -> float:
+        """The sum of weighted squares at the pose, of its objective."""
+        return objective
+
     @abstractmethod
     def method_by(self, bounds: PoseBounds) -> Method:
         """What proves the gap within such bounds of the pose."""
@@ -141,6 +146,11 @@ class Solution(Explained, ABC):
     @abstractmethod
     def worst_residuals(self, count: int) -> list[Residual]:
         """The rows that fit worst at the pose, at most so many, the worst first."""
+
+    def spring_axes(self, rows: NDArray[np.int64]) -> SpringAxes | None:
+        """Along which axes the springs of some rows pull; None where weights pull along all."""
+        del rows
+        return None
 
     @property
     @abstractmethod

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
@@ -47,16 +48,27 @@ class Robustness(Brief):
     both
         Or every point of both clouds by less than this one. Both are sufficient, not sharp; the
         springs stay as they are.
-    scale_target, scale_both
-        Between which numbers a free scale stays meanwhile, rounded outwards; None where nothing
-        bounds it, and where the scale is not free.
+    scales
+        Between which numbers a free scale stays meanwhile, rounded outwards, by what is off; None
+        where nothing bounds it. Empty where the scale is not free.
     """
 
     angle: float
     target: float
     both: float
-    scale_target: tuple[float, float] | None = None
-    scale_both: tuple[float, float] | None = None
+    scales: Mapping[str, tuple[float, float] | None] = field(
+        default_factory=dict[str, tuple[float, float] | None], repr=False
+    )
+
+    @property
+    def scale_target(self) -> tuple[float, float] | None:
+        """Between which a free scale stays while target points are off; None where nothing says."""
+        return self.scales.get("target")
+
+    @property
+    def scale_both(self) -> tuple[float, float] | None:
+        """The same while points of both clouds are off."""
+        return self.scales.get("both")
 
     @classmethod
     def of(cls, radius: Radius) -> Robustness:
@@ -71,8 +83,8 @@ class Robustness(Brief):
     def with_scales(self, body: SimilarityBody, moments: ExactMoments) -> Robustness:
         """The same of a problem whose scale is free; body: of its certificate."""
         target, both = Fraction(self.target), Fraction(self.both)
-        return replace(
-            self,
-            scale_target=proved_scales(body, moments, source=Fraction(0), target=target),
-            scale_both=proved_scales(body, moments, source=both, target=both),
-        )
+        scales = {
+            "target": proved_scales(body, moments, source=Fraction(0), target=target),
+            "both": proved_scales(body, moments, source=both, target=both),
+        }
+        return replace(self, scales=scales)

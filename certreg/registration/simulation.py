@@ -21,7 +21,7 @@ from certreg.objective.by_structure import objective_of
 from certreg.objective.isotropic import Isotropic
 from certreg.problem.lifting import lift
 from certreg.problem.support import Verb, require_supported
-from certreg.registration.agreement import require_sound_trajectory
+from certreg.registration.agreement import require_basin, require_sound_trajectory
 from certreg.registration.problem_arguments import require_problem
 from certreg.results import OUT_OF_RANGE, Absent, Brief, Presented
 
@@ -227,8 +227,7 @@ def simulated_motion(
     a body, DegenerateProblemError where the dynamics is not defined or too stiff.
     """
     chosen = None if integrator is None else Integrator(integrator)
-    if problem.scaled:
-        require_supported(problem.cell, Verb((chosen or Integrator.MIDPOINT).value))
+    require_supported(problem.cell, Verb((chosen or Integrator.MIDPOINT).value))
     made = partial(_of_its_kind, problem=problem, objective=objective)
     return simulation.simulate(objective, problem.damping, chosen, settings=settings, kind=made)
 
@@ -246,6 +245,7 @@ def proved_end(run: ProblemTrajectory) -> SimulatedRegistration:
     if certificate is not None:
         require_accepted(check_own(certificate, run.problem))
         require_sound_trajectory(run.objective, certificate.body, run)
+        require_basin(certificate.body, run)
     return SimulatedRegistration(
         trajectory=run,
         angle_to_optimum=run.objective.angle_to_optimum(lift(run.quaternion).integers),

@@ -58,7 +58,7 @@ def weak_shifts(objective: Springs) -> tuple[WeakShift, ...]:
     """
     stiffness = objective.joint_form.stiffness
     total = sum(stiffness[k][k] for k in range(3))
-    count = objective.motion.translations - len(objective.free_translations)
+    count = sum(map(any, objective.reduced.compliance))  # as many as its translation has pivots
     resisted = integer_eigenbasis(stiffness, BITS).vectors[:count]
     shares = [
         (Fraction(quadratic_form(stiffness, d), total * squared_norm(d)), d)

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from certreg._loading import late
@@ -200,12 +200,14 @@ def _row(component: Component, *, sure: bool) -> tuple[str, ...]:
 
 
 def scaled_rests(found: ScaledEquilibria) -> Rests:
-    """With a free scale, and the states inside out."""
-    headline = count_words(found.rigid)
+    """With a free scale, and the states inside out; the rest is that of the body of scale 1."""
+    rigid = rigid_rests(found.rigid)
+    headline = rigid.headline
     if found.breathing is not None:
-        known = f"{found.rigid.guarantee.label}, complete"
+        known = f"{found.guarantee.label}, complete"
         headline = f"Equilibria ({known}): {scaled_count_words(found)}."
-    return Rests(
+    return replace(
+        rigid,
         headline=headline,
         head=("index", "kind", "scale", "RMSE", "energy", "to optimum", ""),
         rows=[
@@ -221,9 +223,8 @@ def scaled_rests(found: ScaledEquilibria) -> Rests:
             for each in found.components
         ],
         after=[] if found.breathing is None else [inside_out_words(found.breathing)],
-        notes=[f"Ambiguity margin: {margin_words(found.rigid)}."],
-        fields=lambda: equilibrium_fields.scaled_fields(found),
-        margin=lambda: equilibrium_fields.margin_fields(found.rigid),
+        notes=rigid.notes[:1],  # the margin
+        fields=lambda: {**rigid.fields(), **equilibrium_fields.scaled_fields(found)},
         enumeration=found.enumeration,
     )
 

@@ -45,10 +45,9 @@ def rigid_fields(equilibria: EquilibriumSet) -> Document:
 
 
 def scaled_fields(equilibria: ScaledEquilibria) -> Document:
-    """With the scale of each, and the states inside out; the pattern is that of all rotations."""
+    """What a free scale changes: the scale of each, and the states inside out."""
     breathing = equilibria.breathing
     return {
-        **rigid_fields(equilibria.rigid),
         "finite": equilibria.finite,
         "count": equilibria.stated("count"),
         "spurious": equilibria.stated("spurious"),

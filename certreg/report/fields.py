@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     from certreg.registration.misfits import FitWarning
 
 
-TURNED = Absent("without a translation the source's mean goes where the rotation takes it")
 UNBOUNDED_SCALE = Absent("points that move so far may leave no size to the source, nor a bound")
 
 
@@ -72,7 +71,7 @@ def _covariance(registration: Registration) -> Document:
     sigmas = {
         "translation": moved,
         "rotation_deg": np.degrees(turned) if known else turned,
-        "centre": covariance.centre_sigma if registration.problem.motion.translations else TURNED,
+        "centre": covariance.stated("centre_sigma"),
         "loosest_turn": {
             "sigma_deg": math.degrees(covariance.loosest_sigma) if known else turned,
             "axis": covariance.loosest_axis,
@@ -169,15 +168,9 @@ def robustness_fields(registration: Registration) -> Document | Absent:
     found = registration.stated("robustness")
     if isinstance(found, Absent):
         return found
-    fields = {
+    return {
         "angle_deg": found.angle,
         "radius_target": found.target,
         "radius_both": found.both,
-    }
-    if not registration.problem.scaled:
-        return fields
-    return {
-        **fields,
-        "scale_target": found.scale_target or UNBOUNDED_SCALE,
-        "scale_both": found.scale_both or UNBOUNDED_SCALE,
+        **{f"scale_{off}": within or UNBOUNDED_SCALE for off, within in found.scales.items()},
     }

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from certreg.exact.decimals import as_given, at_least, at_most
+from certreg.problem.motion import SCALE, TRANSLATION
 from certreg.registration.fit import Fit, silent_tests
 from certreg.registration.headlines import headline_of, headline_words, proved_degrees, share_words
 from certreg.registration.misfits import FitCode
@@ -39,6 +40,8 @@ TESTS = {
     FitCode.SHUFFLED: "shuffled rows",
     FitCode.MIRRORED: "a mirror image",
 }
+SCALED = ((SCALE, "with a free scale"),)
+ALONE = ((TRANSLATION, "without a translation"),)
 ABOVE = "The one above is not of the pairs' distances."
 TESTED = "The test of the noise that was given raises no warning."
 NOT_TESTED = "Not tested: without a noise that is given there is nothing to hold residuals against."
@@ -122,10 +125,8 @@ def _explained(fit: Fit) -> Fact:
 
 def model_words(registration: Registration) -> str:
     """How the source may move otherwise than as a rigid body in space."""
-    problem = registration.problem
-    scaled = ["with a free scale"] * (problem.scale in BIAS)
-    alone = [] if problem.motion.translations else ["without a translation"]
-    return " and ".join([*scaled, *alone])
+    motion = registration.problem.motion
+    return " and ".join([*motion.entries(SCALED), *motion.lacking(ALONE)])
 
 
 def untested_words(registration: Registration) -> str:
@@ -270,7 +271,7 @@ def robustness_facts(registration: Registration) -> Iterator[Fact]:
             words=f"by less than this every target point may be off, and every optimum stays "
             f"within {as_given(found.angle)}° of the certified rotation; points of both clouds by "
             f"less than {at_least(found.both)} (sufficient, not sharp)"
-            f"{meanwhile_words(registration, found)}",
+            f"{meanwhile_words(found)}",
         )
 
 

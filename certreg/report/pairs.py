@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from certreg.certificate.bounds import ExactPose, angle_from
 from certreg.exact.decimals import as_given, at_most
 from certreg.exact.dyadic import degrees_above
+from certreg.problem.motion import ROTATION, TRANSLATION
 from certreg.problem.support import Loss
 from certreg.registration.misfits import FitCode, FitWarning
 from certreg.registration.pair_words import bound_words, ranges_words
@@ -156,12 +157,12 @@ def _others(result: LabelledRegistration) -> Facts:
 def _placed(result: LabelledRegistration) -> Facts:
     """The pose, and what is proved of its scale where that is free."""
     pose: Any = result.pose
+    turn, shift = map(_numbers, (pose.quaternion_wxyz, pose.translation))
     if (bias := BIAS.get(result.problem.scale)) is not None:
         yield "scale", f"{pose.scale!r}  ({result.problem.scale.value}; target over source)"
         yield from (("", words) for words in (bias, *scale_sentences(result)))
-    yield "rotation (wxyz)", _numbers(pose.quaternion_wxyz)
-    if result.problem.motion.translations:
-        yield "translation", _numbers(pose.translation)
+    rows = ((ROTATION, ("rotation (wxyz)", turn)), (TRANSLATION, ("translation", shift)))
+    yield from result.problem.motion.entries(rows)
 
 
 def _fitted(result: LabelledRegistration) -> Facts:

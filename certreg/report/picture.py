@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.registration.spring_rows import SpringAxes
 from certreg.results import Brief
 
 if TYPE_CHECKING:
@@ -16,6 +15,7 @@ if TYPE_CHECKING:
 
     from certreg.dynamics.trajectory import Trajectory
     from certreg.registration.result import Registration
+    from certreg.registration.spring_rows import SpringAxes
 
 
 WIDTH, HEIGHT, MARGIN = 240, 160, 10  # pixels
@@ -46,9 +46,9 @@ class Sample(Brief):
         with np.errstate(over="ignore", invalid="ignore"):
             moved = registration.pose.apply(problem.source[rows])
         target, axes, ends = problem.target[rows].astype(np.float64), None, None
-        factors = problem.factors
-        if factors is not None and np.isfinite(moved).all():
-            axes = SpringAxes.of(factors[rows].astype(np.float64))
+        if np.isfinite(moved).all():
+            axes = registration.solution.spring_axes(rows)
+        if axes is not None:
             ends = axes.pulled_to(moved, target)
         return cls(target=target, moved=moved, ends=ends, axes=axes)
 

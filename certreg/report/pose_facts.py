@@ -5,9 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import chain
 from typing import TYPE_CHECKING
 
 from certreg._loading import late
+from certreg.problem.motion import ROTATION, SCALE, TRANSLATION
 from certreg.report.parts import listed
 from certreg.report.pose_words import motion_words, turn_of
 from certreg.report.scale import BIAS, SCALE_ZERO, scale_of
@@ -37,8 +39,8 @@ else:
 WIDE = 1e9  # larger translations are written with an exponent
 BASIS = "± is"  # the row that says where the deviations come from
 WHOSE_TURN = "Rotation: about the source's axes."
-WHOSE = f"{WHOSE_TURN} Centre: where the source's mean goes."
-LEAST_SURE = f"{WHOSE_TURN} Centre: the source's mean, along its least sure axis."
+WHOSE = "Centre: where the source's mean goes."
+LEAST_SURE = "Centre: the source's mean, along its least sure axis."
 SAME = "not known, as that of the rotation"
 NO_PROOF = "Statistics, not proved."
 
@@ -75,15 +77,10 @@ def pose_of(registration: Registration) -> PoseFacts:
     pose, bias = registration.pose, BIAS.get(registration.problem.scale)
     exact, scale = pose.T_target_source.tolist(), present(scale_of(pose))
     about_scale = [] if bias is None else [f"Of the scale: {bias}."]
-    covariance = present(told_covariance(registration))
-    moves = registration.problem.motion.translations
+    covariance, motion = present(told_covariance(registration)), registration.problem.motion
     return PoseFacts(
         rows=aligned(exact, scaled=scale is not None),
-        facts=(
-            *_scale_facts(registration),
-            *_turn_facts(registration, covariance),
-            *(_shift_facts(registration, covariance) if moves else ()),
-        ),
+        facts=tuple(chain(*(facts(registration, covariance) for facts in motion.entries(FACTS)))),
         uncertainty=" ".join([_basis_words(registration), *about_scale]),
         matrix="\n".join(" ".join(map(repr, row)) for row in exact),
         quaternion=" ".join(map(repr, pose.quaternion_wxyz.tolist())),
@@ -97,21 +94,18 @@ def _basis_words(registration: Registration) -> str:
     sure = dict(uncertainty_rows(registration))
     if BASIS not in sure:
         return f"Uncertainty {sure['uncertainty']}."
-    whose = WHOSE_TURN
-    if registration.problem.motion.translations:
-        whose = WHOSE if registration.problem.springs is None else LEAST_SURE
-    return f"± is {sure[BASIS]}. {whose} {NO_PROOF}"
+    centre = WHOSE if registration.problem.springs is None else LEAST_SURE
+    whose = registration.problem.motion.entries(((ROTATION, WHOSE_TURN), (TRANSLATION, centre)))
+    return f"± is {sure[BASIS]}. {' '.join(whose)} {NO_PROOF}"
 
 
-def _scale_facts(registration: Registration) -> Iterator[Fact]:
-    scale, own = present(scale_of(registration.pose)), listed(registration)
-    if scale is None or own is None:
-        return
+def _scale_facts(registration: Registration, _: PoseCovariance | None) -> Iterator[Fact]:
+    scale = registration.pose.scale
     kind = f"{registration.problem.scale.value}: target over source"
     yield Fact(name="Scale", value=f"{scale:.9g}", words=kind)
     if scale == 0.0:
         yield Fact(name="", value="", words=SCALE_ZERO)
-    if (unit := scaled_poses.unit_of(own)) is not None:
+    if (unit := scaled_poses.unit_of(registration)) is not None:
         yield Fact(name="Unit", value="", words=unit)
 
 
@@ -142,13 +136,16 @@ def _shift_facts(registration: Registration, covariance: PoseCovariance | None) 
         yield translation
         return
     if own is None:  # as sure as along its least sure axis
-        yield Fact(name="Centre ±", value="", words=two_digits([covariance.centre_sigma]))
+        yield Fact(name="Centre ±", value="", words=two_digits([covariance.stated("centre_sigma")]))
     else:
         yield Fact(name="Centre", value=f"({', '.join(centre_words(own, covariance))})")
         yield Fact(name="Centre ±", value="", words=sigma_words(covariance))
     yield translation
     turn, moved = rotation_words(covariance, ""), shift_words(covariance, "")
     yield Fact(name="Translation ±", value="", words=SAME if moved == turn else moved)
+
+
+FACTS = ((SCALE, _scale_facts), (ROTATION, _turn_facts), (TRANSLATION, _shift_facts))
 
 
 def aligned(matrix: list[list[float]], *, scaled: bool = False) -> tuple[str, ...]:

@@ -6,8 +6,8 @@ import math
 from typing import TYPE_CHECKING
 
 from certreg.exact.decimals import at_most
-from certreg.report.scale import scale_of
-from certreg.results import Absent, Optimality
+from certreg.problem.motion import ROTATION, SCALE, TRANSLATION
+from certreg.results import Optimality
 
 if TYPE_CHECKING:
     from fractions import Fraction
@@ -17,6 +17,13 @@ if TYPE_CHECKING:
     from certreg.problem.motion import Motion
     from certreg.registration.result import Registration
 
+PLACE = ((TRANSLATION, "about the origin"),)  # of a rotation, where no translation is found
+GIVEN_BY = (
+    (ROTATION, "its quaternion"),
+    (TRANSLATION, "its translation"),
+    (SCALE, "its scale"),
+)
+
 
 def motion_words(registration: Registration) -> str:
     """The pose as a turn about an axis, a scale where it is free, and a shift if there is one."""
@@ -25,27 +32,23 @@ def motion_words(registration: Registration) -> str:
     which = which if unique or unique is None else "That pose"
     shift = ", ".join(f"{entry:.6g}" for entry in pose.translation.tolist())
     degrees, direction = turn_of(pose)
-    done, whom = ["turns nothing"], "the source"
+    turned, whom = "turns nothing", ["the source"]
     if direction is not None:
         axis = ", ".join(f"{entry:.3f}" for entry in direction)
-        done, whom = [f"turns the source by {degrees:.4g}° about the axis ({axis})"], "it"
-    if not isinstance(scale := scale_of(pose), Absent):
-        done, whom = [*done, f"scales {whom} by {scale:.6g}"], "it"
-    if registration.problem.motion.translations:
-        done.append(f"shifts {whom} by ({shift})")
-    *first, last = done
-    return f"{which} {', '.join(first)} and {last}." if first else f"{which} {last}."
+        turned, whom = f"turns the source by {degrees:.4g}° about the axis ({axis})", []
+    done = ((SCALE, f"scales {{}} by {pose.scale:.6g}"), (TRANSLATION, f"shifts {{}} by ({shift})"))
+    moved = registration.problem.motion.entries(done)
+    told = [words.format(of) for words, of in zip(moved, [*whom, "it", "it"], strict=False)]
+    return f"{which} {_listed([turned, *told])}."
 
 
 def gap_words(motion: Motion, what: str, gap: Fraction) -> str:
     """That what is minimised, at the pose, is no more than this above its minimum."""
-    moves = motion.translations > 0
-    over = ["rotations", *["translations"] * moves, *["scales"] * motion.scales]
-    by = ["its quaternion", *["its translation"] * moves, *["its scale"] * motion.scales]
-    place = "" if moves else ", about the origin"
+    over = _listed([unknown.plural for unknown in motion.unknowns])
     return (
-        f"Over all {_listed(over)}{place}: {what} at the pose given below with all digits, by "
-        f"{_listed(by)}, exceeds the minimum by at most {at_most(gap)}."
+        f"Over all {', '.join([over, *motion.lacking(PLACE)])}: {what} at the pose given below "
+        f"with all digits, by {_listed(motion.entries(GIVEN_BY))}, exceeds the minimum by at most "
+        f"{at_most(gap)}."
     )
 
 

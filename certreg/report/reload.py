@@ -28,6 +28,7 @@ from certreg.problem.support import Loss, Verb, refusal
 from certreg.registration.consensus import restated_consensus
 from certreg.registration.linear import CROSS_CHECK
 from certreg.registration.pipeline import Asked
+from certreg.registration.problem_arguments import is_problem
 from certreg.registration.squares import certified_squares
 from certreg.registration.truncated import restated_truncated
 from certreg.report.page import Report
@@ -66,7 +67,7 @@ class Accepted:
     @property
     def problem(self) -> RegistrationProblem:
         """What it is about: as it was given, or as the certificate holds it."""
-        if isinstance(self.points, RegistrationProblem):
+        if is_problem(self.points):
             return self.points
         return _problem(self.certificate, self.points)
 

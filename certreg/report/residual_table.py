@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.geometry.similarity import Similarity
 from certreg.io.labels import csv_field
 from certreg.registration.row_names import RowNames
 
@@ -48,14 +47,11 @@ def residual_table(registration: Registration) -> Iterator[bytes]:
 def _unit(registration: Registration) -> float:
     """Standard deviation of a coordinate of weight one; NaN where nothing tells it."""
     objective, freedom = registration.objective, registration.degrees_of_freedom
-    pose, scale = registration.pose, registration.problem.scale
-    if objective is not None and scale.divides and isinstance(pose, Similarity):
-        objective *= pose.scale  # by which its squares are divided
     if registration.problem.noise_given:
         return 1.0
     if freedom <= 0 or objective is None or objective <= 0:
         return math.nan
-    return math.sqrt(objective / freedom)
+    return math.sqrt(registration.solution.squares(objective) / freedom)
 
 
 def _cell(value: float) -> str:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from certreg._loading import late
 from certreg.equilibrium.line_set import Finiteness
 from certreg.errors import MissingToolError
+from certreg.problem.motion import ROTATION, TRANSLATION
 from certreg.report.equilibria import (
     inside_out_words,
     rests_beside,
@@ -29,6 +30,7 @@ from certreg.report.picture import (
     springs_picture,
 )
 from certreg.report.pose_facts import Fact
+from certreg.report.pose_words import PLACE
 from certreg.report.scale import rests_of
 from certreg.report.sections import Curve, Section, Table
 from certreg.report.sentences import begun, sentence
@@ -54,7 +56,7 @@ CAME_BACK = (
     "was, as seen in doubles."
 )
 SPRUNG = "The target as rings, the source at the pose as dots. The orange lines are the springs"
-TURNS_ALONE = "turns about the origin"
+MOVES = ((ROTATION, "turns"), (TRANSLATION, "moves"))
 NO_MOTION = "Nothing was moved: "
 BREATHES = (
     "Each pair is joined by a spring, and the source {moves} and changes its size: a body that "
@@ -182,8 +184,9 @@ def _rests(registration: Registration) -> Section:
     if found is not None:
         words = SAME_SIZE
         if found.breathing is not None:
-            turns = "turns, moves" if registration.problem.motion.translations else TURNS_ALONE
-            words = BREATHES.format(moves=turns)
+            motion = registration.problem.motion
+            moves = " ".join([", ".join(motion.entries(MOVES)), *motion.lacking(PLACE)])
+            words = BREATHES.format(moves=moves)
             after = (sentence(scaled_count_words(found)), inside_out_words(found.breathing))
     return Section(
         name="listed",

@@ -10,6 +10,8 @@ if TYPE_CHECKING:
     from certreg.registration.result import Registration
     from certreg.registration.robustness import Robustness
 
+MEANWHILE = "; meanwhile the scale stays {target}; with points of both clouds off, {both}"
+
 
 def robustness_words(registration: Registration) -> str:
     """How far points may be off, proved, in one line."""
@@ -20,16 +22,14 @@ def robustness_words(registration: Registration) -> str:
         f"every optimum stays within {as_given(found.angle)} degrees of the certified rotation as "
         f"long as every target point is off by less than {at_least(found.target)}; points of both "
         f"clouds, {at_least(found.both)} (sufficient, not sharp)"
-        f"{meanwhile_words(registration, found)}"
+        f"{meanwhile_words(found)}"
     )
 
 
-def meanwhile_words(registration: Registration, found: Robustness) -> str:
+def meanwhile_words(found: Robustness) -> str:
     """How far a free scale moves meanwhile; nothing of others."""
-    if not registration.problem.scaled:
-        return ""
-    target, both = map(_range, (found.scale_target, found.scale_both))
-    return f"; meanwhile the scale stays {target}; with points of both clouds off, {both}"
+    told = {off: _range(within) for off, within in found.scales.items()}
+    return MEANWHILE.format(**told) if told else ""
 
 
 def _range(scales: tuple[float, float] | None) -> str:

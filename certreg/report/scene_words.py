@@ -6,6 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 from certreg.problem.moments import trace
+from certreg.problem.motion import TRANSLATION
 from certreg.report.lines import number
 from certreg.results import ComponentKind
 
@@ -19,6 +20,8 @@ PLURALS = {
     ComponentKind.ROTATION_GROUP: "every rotation",
 }
 NUMERALS = {1: "one axis", 2: "either of two axes", 3: "any of three axes"}
+AT_ONE_PLACE = "coincide", "are all at the origin"  # and where all turn about the origin
+ON_ONE_LINE = "are on one line", "are on one line through the origin"
 LARGE_FACTOR = 1.05  # below, a factor says nothing that the two numbers do not
 LARGEST_FACTOR = 1e6  # above, the number means nothing to a reader
 
@@ -105,6 +108,5 @@ def _optimal_words(component: Component) -> str:
 def lie_words(registration: Registration) -> str:
     """How source points lie for which no dynamics is defined."""
     one = not trace(registration.solution.moments.source_scatter)
-    if not registration.problem.motion.translations:
-        return "are all at the origin" if one else "are on one line through the origin"
-    return "coincide" if one else "are on one line"
+    anywhere, about_origin = AT_ONE_PLACE if one else ON_ONE_LINE
+    return next(iter(registration.problem.motion.lacking(((TRANSLATION, about_origin),))), anywhere)

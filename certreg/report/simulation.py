@@ -172,16 +172,17 @@ def _on_springs(run: SimulatedSprings) -> MotionTold:
     )
 
 
-TOLD: Mapping[Kind, Callable[[Any], MotionTold]] = {  # by the kind of the body
-    Kind.RIGID: lambda run: ended(proved_end(run)),
-    Kind.BREATHING: _breathing,
-    Kind.SPRINGS: _on_springs,
+Proof = Callable[[Any], SimulatedRegistration]  # of the end of a rigid motion
+TOLD: Mapping[Kind, Callable[[Any, Proof], MotionTold]] = {  # by the kind of the body
+    Kind.RIGID: lambda run, proof: ended(proof(run)),
+    Kind.BREATHING: lambda run, _: _breathing(run),
+    Kind.SPRINGS: lambda run, _: _on_springs(run),
 }
 
 
-def told_motion(run: SimulatedMotion) -> MotionTold:
+def told_motion(run: SimulatedMotion, proof: Proof = proved_end) -> MotionTold:
     """What is said of a simulated motion; of a rigid one its end is proved, if it can be."""
-    return TOLD[run.moving.KIND](run)
+    return TOLD[run.moving.KIND](run, proof)
 
 
 def motion_beside(registration: Registration) -> MotionTold | Absent:
@@ -190,15 +191,16 @@ def motion_beside(registration: Registration) -> MotionTold | Absent:
     run, certificate = solution.trajectory, solution.certificate
     if isinstance(run, Absent):
         return run
-    if run.moving.KIND is not Kind.RIGID:
-        return told_motion(run)
-    end = SimulatedRegistration(
-        trajectory=run,
-        angle_to_optimum=solution.agreement.simulation or 0.0,
-        in_certified_basin=certificate is not None and bool(certificate.body.claims.basin),
-        unique=registration.equilibria.classification.unique,
-    )
-    return ended(end)
+
+    def proved(run: SimulatedMotion) -> SimulatedRegistration:
+        return SimulatedRegistration(
+            trajectory=run,
+            angle_to_optimum=solution.agreement.simulation or 0.0,
+            in_certified_basin=certificate is not None and bool(certificate.body.claims.basin),
+            unique=registration.equilibria.classification.unique,
+        )
+
+    return told_motion(run, proved)
 
 
 def simulation_fields(registration: Registration) -> Document | Absent:

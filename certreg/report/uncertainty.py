@@ -13,12 +13,12 @@ from typing import TYPE_CHECKING, TypeVar
 import numpy as np
 
 from certreg.exact.decimals import as_given, at_most
-from certreg.exact.dyadic import nearest_or_zero, sigma_of_weight
+from certreg.exact.dyadic import nearest_or_zero, nearest_root, sigma_of_weight
+from certreg.problem.motion import ROTATION, SCALE, TRANSLATION
 from certreg.registration.covariance import NO_RESIDUALS, PoseCovariance
 from certreg.registration.loose_turns import axis_words, beyond_first_order
 from certreg.registration.misfits import FitCode
-from certreg.report.scale import scale_of
-from certreg.results import Absent, present
+from certreg.results import Absent
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -55,15 +55,9 @@ def uncertainty_rows(registration: Registration) -> list[tuple[str, str]]:
     tested = [] if chi2 is None else [("chi-squared", chi2)]
     if isinstance(covariance, Absent):
         return [("uncertainty", known(covariance, str)), *tested]
-    turned = rotation_words(covariance, "  (a small turn about the source's axes)")
-    shifted = [("translation ±", shift_words(covariance, f"  ({OF_ORIGIN})"))]
-    moves = registration.problem.motion.translations
-    size = covariance.scale_sigma
+    rows = registration.problem.motion.entries(ROWS)
     return [
-        *(_centre_row(registration, covariance) if moves else []),
-        *([] if size is None else [("scale ±", scale_words(registration.pose, size))]),
-        ("rotation ±", turned),
-        *(shifted if moves else []),
+        *((f"{name} ±", words(registration, covariance)) for name, words in rows),
         ("± is", _basis_words(registration, covariance)),
         *tested,
     ]
@@ -74,32 +68,50 @@ def known(value: T | Absent, words: Callable[[T], str]) -> str:
     return f"not known: {value.reason}" if isinstance(value, Absent) else words(value)
 
 
-def _centre_row(registration: Registration, covariance: PoseCovariance) -> list[tuple[str, str]]:
+def _centre_row(registration: Registration, covariance: PoseCovariance) -> str:
     """How sure the place of the source's centre is; on springs not alike along every axis."""
     if registration.problem.springs is not None:
-        sigma = _two_digits(covariance.centre_sigma)
-        return [("centre ±", f"{sigma} along the axis that is least sure  (the source's mean)")]
+        sigma = _two_digits(covariance.stated("centre_sigma"))
+        return f"{sigma} along the axis that is least sure  (the source's mean)"
     centre = " ".join(centre_words(registration, covariance))
-    lands = f"(the centre of the source lands at {centre})"
-    return [("centre ±", f"{sigma_words(covariance)}  {lands}")]
+    return f"{sigma_words(covariance)}  (the centre of the source lands at {centre})"
+
+
+def _scale_row(registration: Registration, covariance: PoseCovariance) -> str:
+    return scale_words(registration.pose, covariance.stated("scale_sigma"))
+
+
+def _turn_row(_: Registration, covariance: PoseCovariance) -> str:
+    return rotation_words(covariance, "  (a small turn about the source's axes)")
+
+
+def _shift_row(_: Registration, covariance: PoseCovariance) -> str:
+    return shift_words(covariance, f"  ({OF_ORIGIN})")
+
+
+ROWS = (  # by what is found
+    (TRANSLATION, ("centre", _centre_row)),
+    (SCALE, ("scale", _scale_row)),
+    (ROTATION, ("rotation", _turn_row)),
+    (TRANSLATION, ("translation", _shift_row)),
+)
 
 
 def scale_words(pose: Pose | Similarity, sigma: float) -> str:
     """The deviation of a scale, and its share of the scale."""
-    scale = present(scale_of(pose))
-    share = f"  ({_two_digits(100.0 * sigma / scale)} % of it)" if scale else ""
+    share = f"  ({_two_digits(100.0 * sigma / pose.scale)} % of it)" if pose.scale else ""
     return f"{_two_digits(sigma)}{share}"
 
 
 def sigma_words(covariance: PoseCovariance) -> str:
     """The deviation of the centre."""
-    return f"{_two_digits(covariance.centre_sigma)} along every axis"
+    return f"{_two_digits(covariance.stated('centre_sigma'))} along every axis"
 
 
 def centre_words(registration: Registration, covariance: PoseCovariance) -> list[str]:
     """Where the weighted mean of the source goes, that of the target, as its deviation allows."""
     centre = map(nearest_or_zero, registration.solution.moments.target_centroid)
-    return [told_to(entry, covariance.centre_sigma) for entry in centre]
+    return [told_to(entry, covariance.stated("centre_sigma")) for entry in centre]
 
 
 def told_to(value: float, sigma: float) -> str:
@@ -234,11 +246,9 @@ def _basis_words(registration: Registration, covariance: PoseCovariance) -> str:
 
 def _sigma_of(registration: Registration, covariance: PoseCovariance) -> float:
     """The standard deviation of a coordinate at the mean weight."""
-    points = registration.problem.observations / 3
-    if not registration.problem.motion.translations:
-        weight = nearest_or_zero(registration.solution.moments.total_weight / round(points))
-        return math.sqrt((covariance.variance_factor or 0.0) / weight) if weight else 0.0
-    return covariance.centre_sigma * math.sqrt(points)
+    objective, points = registration.solution.objective, registration.problem.observations // 3
+    variance = objective.energy(objective.optimum) / covariance.degrees_of_freedom
+    return nearest_root(variance * points / objective.moments.total_weight) or 0.0
 
 
 def _given_words(registration: Registration) -> str:

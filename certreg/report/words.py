@@ -11,6 +11,7 @@ from certreg._loading import late
 from certreg.certificate.bounds import sin2_half_angle_between
 from certreg.exact.decimals import at_least, at_most
 from certreg.exact.dyadic import degrees_above, half_angle_bound, rational_root_above
+from certreg.problem.motion import SCALE, TRANSLATION, Scale
 from certreg.registration.headlines import proved_degrees
 from certreg.registration.result import Method, Registration
 from certreg.report.equilibria import count_words, inside_out_words, scaled_count_words
@@ -53,6 +54,10 @@ RESTS_ON = {
     Method.CONES: ("bernstein_cones", "spring_caps", "growth_form"),
     Method.ENERGY: (),
 }
+ELIMINATED = ((TRANSLATION, "translation_gap"), (SCALE, "scale_elimination"))  # by which theorems
+ELIMINATED_BY_SPRINGS = ((TRANSLATION, "spring_translation"),)
+SHIFTED = ((TRANSLATION, ", with whatever translation"),)
+DIVIDED = {Scale.SYMMETRIC: " divided by the scale"}  # what is minimised
 RIGHT_SPRINGS = (
     "that the springs are right: normals, directions and covariances are taken as they are "
     "given, and so are those that an iterative method froze at the rotation of its last step;"
@@ -158,15 +163,12 @@ def _optimality(registration: Registration) -> Iterator[Sentence]:
     if bounds is None:
         return
     motion, end = problem.motion, ""
-    moves = motion.translations > 0
-    divided = " divided by the scale" if problem.scale.divides else ""
-    what = f"the sum of weighted squared distances{divided}"
-    theorems = ["optimality_certificate", *["translation_gap"] * moves]
-    theorems += ["scale_elimination"] * motion.scales
+    what = f"the sum of weighted squared distances{DIVIDED.get(problem.scale, '')}"
+    theorems = ["optimality_certificate", *motion.entries(ELIMINATED)]
     springs = sprung(registration)
     if springs is not None and springs.method is not None:
         what, end = "the energy of the springs", f" It is proved by {how_words(springs)}."
-        theorems = [*RESTS_ON[springs.method], *["spring_translation"] * moves]
+        theorems = [*RESTS_ON[springs.method], *motion.entries(ELIMINATED_BY_SPRINGS)]
     words = f"{gap_words(motion, what, bounds.greatest_gap)}{end}"
     yield _proved(words, *theorems)
 
@@ -232,7 +234,7 @@ def _growth(registration: Registration[QuarticSolution]) -> Iterator[Sentence]:
     if certificate is None or not certificate.body.growth:
         return
     mu, delta = certificate.body.growth, certificate.body.gap
-    shifted = ", with whatever translation" if registration.problem.motion.translations else ""
+    shifted = "".join(registration.problem.motion.entries(SHIFTED))
     yield _proved(
         (
             "A rotation that is turned by an angle a from the certified one costs at least "
@@ -284,7 +286,7 @@ def _rests(registration: Registration, body: Any) -> Iterator[Sentence]:
         "Poses at which a body can rest whose size is free: "
         f"{scaled_count_words(found)}{which}. The list is complete."
     )
-    yield Sentence(words=words, guarantee=found.rigid.guarantee, theorems=COUNTED)
+    yield Sentence(words=words, guarantee=found.guarantee, theorems=COUNTED)
     words = inside_out_words(found.breathing)
     yield _proved(words, *COUNTED)
     trajectory = registration.solution.trajectory

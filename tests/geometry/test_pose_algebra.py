@@ -114,6 +114,13 @@ def test_a_long_product_does_not_drift_from_the_rotations():
     assert np.abs(product.rotation.T @ product.rotation - np.eye(3)).max() < 1e-15
 
 
+def test_a_pose_has_the_scale_of_the_similarity_that_it_is():
+    pose = random_pose(np.random.default_rng(3))
+
+    assert pose.scale == Similarity.of_pose(pose).scale == 1.0
+    assert "scale" not in repr(pose)
+
+
 def test_a_matrix_goes_in_and_out_unchanged():
     pose = random_pose(np.random.default_rng(6))
 

@@ -88,7 +88,6 @@ ALLOWED = {  # what the last digit of a number to the nearest is worth, and wher
         registration/convention_errors.py turn.round(LEAST_DECIMALS)
         registration/convention_errors.py turn.round(d)
         registration/label_assessment.py round(entry * 2.0 ** BITS)
-        report/uncertainty.py round(points)
         report/uncertainty.py round(value, decimals)
     """,
     "a figure of statistics, which proves nothing": """
@@ -131,7 +130,7 @@ ALLOWED = {  # what the last digit of a number to the nearest is worth, and wher
         report/pose_words.py {degrees:.4g}
         report/pose_words.py {entry:.3f}
         report/pose_words.py {entry:.6g}
-        report/pose_words.py {scale:.6g}
+        report/pose_words.py {pose.scale:.6g}
         report/pose_facts.py {scale:.9g}
         cli/judging.py {pose.scale:.15g}
     """,

@@ -14,7 +14,8 @@ from scipy.spatial.transform import Rotation
 
 from certreg import RegistrationProblem, certify
 from certreg.objective.isotropic import Isotropic
-from certreg.registration.covariance import BIASED, pose_covariance
+from certreg.problem.motion import Scale
+from certreg.registration.covariance import BIASED, TURNED, pose_covariance
 from certreg.report.pose_facts import pose_of
 from certreg.report.residual_table import residual_table
 from certreg.results import Absent
@@ -133,6 +134,15 @@ def test_without_sigma_it_is_scaled_by_the_residuals(experiment):
     assert np.allclose(np.array(estimated), np.array(given) * factor, rtol=1e-9)
 
 
+def test_without_a_translation_the_centre_has_no_deviation_and_says_why():
+    experiment = Experiment({"rotation_only": True})
+    covariance = experiment.registration(experiment.clean).covariance
+    assert covariance is not None
+
+    assert covariance.centre_sigma is None
+    assert covariance.stated("centre_sigma") == TURNED
+
+
 @pytest.mark.slow
 def test_a_turn_and_the_scale_are_uncorrelated_and_the_centre_scatters_as_the_mean():
     experiment = Experiment(MODELS[0])
@@ -175,7 +185,7 @@ def test_of_the_symmetric_scale_none_is_told():
     off = registration.pose.scale - asymmetric.pose.scale  # type: ignore[union-attr]
     assert off > 2.0 * asymmetric.covariance.scale_sigma  # type: ignore[operator]
     assert registration.covariance is None
-    assert registration.solution.stated_covariance == BIASED
+    assert registration.solution.stated_covariance == BIASED[Scale.SYMMETRIC]
     assert registration.fit.chi2 is None
     reasons = registration.to_dict()["reasons"]
     assert reasons["pose.covariance"] == (

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 from fractions import Fraction
-from types import SimpleNamespace
+from types import MappingProxyType, SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -72,9 +72,9 @@ def test_where_no_angle_is_proved_none_is_printed():
         assert vars(TruncatedRegistration)["turn"].fget(truncated) is None
 
 
-def robust(angle: float, target: float, both: float, **scales: Any) -> Any:
-    found = Robustness(angle=angle, target=target, both=both, **scales)
-    return SimpleNamespace(robustness=found, problem=SimpleNamespace(scaled=bool(scales)))
+def robust(angle: float, target: float, both: float, scales: Any = MappingProxyType({})) -> Any:
+    found = Robustness(angle=angle, target=target, both=both, scales=scales)
+    return SimpleNamespace(robustness=found)
 
 
 @pytest.mark.parametrize(
@@ -113,7 +113,7 @@ def test_the_angle_of_robustness_is_no_smaller_than_the_claimed_one():
 
 
 def test_a_scale_stays_between_the_printed_numbers():
-    words = robustness_words(robust(5.0, 0.1, 0.1, scale_target=(2 / 3, 4 / 3), scale_both=None))
+    words = robustness_words(robust(5.0, 0.1, 0.1, {"target": (2 / 3, 4 / 3), "both": None}))
 
     assert "the scale stays between 0.666666 and 1.33334; " in words
     assert words.endswith("off, within no proved bound")

@@ -184,8 +184,7 @@ def _register(problem: Problem) -> Any:
     if "sigma" in given and not given.keys() & {*FILES}:  # it takes the noise of springs alone
         given["weights"] = np.broadcast_to(given.pop("sigma") ** -2.0, len(problem.source))
     pose = certreg.register(problem.source, problem.target, **given)
-    fields = ("rotation", "translation", "quaternion_wxyz", "scale")
-    return {name: getattr(pose, name) for name in fields if hasattr(pose, name)}
+    return {held.name: getattr(pose, held.name) for held in dataclasses.fields(pose)}
 
 
 def _equilibria(problem: Problem) -> Any:
