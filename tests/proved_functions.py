@@ -72,7 +72,7 @@ PROVED = (
     _of("certificate/joint_feasibility", "is_refuted", "certificate/test_pair_edges"),
     _of(
         "certificate/consistency",
-        "ExactRows.agree ExactRows.met_by ConsistentPairs.met_by _at_most",
+        "ExactRows.agree ExactRows.met_by RigidPairs.met_by _at_most",
         "certificate/test_pair_edges",
     ),
     _of(
