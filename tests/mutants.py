@@ -1053,7 +1053,7 @@ MUTANTS = (
     Mutant(
         "a symmetric energy not over the scale",
         SCALING,
-        "return squares / scale if self.symmetric else squares",
+        "return squares / self.divisor(scale)",
         "return squares",
         ("scale_elimination",),
     ),
