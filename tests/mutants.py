@@ -1067,8 +1067,8 @@ MUTANTS = (
     Mutant(
         "half the symmetric gap",
         SCALING,
-        "            return 2 * delta\n        return delta * (2",
-        "            return delta\n        return delta * (2",
+        "return 2 * delta",
+        "return delta",
         ("scale_elimination",),
     ),
     Mutant(
