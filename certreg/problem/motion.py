@@ -52,7 +52,7 @@ class Scale(StrEnum):
     @property
     def free(self) -> bool:
         """Whether it is found."""
-        return self is not Scale.NONE
+        return bool(SCALES[self])
 
     @property
     def divides(self) -> bool:
