@@ -1053,7 +1053,7 @@ MUTANTS = (
     Mutant(
         "a symmetric energy not over the scale",
         SCALING,
-        "return squares / scale if self.symmetric else squares",
+        "return squares / self.divisor(scale)",
         "return squares",
         ("scale_elimination",),
     ),
@@ -1067,8 +1067,8 @@ MUTANTS = (
     Mutant(
         "half the symmetric gap",
         SCALING,
-        "            return 2 * delta\n        return delta * (2",
-        "            return delta\n        return delta * (2",
+        "return 2 * delta",
+        "return delta",
         ("scale_elimination",),
     ),
     Mutant(

@@ -72,7 +72,7 @@ PROVED = (
     _of("certificate/joint_feasibility", "is_refuted", "certificate/test_pair_edges"),
     _of(
         "certificate/consistency",
-        "ExactRows.agree ExactRows.met_by ConsistentPairs.met_by _at_most",
+        "ExactRows.agree ExactRows.met_by RigidPairs.met_by _at_most",
         "certificate/test_pair_edges",
     ),
     _of(
@@ -118,7 +118,10 @@ PROVED = (
     _of(
         "objective/scaling",
         "Scaling.slack Scaling.best Scaling.energy Scaling.energy_at "
-        "Scaling.least_range Scaling.gap Scaling.interval root_bounds",
+        "Scaling.least_range Scaling.gap Scaling.interval Scaling.lost root_bounds "
+        "SymmetricScaling.slack SymmetricScaling.best SymmetricScaling.energy "
+        "SymmetricScaling.divisor SymmetricScaling.least_range SymmetricScaling.gap "
+        "SymmetricScaling.lost",
         "objective/test_scaling_bounds",
     ),
     _of(

@@ -26,7 +26,7 @@ import numpy as np
 
 from certreg.certificate.clique_refutation import Assuming
 from certreg.certificate.consistency import ConsistentPairs, consistent_pairs
-from certreg.certificate.edge_elimination import Parting
+from certreg.certificate.edge_elimination import MOST_TURNED, Parting
 from certreg.certificate.producing_consensus import ConsensusProver, consensus_certificate
 from certreg.certificate.vertex_elimination import Graph, GraphThinning
 from certreg.native.bitset_graph import mask_of
@@ -168,7 +168,7 @@ def faults(seed: int) -> Iterator[str]:
         yield f"{seed}: two planted pairs are no neighbours"
     K = max(3, len(case.rows) - int(rng.integers(3)))
     few = rng.permutation(list(case.rows))[: int(rng.integers(1, K + 1))].tolist()
-    graph = Graph(near, ConsistentPairs(problem).points(), 0.3, rigid=True)
+    graph = Graph(near, ConsistentPairs.of(problem).points(), 0.3, turned=MOST_TURNED)
     thinning = GraphThinning(graph, all_rows, K, mask_of(few))
     thinning.run()
     assuming, parting = Assuming(thinning), Parting(thinning)

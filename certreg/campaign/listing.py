@@ -22,7 +22,7 @@ from certreg.errors import InvalidFileError
 from certreg.io.row_values import read_bounds
 from certreg.io.streams import Place, number, reading, refused
 from certreg.io.text import parse_rows
-from certreg.problem.support import Loss
+from certreg.problem.support import BOUNDED
 from certreg.verify import shown
 
 if TYPE_CHECKING:
@@ -161,9 +161,8 @@ def fault_of_bounds(row: PairRow) -> str | None:
     beside = [name for name in ("objective", "effort") if name in fields]
     if beside and "max_residual" not in fields:
         return f"{beside[0]} goes with max_residual: give that, too"
-    if fields.get("objective", Loss.CONSENSUS) not in {Loss.CONSENSUS, Loss.TRUNCATED}:
-        known = f"write {Loss.CONSENSUS} or {Loss.TRUNCATED}"
-        return f"objective is '{shown(fields['objective'])}': {known}"
+    if fields.get("objective") not in {None, *BOUNDED}:
+        return f"objective is '{shown(fields['objective'])}': write {' or '.join(BOUNDED)}"
     return None
 
 

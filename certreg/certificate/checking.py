@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
     from certreg.problem import bounds as problem_bounds
     from certreg.problem.problem import RegistrationProblem
+    from certreg.problem.terms import Named
 else:
     # it loads NumPy, which most here do without
     problem_bounds = late("certreg.problem.bounds")
@@ -242,14 +243,12 @@ def _verdict(outcome: Outcome) -> CertificateVerdict:
     )
 
 
-def _clouds(problem: RegistrationProblem) -> Clouds:
-    points = problem.points
-    return Clouds(
-        source=array("d", points.source.tobytes()),
-        target=array("d", points.target.tobytes()),
-        weights=array("d", points.springs.tobytes()),
-        model=problem.motion.options,
-    )
+def _clouds(problem: RegistrationProblem, *beside: Named, option: str = "") -> Clouds:
+    """The arrays of its digest; beside, option: of its loss."""
+    stated = problem.points.data(*beside)
+    source, target, *rest = (array("d", entries.tobytes()) for _, entries in stated)
+    model = f"{problem.motion.options} {option}".strip()
+    return Clouds(source=source, target=target, weights=sum(rest, array("d")), model=model)
 
 
 def bounded_clouds(
@@ -270,12 +269,9 @@ def bounded_clouds(
             "max_residual goes with a problem: give the points that the certificate is about",
             array="max_residual",
         )
-    clouds = _clouds(problem)
-    bounds = array("d", problem_bounds.checked_bounds(max_residual, problem.n).tobytes())
-    own = clouds.weights or bounds[:0]
-    both = bounds + own if problem.factors is not None else own + bounds
+    bounds = problem_bounds.checked_bounds(max_residual, problem.n)
     option = OBJECTIVES[objective or "consensus"]
-    return replace(clouds, weights=both, model=f"{clouds.model} {option}".strip())
+    return _clouds(problem, ("max_residual", bounds), option=option)
 
 
 def require_accepted(verdict: Verdict) -> None:

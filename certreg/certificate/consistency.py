@@ -9,23 +9,23 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from fractions import Fraction
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from certreg._loading import cached_property
-from certreg.certificate.consensus import RIGID, ScaleRange, Witness
+from certreg.certificate.consensus import RIGID, ScaledWitness, ScaleRange, Witness
 from certreg.certificate.infeasibility_weights import PointRows
-from certreg.exact.dyadic import power_of_two
-from certreg.geometry.so3 import rotation_matrix, squared_norm
+from certreg.exact.dyadic import dyadic_below, power_of_two
+from certreg.geometry.so3 import quaternion_from_matrix, rotation_matrix, squared_norm
 from certreg.native.bitset_graph import BitRows, agreeing
+from certreg.native.cliques import triangles
 from certreg.problem.lifting import lift
 from certreg.relaxation.similarity_fit import lengths_between, scale_ranges
 
 if TYPE_CHECKING:
-    from fractions import Fraction
-
     from certreg.problem.problem import RegistrationProblem
 
 
@@ -35,12 +35,14 @@ Reals = NDArray[np.float64]
 # its root three times, and the last sums one more: eight times 2^-53 of all would do.
 LENGTH_ERROR = 2.0**-48
 MOTION_ERROR = 2.0**-44  # a residual: forty roundings of at most |x| + |y| + |t|, 2^-53 each
+QUATERNION_BITS, SHIFT_BITS = 60, 64  # of a witness: its rounding is far below that of its points
+END_BITS = 4  # more than it takes to tell the ends of a piece apart
 TINY = 1e-100  # lengths, in the unit of their cloud, whose squares may lose digits
 
 
 def consistent_pairs(problem: RegistrationProblem) -> BitRows:
     """For each pair those that one rigid motion may meet with it, as bits."""
-    return ConsistentPairs(problem).near()
+    return ConsistentPairs.of(problem).near()
 
 
 class ExactRows:
@@ -110,21 +112,40 @@ class ScaleBounds(NamedTuple):
 
 
 class ConsistentPairs:
-    """The pairs of a problem, and which two of them a motion may meet together.
+    """The pairs of a problem, and which two of them a motion with a scale may meet together.
 
-    rigid: whether the scale is not free. source, target, bounds: in doubles, in a unit near their
-    size; where the scale is free, each cloud in one of its own. These are powers of two. exponent:
-    a scale of 1 there is 2^exponent.
+    source, target, bounds: in doubles, in a unit near their size, each cloud in one of its own.
+    These are powers of two. exponent: a scale of 1 there is 2^exponent.
     """
 
     def __init__(self, problem: RegistrationProblem) -> None:
         block, bounds = problem.points, problem.bounds
-        self.exact, self.rigid = ExactRows(problem), not problem.scaled
-        self.unit = _exponent(block.target, bounds, *[block.source] * self.rigid)
-        here = self.unit if self.rigid else _exponent(block.source)
+        self.exact = ExactRows(problem)
+        self.unit, here = self._units(block.source, block.target, bounds)
         self.exponent = self.unit - here
         self.source, self.target = block.source * 2.0**-here, block.target * 2.0**-self.unit
         self.bounds = bounds * 2.0**-self.unit
+
+    @staticmethod
+    def of(problem: RegistrationProblem) -> ConsistentPairs:
+        """Those of the motions of a problem."""
+        return ConsistentPairs(problem) if problem.scaled else RigidPairs(problem)
+
+    def _units(self, source: Reals, target: Reals, bounds: Reals) -> tuple[int, int]:
+        """Exponents of those of target and source."""
+        return _exponent(target, bounds), _exponent(source)
+
+    def witness(self, rotation: Reals, translation: Reals, scale: float) -> Witness:
+        """A motion in integers, next to one in doubles."""
+        turned = witness_of(rotation, translation)
+        factor = dyadic_below(Fraction(scale), 53)
+        return ScaledWitness(quaternion=turned.quaternion, shift=turned.shift, factor=factor)
+
+    def ranges(self, scale: Fraction) -> list[ScaleRange]:
+        """All scales, cut beside one of them."""
+        near = dyadic_below(scale, END_BITS).value
+        below, beside = ScaleRange(Fraction(0), near / 2), ScaleRange(near / 2, near * 2)
+        return [below, beside, ScaleRange(near * 2, None)]
 
     def points(self, scales: ScaleRange = RIGID) -> PointRows:
         """To be refuted with these scales."""
@@ -145,14 +166,6 @@ class ConsistentPairs:
 
     def near(self, scales: ScaleRange = RIGID) -> BitRows:
         """For each pair those that one motion with such a scale may meet with it, as bits."""
-        if not self.rigid:
-            return self.within(scales)
-        compiled = agreeing(self.source, self.target, self.bounds)
-        more = [(i, j) for i, j in compiled.open_pairs if self.exact.agree(i, j)]
-        return compiled.near.with_edges(more) if more else compiled.near
-
-    def within(self, scales: ScaleRange) -> BitRows:
-        """The same in NumPy: the compiled code knows no scale."""
         low, high = self.in_units(scales.low), self.in_units(scales.high)
         least, most, error, unsure = self.scales
         allowed = (least <= high) & (most >= low)
@@ -165,9 +178,36 @@ class ConsistentPairs:
         return BitRows.of_table(allowed)
 
     def met_by(self, witness: Witness) -> list[int]:
+        """The rows that a motion meets, in integers."""
+        return self.exact.met_by(witness, range(len(self.bounds)))
+
+    def scattered(self) -> bool:
+        """Whether no motion meets three pairs, by their lengths; False means not proved."""
+        return False
+
+
+class RigidPairs(ConsistentPairs):
+    """The same of rigid motions, which keep lengths: one unit for both clouds, one scale."""
+
+    def _units(self, source: Reals, target: Reals, bounds: Reals) -> tuple[int, int]:
+        return (_exponent(target, bounds, source),) * 2
+
+    def witness(self, rotation: Reals, translation: Reals, scale: float) -> Witness:  # noqa: ARG002
+        """A motion in integers, next to one in doubles."""
+        return witness_of(rotation, translation)
+
+    def ranges(self, scale: Fraction) -> list[ScaleRange]:  # noqa: ARG002
+        """That of scale 1."""
+        return [RIGID]
+
+    def near(self, scales: ScaleRange = RIGID) -> BitRows:  # noqa: ARG002
+        """The same by compiled code, which knows no scale."""
+        compiled = agreeing(self.source, self.target, self.bounds)
+        more = [(i, j) for i, j in compiled.open_pairs if self.exact.agree(i, j)]
+        return compiled.near.with_edges(more) if more else compiled.near
+
+    def met_by(self, witness: Witness) -> list[int]:
         """The rows that a motion meets, exactly: in integers where doubles leave it open."""
-        if not self.rigid:
-            return self.exact.met_by(witness, range(len(self.bounds)))
         q = np.array([float(k) for k in witness.quaternion])
         *shift, exponent = witness.shift
         R = np.array(rotation_matrix((q / np.linalg.norm(q)).tolist()))
@@ -178,6 +218,19 @@ class ConsistentPairs:
         sure = np.abs(room) > error
         doubtful = set(self.exact.met_by(witness, np.flatnonzero(~sure).tolist()))
         return [i for i in range(len(room)) if (room[i] > 0.0 if sure[i] else i in doubtful)]
+
+    def scattered(self) -> bool:
+        """Whether no three of them keep their distances from each other."""
+        return not triangles(self.near(), (1 << len(self.bounds)) - 1).any()
+
+
+def witness_of(rotation: Reals, translation: Reals) -> Witness:
+    """A rigid motion in integers, next to one in doubles."""
+    w, x, y, z = np.rint(np.ldexp(quaternion_from_matrix(rotation), QUATERNION_BITS)).tolist()
+    size = float(np.abs(translation).max())
+    exponent = int(np.frexp(size)[1]) - SHIFT_BITS if size else 0
+    a, b, c = (int(Fraction(k) / Fraction(2) ** exponent) for k in translation.tolist())
+    return Witness(quaternion=(int(w), int(x), int(y), int(z)), shift=(a, b, c, exponent))
 
 
 def _at_most(A: Fraction | int, B: Fraction | int, d: int) -> bool:

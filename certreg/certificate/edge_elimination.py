@@ -32,7 +32,7 @@ class Parting:
 
     def __init__(self, thinning: GraphThinning) -> None:
         self._thinning = thinning
-        self._left = round(MOST_TURNED * thinning.graph.effort)
+        self._left = round(thinning.graph.turned * thinning.graph.effort)
         self._struck = 0
         self._stayed = dict[tuple[int, int], int]()
 
@@ -68,7 +68,7 @@ class Parting:
     def _few_at_each_turn(self, e: int, f: int, beside: int) -> bool:
         """Not tried where so many are of the clique that a motion may meet them and these two."""
         thinning, pair = self._thinning, (min(e, f), max(e, f))
-        if not thinning.graph.rigid or self._left == 0 or self._stayed.get(pair) == beside:
+        if self._left == 0 or self._stayed.get(pair) == beside:
             return False
         if (beside & thinning.clique).bit_count() <= thinning.least - 3:
             rows = list(rows_of(beside))

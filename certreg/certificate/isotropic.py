@@ -173,7 +173,7 @@ def produce(
     """
     bounds, q, scaling = _optimality(objective), objective.optimum, objective.scaling
     v, shape = objective.alignment(q), objective.classification
-    if bounds is None or (v < 0 and scaling is not None and not scaling.symmetric):
+    if bounds is None or (scaling is not None and v < scaling.upright):
         return None
     mu, delta = bounds
     angle = dyadic_above(delta.value / mu.value, BOUND_BITS) if mu.mantissa else None

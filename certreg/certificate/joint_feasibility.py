@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.certificate.producing_consensus import ConsensusProver, witness_of
+from certreg.certificate.consistency import witness_of
 from certreg.exact.elimination import is_positive_definite
 from certreg.geometry.so3 import davenport_matrix, rotation_matrix, squared_norm
 from certreg.results import Brief
@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.certificate.consensus import Witness
+    from certreg.certificate.producing_consensus import ConsensusProver
     from certreg.problem.problem import RegistrationProblem
 
 

@@ -37,14 +37,15 @@ from certreg.certificate.consensus import (
     Witness,
     ranges,
 )
-from certreg.certificate.consistency import ConsistentPairs
+from certreg.certificate.consistency import END_BITS, ConsistentPairs
+from certreg.certificate.edge_elimination import MOST_TURNED
 from certreg.certificate.envelope import Certificate, enclosed
 from certreg.certificate.proof_stages import MOST, Part, Stager, length_of, settled
 from certreg.certificate.vertex_elimination import Graph
 from certreg.errors import UndecidedError
 from certreg.exact.dyadic import Dyadic, dyadic_above, dyadic_below
 from certreg.geometry.pose import Pose
-from certreg.geometry.so3 import davenport_matrix, quaternion_from_matrix, rotation_matrix
+from certreg.geometry.so3 import davenport_matrix, rotation_matrix
 from certreg.native.bitset_graph import BitRows, mask_of
 from certreg.native.cliques import greedy_clique
 from certreg.problem.bounds import LEAST_PAIRS
@@ -61,7 +62,6 @@ if TYPE_CHECKING:
 LOG = logging.getLogger(__name__)
 OPEN_TOLD = "ranges of scales left open are looked at one by one ..."
 TOLD = "%d ranges of scales, %d of them still open; proving on ..."
-QUATERNION_BITS, SHIFT_BITS = 60, 64  # of a witness: its rounding is far below that of its points
 MOST_PIECES = 400  # that are kept, at effort 1
 # At effort 1, at once: where labels are proved, two or three; where pairs agree by chance, they are
 # ever more, and cutting on tells nothing of labels. Few while another witness may replace this one.
@@ -69,7 +69,6 @@ MOST_OPEN, FEW_OPEN = 16, 4
 MOST_BITS = 1 << 30  # of the graphs of all pieces, as in the checker
 NARROW = 1.0 / 16.0  # of the least bound: what the ends of a piece that is not cut differ by
 OUTWARDS = 1e-6  # of a bound on scales: doubles err by far less
-END_BITS = 4  # more than it takes to tell the ends of a piece apart
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -108,7 +107,7 @@ class ConsensusProver:
 
     def __init__(self, problem: RegistrationProblem, *, effort: float = 1.0) -> None:
         self.problem = problem
-        self.pairs = ConsistentPairs(problem)
+        self.pairs = ConsistentPairs.of(problem)
         self._effort = effort
         most = MOST_BITS // problem.n**2
         self._most = max(2, min(round(MOST_PIECES * effort), most))
@@ -125,7 +124,7 @@ class ConsensusProver:
 
         whole: False: no more than whether all labels are, or that no motion meets more pairs.
         """
-        witness = witness_of(rotation, translation, None if self.pairs.rigid else scale)
+        witness = self.pairs.witness(rotation, translation, scale)
         return self.witnessed(witness, whole=whole) if scale > 0.0 else None
 
     def witnessed(self, witness: Witness, *, whole: bool = True) -> ProvedConsensus | None:
@@ -145,9 +144,6 @@ class ConsensusProver:
 
         Until so many are open at once that cutting will not end, or the certificate is full.
         """
-        near = dyadic_below(scale, END_BITS).value
-        below, beside = ScaleRange(Fraction(0), near / 2), ScaleRange(near / 2, near * 2)
-        begun = [RIGID] if self.pairs.rigid else [below, beside, ScaleRange(near * 2, None)]
         found: list[Part] = []
         queue: list[tuple[float, Fraction, Part]] = []
 
@@ -158,7 +154,7 @@ class ConsensusProver:
             else:
                 found.append(part)
 
-        for scales in begun:
+        for scales in self.pairs.ranges(scale):
             add(self._thinned(scales, met, whole=whole))
         held = sum(part.length for part in found) + sum(part.length for _, _, part in queue)
         most_open = max(1, round((MOST_OPEN if whole else FEW_OPEN) * self._effort))
@@ -208,7 +204,7 @@ class ConsensusProver:
 
     def _graph(self, scales: ScaleRange) -> Graph:
         near, points = self.pairs.near(scales), self.pairs.points(scales)
-        return Graph(near, points, self._effort, rigid=scales is RIGID)
+        return Graph(near, points, self._effort, turned=MOST_TURNED * (scales is RIGID))
 
 
 def _clique(near: BitRows, met: list[int]) -> int:
@@ -239,26 +235,11 @@ def _end(scales: ScaleRange) -> Dyadic | None:
     return Dyadic(mantissa=end.numerator, exponent=1 - end.denominator.bit_length())
 
 
-def witness_of(
-    rotation: NDArray[np.float64], translation: NDArray[np.float64], scale: float | None = None
-) -> Witness:
-    """A motion in integers, next to one in doubles. scale: None of a rigid one."""
-    w, x, y, z = np.rint(np.ldexp(quaternion_from_matrix(rotation), QUATERNION_BITS)).tolist()
-    size = float(np.abs(translation).max())
-    exponent = int(np.frexp(size)[1]) - SHIFT_BITS if size else 0
-    a, b, c = (int(Fraction(k) / Fraction(2) ** exponent) for k in translation.tolist())
-    turn, shift = (int(w), int(x), int(y), int(z)), (a, b, c, exponent)
-    if scale is None:
-        return Witness(quaternion=turn, shift=shift)
-    factor = dyadic_below(Fraction(scale), 53)
-    return ScaledWitness(quaternion=turn, shift=shift, factor=factor)
-
-
 def consensus_of(
     problem: RegistrationProblem, body: ConsensusBody | ConsensusSimilarityBody
 ) -> ProvedConsensus:
     """What a certificate says that the checker has accepted for the problem."""
-    met = tuple(ConsistentPairs(problem).met_by(body.witness))
+    met = tuple(ConsistentPairs.of(problem).met_by(body.witness))
     return ProvedConsensus(body.witness, met, body.labels, body.upper, body.pieces, body.states)
 
 
@@ -397,7 +378,7 @@ class MetRows:
         weights: NDArray[np.float64],
     ) -> MetRows:
         """Of the rows that are met."""
-        pairs, rows = ConsistentPairs(problem), list(met)
+        pairs, rows = ConsistentPairs.of(problem), list(met)
         w = (weights[rows] / weights[rows].max())[:, None]
         x, y = (p[rows] - p[rows[0]] for p in (pairs.source, pairs.target))
         x, y = (p - (w * p).sum(axis=0) / w.sum() for p in (x, y))

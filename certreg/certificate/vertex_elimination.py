@@ -25,13 +25,14 @@ MOST_LEFT_OUT = 4  # rows, where groups share some: the sets to be tried grow as
 class Graph:
     """Pairs that one motion may meet together, as bits; their points; how hard to try.
 
-    rigid: whether all motions keep lengths, so that two pairs can be parted by turns.
+    turned: how many pairs of rows are tried by turns and stay, at effort 1: 0 where motions may
+    change lengths.
     """
 
     near: BitRows
     points: PointRows
     effort: float = 1.0
-    rigid: bool = False
+    turned: int = 0
 
 
 class GraphThinning:

@@ -329,10 +329,10 @@ def label_sets(problem: RegistrationProblem, least: int, most_sets: int) -> Iter
 
 @dataclass(frozen=True, slots=True)
 class _Branch:
-    """The sets of all of `taken` and some of `free`; last: of `taken`, where it was looked at."""
+    """The sets of all of `taken` and some of `open`; last: of `taken`, where it was looked at."""
 
     taken: tuple[int, ...]
-    free: int
+    open: int
     last: SpringSet | None
 
 
@@ -366,7 +366,7 @@ class _Sets:
 
     def _linked(self, branch: _Branch) -> int:
         """The free springs, less those with too few neighbours for a set that is large enough."""
-        free, needed = branch.free, self._least - len(branch.taken) - 1
+        free, needed = branch.open, self._least - len(branch.taken) - 1
         while needed > 0:
             few = [i for i in rows_of(free) if (self._near[i] & free).bit_count() < needed]
             if not few:

@@ -54,7 +54,7 @@ class Elimination:
     frame: 4x4 integers of determinant 1.
     eliminant: coefficients, lowest first, of the squarefree integer polynomial whose roots are the
         critical values, in units of C.
-    factors: its irreducible factors, each with the dimension of the fibre over each of its roots.
+    fibres: its irreducible factors, each with the dimension of the fibre over each of its roots.
     """
 
     chart: tuple[int, ...] | None
@@ -63,7 +63,7 @@ class Elimination:
     action: fmpq_mat
     frame: Table
     eliminant: fmpz_poly
-    factors: tuple[tuple[fmpz_poly, int], ...]
+    fibres: tuple[tuple[fmpz_poly, int], ...]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -203,7 +203,7 @@ def _quotient(
         action=action,
         frame=frame,
         eliminant=eliminant,
-        factors=((eliminant, 0),),
+        fibres=((eliminant, 0),),
     )
 
 
@@ -242,7 +242,7 @@ def _continuum(K: Sequence[Sequence[int]], rank: int) -> Elimination:
         action=fmpq_mat(action),
         frame=_frame(0),
         eliminant=eliminant,
-        factors=factors,
+        fibres=factors,
     )
 
 
@@ -258,7 +258,7 @@ def _nullity(factor: fmpz_poly, action: fmpz_mat) -> int:
 def _roots(elimination: Elimination) -> list[tuple[acb, int]]:
     """Each complex root of the eliminant, isolated, with the dimension of its fibre."""
     roots: list[tuple[acb, int]] = []
-    for factor, dimension in elimination.factors:
+    for factor, dimension in elimination.fibres:
         pairs: Any = factor.complex_roots()  # the stubs of python-flint know no pairs
         if any(multiplicity > 1 for _, multiplicity in pairs):
             raise ContradictionError(

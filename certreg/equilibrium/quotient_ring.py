@@ -91,14 +91,14 @@ def by_quotient_ring(objective: Springs) -> LineSet:
 class Shape:
     """Which rows and columns of the matrices are independent: modulo a prime, hence over Q.
 
-    plane: the linear form l. rows, pivots: of the products of degree 8, 125 each. free: the 40
+    plane: the linear form l. rows, pivots: of the products of degree 8, 125 each. columns: the 40
     monomials that are left. basis: 40 monomials of degree 7 on which N_l has an inverse.
     """
 
     plane: tuple[int, ...]
     rows: list[int]
     pivots: list[int]
-    free: list[int]
+    columns: list[int]
     basis: list[int]
 
     @classmethod
@@ -124,7 +124,7 @@ class Shape:
             plane=count.plane,
             rows=_independent(matrix.transpose()),
             pivots=pivots,
-            free=free,
+            columns=free,
             basis=_independent(nmod_mat(len(free), len(raised), raised.T.ravel().tolist(), prime)),
         )
 
@@ -151,12 +151,12 @@ class Shape:
         """N, by rows: what the free monomials and the equations leave of the others."""
         table = _ball_products(levelled)
         left = arb_mat([[table[row][k] for k in self.pivots] for row in self.rows])
-        right = arb_mat([[table[row][k] for k in self.free] for row in self.rows])
+        right = arb_mat([[table[row][k] for k in self.columns] for row in self.rows])
         solved = left.solve(right).table()
-        null = [[arb(0)] * len(self.free) for _ in range(len(self.pivots) + len(self.free))]
+        null = [[arb(0)] * len(self.columns) for _ in range(len(self.pivots) + len(self.columns))]
         for row, pivot in zip(solved, self.pivots, strict=True):
             null[pivot] = [-entry for entry in row]
-        for column, k in enumerate(self.free):
+        for column, k in enumerate(self.columns):
             null[k][column] = arb(1)
         return null
 
@@ -167,7 +167,7 @@ class Shape:
             [
                 [
                     sum((factor * null[to[m]][column] for to, factor in raised), arb(0))
-                    for column in range(len(self.free))
+                    for column in range(len(self.columns))
                 ]
                 for m in self.basis
             ]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import ctypes
 import struct
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, fields
 from functools import cache, lru_cache
@@ -210,11 +210,11 @@ class Library:
 
     def run(self, batch: Batch, rules: Rules, log: Log | None = None) -> None:
         """Integrate every body; several run on all given threads, a log is for one body."""
-        kind = batch.kind
-        if kind is Kind.BREATHING:
-            run_in_python(self, batch, rules, log)
-            return
-        count = len(batch.bodies)
+        RUNS[batch.kind](self, batch, rules, log)
+
+    def run_compiled(self, batch: Batch, rules: Rules, log: Log | None = None) -> None:
+        """The same by loops in C."""
+        kind, count = batch.kind, len(batch.bodies)
         if log is not None or count == 1:
             self._run(kind, batch, rules, log)
             return
@@ -252,6 +252,13 @@ def checked(
     if sizes != shape.arguments:
         raise ValueError(f"{name} takes {shape.arguments} numbers, not {sizes}")
     return given
+
+
+RUNS: Mapping[Kind, Callable[[Library, Batch, Rules, Log | None], None]] = {
+    Kind.RIGID: Library.run_compiled,
+    Kind.SPRINGS: Library.run_compiled,
+    Kind.BREATHING: run_in_python,  # of which C has the functions alone
+}
 
 
 def _addresses(arrays: Iterable[Any]) -> list[int]:

@@ -97,7 +97,8 @@ class Form(Brief):
 
     def free_translations(self, motion: Motion) -> tuple[tuple[int, ...], ...]:
         """A basis of the kernel of S: shifts of a motion that cost nothing, whatever M is."""
-        return nullspace(self.stiffness, 3) if motion.translations else ()
+        axes = motion.axes
+        return nullspace([[row[k] for k in axes] for row in self.stiffness], len(axes))
 
     def restricted(self, motion: Motion) -> Reduced:
         """The least energy over t, d (H_rr - H_rt C H_tr); without a translation H_rr.
@@ -106,8 +107,7 @@ class Form(Brief):
         is semidefinite in t, so the columns of H_tr are in the span of those of S: the energy does
         not depend on what t is along the kernel of S. Without a translation there are no rows p.
         """
-        most = motion.translations
-        choices = [c for size in range(most, -1, -1) for c in combinations(range(3), size)]
+        choices = [c for size in range(3, -1, -1) for c in combinations(motion.axes, size)]
         parts = ([[self.stiffness[i][j] for j in chosen] for i in chosen] for chosen in choices)
         inverses = zip(choices, map(definite_inverse, parts), strict=False)
         chosen, (determinant, adjugate) = next((c, found) for c, found in inverses if found)

@@ -268,7 +268,7 @@ class Isotropic(Objective):
 
     def squares(self, energy: Real, scale: Real) -> Real:
         """The sum w |y - s R x - t|^2 of a pose of that energy: the symmetric one is over s."""
-        return energy * scale if self.scaling is not None and self.scaling.symmetric else energy
+        return energy if self.scaling is None else energy * self.scaling.divisor(scale)
 
     def squared_residual(self, q: Sequence[int]) -> Fraction:
         """|K q - v q|^2 / |q|^2, v = q^T K q / |q|^2, in units of tr(R^T C) squared."""

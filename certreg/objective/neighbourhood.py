@@ -68,7 +68,8 @@ class Neighbourhood(Brief):
         scale, over = self.scale.as_integer_ratio()
         turns = (scale * CROSSES @ self._columns).reshape(3, 9)
         growth = over * self._columns.reshape(1, 9)
-        return np.concatenate([turns, growth[: self.motion.scales]])
+        free = self.motion.parameters_given(translation=False)
+        return np.concatenate([turns, growth])[:free]
 
     @cached_property
     def _quadratic(self) -> Integers:
@@ -122,12 +123,11 @@ class Neighbourhood(Brief):
 
         In doubles, infinite beyond. What a shift costs is said by S.
         """
-        unit, form, moved = self.unit, self.form, self.moves(point)
+        unit, form, count = self.unit, self.form, len(self.motion.axes)
         bent = _rounded(unit.numerator * self.hessian, 2 * unit.denominator)
-        if not self.motion.translations:
-            return bent
         above, below = form.stiffness_unit.as_integer_ratio()
-        stiff = _rounded(above * np.array(form.stiffness, dtype=object), below)
+        stiff = _rounded(above * np.array(form.stiffness, dtype=object), below)[:count, :count]
+        moved = self.moves(point)[:count]
         pulled = stiff @ moved
         return np.block([[stiff, -pulled], [-pulled.T, bent + moved.T @ pulled]])
 

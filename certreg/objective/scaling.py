@@ -11,17 +11,20 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from fractions import Fraction
-from math import isqrt
-from typing import TYPE_CHECKING
+from math import inf, isqrt
+from typing import TYPE_CHECKING, ClassVar
 
 from certreg._loading import cached_property
 from certreg.errors import DegenerateProblemError
 from certreg.exact.dyadic import Dyadic, dyadic_above, dyadic_below, power_of_two
 from certreg.problem.moments import ExactMoments, trace
+from certreg.problem.motion import Scale
 from certreg.results import Brief
 
 if TYPE_CHECKING:
-    from certreg.problem.motion import Motion, Scale
+    from collections.abc import Mapping
+
+    from certreg.problem.motion import Motion
 
 ROOT_BITS = 240  # of a root: its bounds are 2^-239 apart, far within what bounds a scale below
 SCALE_BITS = 96  # of the bounds of a scale: 2^-95 = 2.5e-29 of it, below 1e-20
@@ -29,20 +32,23 @@ SCALE_BITS = 96  # of the bounds of a scale: 2^-95 = 2.5e-29 of it, below 1e-20
 
 @dataclass(frozen=True)
 class Scaling(Brief):
-    """The scale of a problem that has one. source, target: Sxx > 0 and Syy, in objective units."""
+    """The asymmetric scale. source, target: Sxx > 0 and Syy, in objective units."""
 
-    kind: Scale
     source: Fraction
     target: Fraction
+    kind: ClassVar[Scale] = Scale.ASYMMETRIC
+    telling: ClassVar[tuple[str, ...]] = ("source",)  # clouds whose points are not all at one
+    symmetric: ClassVar[bool] = False
+    upright: ClassVar[float] = 0.0  # the least alignment of which `gap` is true
 
-    @classmethod
-    def of(cls, moments: ExactMoments, motion: Motion) -> Scaling | None:
+    @staticmethod
+    def of(moments: ExactMoments, motion: Motion) -> Scaling | None:
         """Of the moments of a problem; None where its scale is not free.
 
         Raises DegenerateProblemError where no scale is better than others.
         """
-        kind = motion.scale
-        if not kind.free:
+        made = SCALINGS.get(motion.scale)
+        if made is None:
             return None
         place = "at one point" if motion.translations else "at the origin"
         weights = moments.weight_exponent
@@ -54,18 +60,73 @@ class Scaling(Brief):
             )
         )
         for name, spread in (("source", source), ("target", target)):
-            if spread == 0 and (name == "source" or kind.divides):
+            if spread == 0 and name in made.telling:
                 raise DegenerateProblemError(
-                    f"all {name} points with weight lie {place}: they tell no {kind.value} scale; "
+                    f"all {name} points with weight lie {place}: they tell no {made.kind} scale; "
                     "leave the scale out",
                     rank=0,
                 )
-        return cls(kind, source, target)
+        return made(source, target)
 
     @property
-    def symmetric(self) -> bool:
-        """Whether the scale is the symmetric one, whatever the rotation."""
-        return self.kind.divides
+    def slack(self) -> Fraction:
+        """How far `energy` may be below the true one; 0 for the asymmetric scale."""
+        return Fraction(0)
+
+    def best(self, alignment: Fraction) -> Fraction:
+        """The best scale; of a symmetric one a number just below it."""
+        return max(alignment, Fraction(0)) / self.source
+
+    def energy(self, alignment: Fraction) -> Fraction:
+        """The objective with the best scale, >= 0; of a symmetric one at most `slack` less."""
+        return self.target - max(alignment, Fraction(0)) ** 2 / self.source
+
+    def energy_at(self, alignment: Fraction, scale: Fraction, shifted: Fraction) -> Fraction:
+        """The objective at any scale; shifted: M |t - best t|^2, the cost of the translation."""
+        squares = self.target - 2 * scale * alignment + scale**2 * self.source + shifted
+        return squares / self.divisor(scale)
+
+    def divisor(self, scale: Fraction) -> Fraction:  # noqa: ARG002 - the symmetric one is
+        """What the squares at a scale are over."""
+        return Fraction(1)
+
+    def lost(self, alignment: Fraction, best: Fraction) -> Fraction:
+        """What a rotation costs more than another, exactly."""
+        return self.energy(alignment) - self.energy(best)
+
+    def least_range(self, alignment: Fraction, squares: Fraction) -> Fraction:
+        """The square of a number that the range of energies over all rotations is not below.
+
+        squares: F^2 of Davenport's matrix K, of trace 0; alignment: of some rotation, at most l1.
+        Asymmetric: the range is l1^2 / Sxx, as some rotation has a <= 0, and l1^2 >= F^2 / 12, the
+        least being at eigenvalues (l, l, l, -3 l). Symmetric: 2 (l1 - l4) >= 2 F.
+        """
+        return (max(max(alignment, Fraction(0)) ** 2, squares / 12) / self.source) ** 2
+
+    def gap(self, alignment: Fraction, delta: Fraction) -> Fraction:
+        """What the objective at a rotation exceeds the minimum by, at most, if l1 < a + delta.
+
+        (l1^2 - a^2) / Sxx < delta (2 a + delta) / Sxx, which is true of a >= 0 alone; or 2 delta.
+        """
+        return delta * (2 * alignment + delta) / self.source
+
+    def interval(self, alignment: Fraction, delta: Fraction) -> tuple[Dyadic, Dyadic]:
+        """Bounds of the best scale at the optimum, of few bits, if a <= l1 < a + delta."""
+        low, high = self._bounds(alignment, delta)
+        return dyadic_below(low, SCALE_BITS), dyadic_above(high, SCALE_BITS)
+
+    def _bounds(self, alignment: Fraction, delta: Fraction) -> tuple[Fraction, Fraction]:
+        return alignment / self.source, (alignment + delta) / self.source
+
+
+@dataclass(frozen=True)
+class SymmetricScaling(Scaling):
+    """The symmetric scale, whatever the rotation. source, target: Sxx, Syy > 0."""
+
+    kind: ClassVar[Scale] = Scale.SYMMETRIC
+    telling: ClassVar[tuple[str, ...]] = ("source", "target")
+    symmetric: ClassVar[bool] = True
+    upright: ClassVar[float] = -inf
 
     @cached_property
     def _ratio(self) -> tuple[Fraction, Fraction]:
@@ -79,52 +140,38 @@ class Scaling(Brief):
 
     @property
     def slack(self) -> Fraction:
-        """How far `energy` may be below the true one; 0 for the asymmetric scale."""
-        return 2 * (self._mean[1] - self._mean[0]) if self.symmetric else Fraction(0)
+        """How far `energy` may be below the true one."""
+        return 2 * (self._mean[1] - self._mean[0])
 
-    def best(self, alignment: Fraction) -> Fraction:
-        """The best scale; of a symmetric one a number just below it."""
-        if self.symmetric:
-            return self._ratio[0]
-        return max(alignment, Fraction(0)) / self.source
+    def best(self, alignment: Fraction) -> Fraction:  # noqa: ARG002
+        """A number just below the best scale."""
+        return self._ratio[0]
 
     def energy(self, alignment: Fraction) -> Fraction:
-        """The objective with the best scale, >= 0; of a symmetric one at most `slack` less."""
-        if self.symmetric:
-            return 2 * max(self._mean[0] - alignment, Fraction(0))
-        return self.target - max(alignment, Fraction(0)) ** 2 / self.source
+        """The objective, >= 0, at most `slack` less."""
+        return 2 * max(self._mean[0] - alignment, Fraction(0))
 
-    def energy_at(self, alignment: Fraction, scale: Fraction, shifted: Fraction) -> Fraction:
-        """The objective at any scale; shifted: M |t - best t|^2, the cost of the translation."""
-        squares = self.target - 2 * scale * alignment + scale**2 * self.source + shifted
-        return squares / scale if self.symmetric else squares
+    def divisor(self, scale: Fraction) -> Fraction:
+        """The scale."""
+        return scale
 
-    def least_range(self, alignment: Fraction, squares: Fraction) -> Fraction:
-        """The square of a number that the range of energies over all rotations is not below.
+    def lost(self, alignment: Fraction, best: Fraction) -> Fraction:
+        """What a rotation costs more than another, exactly."""
+        return 2 * (best - alignment)
 
-        squares: F^2 of Davenport's matrix K, of trace 0; alignment: of some rotation, at most l1.
-        Asymmetric: the range is l1^2 / Sxx, as some rotation has a <= 0, and l1^2 >= F^2 / 12, the
-        least being at eigenvalues (l, l, l, -3 l). Symmetric: 2 (l1 - l4) >= 2 F.
-        """
-        if self.symmetric:
-            return 4 * squares
-        return (max(max(alignment, Fraction(0)) ** 2, squares / 12) / self.source) ** 2
+    def least_range(self, alignment: Fraction, squares: Fraction) -> Fraction:  # noqa: ARG002
+        """The square of 2 F."""
+        return 4 * squares
 
-    def gap(self, alignment: Fraction, delta: Fraction) -> Fraction:
-        """What the objective at a rotation exceeds the minimum by, at most, if l1 < a + delta.
+    def gap(self, alignment: Fraction, delta: Fraction) -> Fraction:  # noqa: ARG002
+        """2 delta."""
+        return 2 * delta
 
-        (l1^2 - a^2) / Sxx < delta (2 a + delta) / Sxx, which is true of a >= 0 alone; or 2 delta.
-        """
-        if self.symmetric:
-            return 2 * delta
-        return delta * (2 * alignment + delta) / self.source
+    def _bounds(self, alignment: Fraction, delta: Fraction) -> tuple[Fraction, Fraction]:  # noqa: ARG002
+        return self._ratio
 
-    def interval(self, alignment: Fraction, delta: Fraction) -> tuple[Dyadic, Dyadic]:
-        """Bounds of the best scale at the optimum, of few bits, if a <= l1 < a + delta."""
-        low, high = self._ratio
-        if not self.symmetric:
-            low, high = alignment / self.source, (alignment + delta) / self.source
-        return dyadic_below(low, SCALE_BITS), dyadic_above(high, SCALE_BITS)
+
+SCALINGS: Mapping[Scale, type[Scaling]] = {made.kind: made for made in (Scaling, SymmetricScaling)}
 
 
 def root_bounds(value: Fraction) -> tuple[Fraction, Fraction]:

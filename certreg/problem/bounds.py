@@ -132,8 +132,7 @@ def checked_bounds(max_residual: Any, n: int) -> NDArray[np.float64]:
 def _require_near(problem: RegistrationProblem, bounds: NDArray[np.float64]) -> None:
     """Refuses numbers of sizes so far apart that the checker takes no certificate of them."""
     block = problem.points
-    weights = problem.weights if problem.factors is None else np.ones(1)
-    parts = (block.source, block.target, weights, bounds)
+    parts = (block.source, block.target, block.masses, bounds)
     sizes = np.concatenate([np.abs(part).ravel() for part in parts])
     sizes = sizes[sizes > 0.0]
     least, most = float(sizes.min()), float(sizes.max())

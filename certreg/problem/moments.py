@@ -30,8 +30,10 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.geometry.so3 import Matrix3, Vector3
+    from certreg.problem.motion import Motion
     from certreg.problem.problem import RegistrationProblem
 
+FIRST_ORDER = slice(1, 7)  # of 28 sums
 MOST_EXPONENT = 1025  # two doubles are less than 2^1025 apart
 SAMPLE_POINTS = 32  # whose mean is the first origin: near enough for almost every cloud
 LARGEST_LEVER = 1.0  # squared distance of origin and mean, over the mean squared radius
@@ -136,18 +138,13 @@ class Moments(Brief):
 
 def exact_moments(problem: RegistrationProblem) -> ExactMoments:
     """The moments of a problem in integer arithmetic: no rounding anywhere."""
-    return moments_of(WEIGHTED.of(problem), problem.n, about_origin=not problem.motion.translations)
+    return moments_of(WEIGHTED.of(problem), problem.n, problem.motion)
 
 
-def moments_of(sums: Sums, n: int, *, about_origin: bool = False) -> ExactMoments:
-    """The moments that exact sums over n points make.
-
-    about_origin: with the sums of first order taken for 0, as where there is no translation.
-    """
-    mass, x, y, z, u, v, w, *products = sums.integers
+def moments_of(sums: Sums, n: int, motion: Motion) -> ExactMoments:
+    """The moments that exact sums over n points make."""
+    mass, x, y, z, u, v, w, *products = motion.centred(sums.integers, FIRST_ORDER)
     source_sum, target_sum = (x, y, z), (u, v, w)
-    if about_origin:
-        source_sum = target_sum = (0, 0, 0)
     return ExactMoments(
         n=n,
         source_exponent=sums.source_exponent or 0,

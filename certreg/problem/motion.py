@@ -12,6 +12,7 @@ from certreg.errors import InvalidProblemError
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
+
 T = TypeVar("T")
 Count = TypeVar("Count", int, float)  # floats: of rows of unequal weights
 DEFAULT_DAMPING = math.sqrt(8.0)  # critical damping of every mode of noise-free data: 2 sqrt(2)
@@ -53,7 +54,7 @@ class Scale(StrEnum):
     @property
     def free(self) -> bool:
         """Whether it is found."""
-        return self is not Scale.NONE
+        return bool(SCALES[self])
 
     @property
     def divides(self) -> bool:
@@ -89,6 +90,18 @@ class Motion:
     def unknowns(self) -> tuple[Unknown, ...]:
         """What is found: rotation, translation, scale, in this order."""
         return (ROTATION, *[TRANSLATION] * bool(self.translations), *SCALES[self.scale])
+
+    def centred(self, sums: Iterable[int], *first: slice) -> list[int]:
+        """Sums over points with those of first order: 0 where nothing shifts, about the origin."""
+        found = list(sums)
+        for place in first if not self.translations else ():
+            found[place] = [0] * len(found[place])
+        return found
+
+    @property
+    def axes(self) -> range:
+        """Along which of three it shifts."""
+        return range(self.translations)
 
     @property
     def scales(self) -> int:

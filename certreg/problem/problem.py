@@ -290,7 +290,7 @@ class RegistrationProblem(Brief):
     @property
     def factors(self) -> NDArray[np.float64] | None:
         """(N, 6), of general springs; None where there are weights."""
-        return self.pairs.springs if self.pairs.matrices else None
+        return dict(self.pairs.data()).get("factors")
 
     @property
     def notes(self) -> tuple[str, ...]:

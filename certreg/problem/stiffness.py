@@ -27,6 +27,7 @@ from certreg.problem.lifting import lift
 from certreg.results import Brief
 
 if TYPE_CHECKING:
+    from certreg.problem.motion import Motion
     from certreg.problem.problem import RegistrationProblem
     from certreg.problem.terms import Pairs
 
@@ -187,18 +188,12 @@ class SpringMoments(Brief):
 
 def spring_moments(problem: RegistrationProblem) -> SpringMoments:
     """The moments of a problem of general springs, in integers: no rounding anywhere."""
-    still = not problem.motion.translations
-    return spring_moments_of(SPRUNG.of(problem), problem.n, about_origin=still)
+    return spring_moments_of(SPRUNG.of(problem), problem.n, problem.motion)
 
 
-def spring_moments_of(sums: Sums, n: int, *, about_origin: bool = False) -> SpringMoments:
-    """The moments that exact sums over n points make.
-
-    about_origin: with the sums of first order taken for 0, as where there is no translation.
-    """
-    numbers = list(sums.integers)
-    if about_origin:
-        numbers[FIRST_OF_SOURCE], numbers[FIRST_OF_TARGET] = [0] * 18, [0] * 3
+def spring_moments_of(sums: Sums, n: int, motion: Motion) -> SpringMoments:
+    """The moments that exact sums over n points make."""
+    numbers = motion.centred(sums.integers, FIRST_OF_SOURCE, FIRST_OF_TARGET)
     sixes = [_six(numbers[k : k + 6]) for k in range(24, 60, 6)]
     return SpringMoments(
         n=n,

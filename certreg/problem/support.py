@@ -31,9 +31,9 @@ class Loss(StrEnum):
 
         Raises InvalidProblemError for other names, and for a name without a bound.
         """
-        if objective not in {None, cls.CONSENSUS, cls.TRUNCATED}:
+        if objective not in {None, *BOUNDED}:
             raise InvalidProblemError(
-                f"objective is {objective!r}: give '{cls.CONSENSUS}' or '{cls.TRUNCATED}'",
+                f"objective is {objective!r}: give {' or '.join(map(repr, map(str, BOUNDED)))}",
                 array="objective",
                 value=objective,
             )
@@ -46,6 +46,9 @@ class Loss(StrEnum):
                 value=None,
             )
         return cls.SQUARES
+
+
+BOUNDED = (Loss.CONSENSUS, Loss.TRUNCATED)  # what users name beside bounds
 
 
 class Verb(StrEnum):

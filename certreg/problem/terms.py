@@ -48,6 +48,11 @@ class Pairs(Brief):
         """(k,). Raises InvalidProblemError where the springs are matrices."""
         return self.springs
 
+    @property
+    def masses(self) -> Reals:
+        """What counts a pair: its weight; (1,), of all the same where the springs are matrices."""
+        return self.springs
+
     @cached_property
     def summary(self) -> SpringSummary | None:
         """What kinds of matrices there are."""
@@ -119,6 +124,11 @@ class SprungPairs(Pairs):
     def weights(self) -> Reals:
         """None: raises InvalidProblemError."""
         raise InvalidProblemError(NO_WEIGHTS, array="weights")
+
+    @property
+    def masses(self) -> Reals:
+        """(1,), 1: one for all."""
+        return np.ones(1)
 
     @cached_property
     def summary(self) -> SpringSummary:

@@ -21,7 +21,6 @@ from certreg.certificate.producing_consensus import (
     consensus_of,
 )
 from certreg.errors import DegenerateProblemError, InvalidProblemError, UndecidedError
-from certreg.native.cliques import triangles
 from certreg.problem.bounds import LEAST_PAIRS
 from certreg.problem.budget import checked_effort
 from certreg.registration.labelled import ConsensusRegistration
@@ -134,8 +133,8 @@ def _labelled(
 
 def _nothing_met(prover: ConsensusProver) -> str:
     """Why no motion was found that brings three pairs within, and what may help."""
-    motion, n = motion_words(prover.problem).one, prover.problem.n
-    if not prover.pairs.rigid or triangles(prover.graph.near, (1 << n) - 1).any():
+    motion = motion_words(prover.problem).one
+    if not prover.pairs.scattered():
         return (
             f"no {motion} was found that brings {LEAST_PAIRS} pairs within their bounds: all may "
             "be wrong; if right ones may be farther off, give wider bounds, else more --effort"
@@ -151,14 +150,14 @@ def proved_consensus(
     problem: RegistrationProblem, prover: ConsensusProver, effort: float
 ) -> ProvedConsensus | None:
     """Of all candidates the one of which most is proved."""
-    block, rigid = problem.points, prover.pairs.rigid
+    block, scaled = problem.points, problem.scaled
     motions = candidates(
         block.source,
         block.target,
         problem.bounds,
-        free_scale=not rigid,
+        free_scale=scaled,
         effort=effort,
-        consistent=prover.graph.near if rigid else None,
+        consistent=None if scaled else prover.graph.near,
     )
     best = most_proved(
         prover.prove(one.rotation, one.translation, one.scale, whole=False) for one in motions

@@ -57,7 +57,7 @@ def rounding_cost(
         return Fraction(0)
     shifted += scaling.source * (scale * UNIT) ** 2
     most = rational_root_above(objective.least_range_squared) * RANGE
-    return 4 * (most * sine + shifted / (scale if scaling.symmetric else 1))
+    return 4 * (most * sine + shifted / scaling.divisor(scale))
 
 
 def rounding_errors(

@@ -70,11 +70,9 @@ def gap_parts(objective: Isotropic, gap: Fraction, pose: ExactPose) -> GapParts 
     if scaling is None:
         return None
     apart = objective.translation_energy(q, pose.translation, pose.scale)
-    shifted = apart / (pose.scale if scaling.symmetric else 1)
+    shifted = apart / scaling.divisor(pose.scale)
     turned, best = objective.energy(q), objective.optimum
-    lost = turned - objective.energy(best)
-    if scaling.symmetric:  # whose energies are up to the slack below the true ones
-        lost = 2 * (objective.alignment(best) - objective.alignment(q))
+    lost = scaling.lost(objective.alignment(q), objective.alignment(best))
     centred = objective.energy_at(q, apart, pose.scale) - shifted
     return GapParts(
         rotation=max(Fraction(0), lost) + gap,

@@ -9,7 +9,7 @@ from typing import Any, cast
 import sympy
 
 from certreg.geometry.so3 import davenport_matrix
-from certreg.objective.scaling import Scaling
+from certreg.objective.scaling import SCALINGS, Scaling
 from certreg.problem.motion import Scale
 
 from ..algebra import Square, facts, identity, nonnegative, positive
@@ -61,7 +61,7 @@ def shipped_energy(scaling: Scaling, alignment: Any, scale: Any) -> Any:
 
 def of(kind: Scale, source: Any, target: Any) -> Scaling:
     """A scaling of numbers or symbols."""
-    return Scaling(kind, cast("Fraction", source), cast("Fraction", target))
+    return SCALINGS[kind](cast("Fraction", source), cast("Fraction", target))
 
 
 def proof(
@@ -245,6 +245,9 @@ CLAIM = Claim(
         "certreg.objective.scaling.Scaling.best",
         "certreg.objective.scaling.Scaling.gap",
         "certreg.objective.scaling.Scaling.interval",
+        "certreg.objective.scaling.SymmetricScaling.energy",
+        "certreg.objective.scaling.SymmetricScaling.best",
+        "certreg.objective.scaling.SymmetricScaling.gap",
         "certreg.geometry.so3.davenport_matrix",
     ),
     used_by=("certreg.verify.SimilarityStatement",),

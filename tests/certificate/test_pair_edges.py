@@ -318,7 +318,7 @@ def test_a_motion_meets_exactly_the_pairs_up_to_their_bounds_whatever_doubles_sa
     witness = Witness(quaternion=q, shift=(0, 0, 0, 0))
 
     assert (source @ turn.T % 30 == 0).all()
-    assert ConsistentPairs(problem).met_by(witness) == list(range(0, 40, 2))
+    assert ConsistentPairs.of(problem).met_by(witness) == list(range(0, 40, 2))
 
 
 def met_in_fractions(problem: RegistrationProblem, witness: Witness) -> list[int]:
@@ -356,7 +356,7 @@ def test_who_is_met_is_who_the_fractions_say_is_met(unit: int, far: int, scale: 
     bounds = found * np.tile([0.999, 1 - 1e-15, 1.0, 1 + 1e-15, 1.001, 1.5, 3.0], 6)
     points = RegistrationProblem(np.ldexp(source, unit), np.ldexp(target, unit), scale=scale)
     problem = points.under(Consensus(np.ldexp(bounds, unit)))
-    met = ConsistentPairs(problem).met_by(witness)
+    met = ConsistentPairs.of(problem).met_by(witness)
 
     assert met == met_in_fractions(problem, witness)
     assert set(range(5, 42, 7)) <= set(met)
@@ -378,7 +378,7 @@ def test_a_pair_is_met_at_a_bound_of_which_rounding_shows_less(shift, x, y, boun
     for least in (bound, math.nextafter(bound, 0.0)):
         problem = points.under(Consensus(np.full(3, least)))
         witness = Witness(quaternion=(1, 0, 0, 0), shift=shift)
-        met = ConsistentPairs(problem).met_by(witness)
+        met = ConsistentPairs.of(problem).met_by(witness)
 
         assert met == met_in_fractions(problem, witness)
         assert (0 in met) == (least == bound or bound < 1)

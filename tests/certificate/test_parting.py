@@ -33,7 +33,7 @@ def integer_rows(problem):
 
 def compared(problem, e, f, rows):
     """How many pairs of rows doubles leave open, of those that the checker takes."""
-    turns = turned(ConsistentPairs(problem).points(), e, f, rows)
+    turns = turned(ConsistentPairs.of(problem).points(), e, f, rows)
     if turns is None:
         return 1
     exact = checker.turned(integer_rows(problem), e, f, mask_of(rows))
@@ -60,8 +60,8 @@ def test_doubles_have_the_turns_of_the_checker_or_none(size: float, sigma: float
 
 def test_rows_that_are_near_or_along_the_axis_of_frames_are_not_told():
     source = [[0, 0, 0], [0.1, 0, 0], [17, 29, 43], [0, 9, 0], [0, 0, 1e-150]]
-    points = ConsistentPairs(bounded(RegistrationProblem(source, source), 1.0)).points()
-    fine = ConsistentPairs(bounded(RegistrationProblem(source, source), 1e-200)).points()
+    points = ConsistentPairs.of(bounded(RegistrationProblem(source, source), 1.0)).points()
+    fine = ConsistentPairs.of(bounded(RegistrationProblem(source, source), 1e-200)).points()
 
     assert turned(points, 0, 1, [2, 3]) is None
     assert turned(points, 0, 2, [1, 3]) is None
@@ -77,7 +77,7 @@ def test_where_a_row_is_on_the_edge_of_a_turn_doubles_tell_nothing():
     problem = bounded(RegistrationProblem(source, target), bounds)
     wider = bounded(RegistrationProblem(source, target), bounds + 1e-6)
 
-    assert turned(ConsistentPairs(problem).points(), 0, 1, [2]) is None
+    assert turned(ConsistentPairs.of(problem).points(), 0, 1, [2]) is None
     assert compared(wider, 0, 1, [2]) == 0
 
 

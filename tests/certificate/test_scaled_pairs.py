@@ -72,7 +72,7 @@ def planted(seed):
 def test_no_pair_of_a_planted_consensus_is_struck_in_a_piece_that_holds_its_scale(count):
     for seed in range(count):
         problem, rows, scale = planted(seed)
-        pairs, s = ConsistentPairs(problem), Fraction(scale)
+        pairs, s = ConsistentPairs.of(problem), Fraction(scale)
         mine, n = sum(1 << i for i in rows), problem.n
         content = problem.data_bytes()
         own, _ = checker.bounded_rows(content[content.index(b"\0") + 9 :], n)

@@ -131,15 +131,15 @@ def test_lengths_on_the_edge_of_the_bounds_are_decided_exactly(bound):
     ]
     assert ((near[0] >> 1 & 1), (near[0] >> 2 & 1)) == ((1, 1) if bound == 1.0 else (0, 0))
     assert not near[0] >> 3 & 1
-    assert ConsistentPairs(problem).within(RIGID).integers == near.integers
+    assert ConsistentPairs(problem).near(RIGID).integers == near.integers
 
 
 def test_pairs_that_a_rigid_motion_may_meet_are_those_of_scales_from_one_to_one():
     for seed in range(20):
         points = np.random.default_rng(seed).normal(size=(2, 40, 3)).round(seed % 3)
-        pairs = ConsistentPairs(bounded(RegistrationProblem(*points), 0.5))
+        problem = bounded(RegistrationProblem(*points), 0.5)
 
-        assert pairs.near().integers == pairs.within(RIGID).integers
+        assert consistent_pairs(problem).integers == ConsistentPairs(problem).near(RIGID).integers
 
 
 @pytest.mark.parametrize(("bound", "met"), [(1.0, [0, 1, 2]), (1.0 - 2.0**-52, [0, 1])])

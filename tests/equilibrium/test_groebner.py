@@ -125,7 +125,7 @@ def test_irrational_conjugate_components_are_both_found():
     found = eliminated(C)
     values = [float(part.value.mid()) for part in fibres(found, 60)]
 
-    assert [factor.degree() for factor, _ in found.factors] == [2]
+    assert [factor.degree() for factor, _ in found.fibres] == [2]
     assert values == pytest.approx([42**0.5, -(42**0.5)], rel=1e-15)
     assert Fraction(int(found.eliminant.coeffs()[0])) == -42
 

@@ -75,7 +75,7 @@ def refuted_exactly(problem, group, row: int) -> bool:
 def test_a_refutation_holds_in_integers_and_is_found_where_numpy_finds_one(seed: int):
     problem, rng = problem_of(seed), np.random.default_rng(seed)
     points, kinds, right = (
-        ConsistentPairs(problem).points(),
+        ConsistentPairs.of(problem).points(),
         set[bool](),
         right_rows(CELL.instance(seed)),
     )
@@ -96,7 +96,7 @@ def test_a_refutation_holds_in_integers_and_is_found_where_numpy_finds_one(seed:
 
 
 def test_a_few_rows_do_where_many_were_given():
-    points = ConsistentPairs(problem_of(0)).points()
+    points = ConsistentPairs.of(problem_of(0)).points()
     group = points.refutation(0, range(1, CELL.n))
 
     assert group is not None
@@ -105,7 +105,7 @@ def test_a_few_rows_do_where_many_were_given():
 
 def test_rows_that_one_motion_meets_are_not_refuted():
     made = CELL.instance(3)
-    points = ConsistentPairs(Cell(n=60, wrong=50, beta=9.0).problem(made)).points()
+    points = ConsistentPairs.of(Cell(n=60, wrong=50, beta=9.0).problem(made)).points()
     first, *others = right_rows(made)
 
     assert points.refutation(first, others) is None

@@ -184,7 +184,7 @@ def test_without_a_translation_the_form_is_the_energy_of_the_motion_alone(motion
 def test_springs_without_a_translation_are_about_the_origin():
     still = Motion(translations=0)
     given = RegistrationProblem(SOURCE, TARGET, factors=FACTORS)
-    about = spring_moments_of(SPRUNG.of(given), given.n, about_origin=True)
+    about = spring_moments_of(SPRUNG.of(given), given.n, Motion(translations=0))
     whole, objective = Springs.of(given), Springs(about, still)
 
     assert objective.centre == (0, 0, 0)

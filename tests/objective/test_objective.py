@@ -30,9 +30,8 @@ from certreg.geometry.so3 import (
     squared_norm,
 )
 from certreg.objective.isotropic import Isotropic
-from certreg.objective.scaling import Scaling
+from certreg.objective.scaling import SymmetricScaling
 from certreg.problem.moments import exact_moments
-from certreg.problem.motion import Scale
 
 checker_module = import_module("certreg.verify")  # the name of the function, too
 Q = (2, -1, 3, 5)
@@ -119,7 +118,7 @@ def test_the_least_range_is_that_of_the_cross_covariance_of_the_clouds(unit: flo
     x, y = ([[Fraction(e) for e in row] for row in cloud.T.tolist()] for cloud in (source, target))
     cross = [sum(map(mul, a, b)) - sum(a) * sum(b) / 5 for a in x for b in y]
     squares = sum(entry**2 for entry in cross)
-    free = Isotropic(moments, Scaling(Scale.SYMMETRIC, Fraction(4), Fraction(9)))
+    free = Isotropic(moments, SymmetricScaling(Fraction(4), Fraction(9)))
 
     assert Isotropic(moments).least_range_squared == 16 * squares
     assert free.least_range_squared == 4 * (4 * squares)

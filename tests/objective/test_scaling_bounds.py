@@ -8,13 +8,13 @@ from math import isqrt
 
 import pytest
 
-from certreg.objective.scaling import ROOT_BITS, Scaling, root_bounds
+from certreg.objective.scaling import ROOT_BITS, SCALINGS, Scaling, SymmetricScaling, root_bounds
 from certreg.problem.motion import Scale
 
 PLACES = 10**100
-FREE = Scaling(Scale.ASYMMETRIC, Fraction(4), Fraction(9))
-EVEN = Scaling(Scale.SYMMETRIC, Fraction(4), Fraction(9))
-ROUGH = Scaling(Scale.SYMMETRIC, Fraction(3), Fraction(7))
+FREE = Scaling(Fraction(4), Fraction(9))
+EVEN = SymmetricScaling(Fraction(4), Fraction(9))
+ROUGH = SymmetricScaling(Fraction(3), Fraction(7))
 STEP = Fraction(1, 2**ROOT_BITS)
 
 
@@ -99,6 +99,14 @@ def test_the_gap_is_that_of_the_largest_eigenvalue_that_is_left_open():
     assert EVEN.gap(a, delta) == EVEN.energy(a) - EVEN.energy(a + delta)
 
 
+def test_what_a_rotation_costs_more_than_the_best_is_exact():
+    low, best = Fraction(1), Fraction(3)
+
+    assert FREE.lost(low, best) == Fraction(9 - 1, 4)
+    assert ROUGH.lost(low, best) == 4
+    assert FREE.lost(Fraction(-1), best) == FREE.lost(Fraction(0), best) == Fraction(9, 4)
+
+
 @pytest.mark.parametrize("alignment", [Fraction(1, 3), Fraction(2)])
 def test_the_scale_at_the_optimum_is_in_its_interval(alignment: Fraction):
     delta = Fraction(1, 7)
@@ -125,7 +133,7 @@ TRACELESS = [  # eigenvalues of Davenport's matrix
 
 
 def of(kind: Scale, source: int, target: int) -> Scaling:
-    return Scaling(kind, Fraction(source), Fraction(target))
+    return SCALINGS[kind](Fraction(source), Fraction(target))
 
 
 @pytest.mark.parametrize("diagonal", TRACELESS)

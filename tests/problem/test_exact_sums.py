@@ -294,7 +294,9 @@ def test_exact_moments_of_many_points_are_those_of_integers():
     problem = strategies.random_problem(np.random.default_rng(5), n=exact_sums.MANY_POINTS)
 
     assert fastest_method(problem) is not SumMethod.INTEGERS
-    assert exact_moments(problem) == moments_of(sums_by(SumMethod.INTEGERS, problem), problem.n)
+    assert exact_moments(problem) == moments_of(
+        sums_by(SumMethod.INTEGERS, problem), problem.n, problem.motion
+    )
 
 
 @pytest.mark.usefixtures("compiled")

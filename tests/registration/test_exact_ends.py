@@ -12,6 +12,7 @@ import pytest
 
 from certreg.certificate.radius import Radius
 from certreg.exact.dyadic import Dyadic
+from certreg.objective.scaling import Scaling, SymmetricScaling
 from certreg.registration import scale_range
 from certreg.registration.robustness import Robustness
 from certreg.registration.rounding import RANGE, UNIT, rounding_cost, rounding_errors
@@ -166,7 +167,7 @@ def test_the_cost_of_rounding_is_the_range_for_the_turn_and_the_weight_for_the_s
 @pytest.mark.parametrize("symmetric", [False, True])
 def test_the_cost_of_rounding_a_scale_is_that_of_half_a_unit(symmetric):
     scale = Fraction(5, 2)
-    scaling = SimpleNamespace(source=Fraction(11), symmetric=symmetric)
+    scaling = (SymmetricScaling if symmetric else Scaling)(Fraction(11), Fraction(1))
     objective = fake(scaling, Fraction(16))
     sine, away = rounding_errors(TURN, SHIFT, [scale * c for c in CENTRE])
     shifted = 7 * away + 11 * (scale * UNIT) ** 2
