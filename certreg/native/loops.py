@@ -42,7 +42,7 @@ LARGEST_TURN = 2.0  # radians of a midpoint step: beyond, it is halved
 HALVINGS = 60  # of a midpoint step: from h = 1 down to rounding
 
 
-class Integrator(enum.Enum):
+class Integrator(enum.StrEnum):
     """How the equations of motion are stepped; the value is the word used in commands."""
 
     EULER = "euler"  # explicit, R projected to the nearest rotation [Yang2020]
@@ -82,7 +82,7 @@ class Ending(enum.IntEnum):
     COLLAPSED = 4  # where the scale is a state: it falls to 0; said by no loop in C
 
 
-class Kind(enum.Enum):
+class Kind(enum.StrEnum):
     """Which generated functions move a body; the value is what their names begin with."""
 
     RIGID = "certreg_"
