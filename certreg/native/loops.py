@@ -26,6 +26,7 @@ from certreg.native.layout import (
     STEP,
     Records,
     RecordType,
+    width,
 )
 
 if TYPE_CHECKING:
@@ -212,17 +213,19 @@ _ARRAYS = tuple(field.name for field in fields(Batch) if field.name != "integrat
 class Log:
     """Samples of one trajectory: when it is full, every second goes and the stride doubles.
 
-    rows: (capacity,) records of time, state and energies; `count` of them are filled.
+    rows: (capacity, k), the doubles of records `sample` of time, state and energies; `count` of
+    them are filled.
     """
 
-    rows: Records
+    rows: NDArray[np.float64]
+    sample: RecordType
     count: int = 0
     stride: int = 1
 
     @classmethod
     def of_capacity(cls, capacity: int, sample: RecordType) -> Log:
         """An empty log of records of this type."""
-        return cls(rows=np.empty(capacity, dtype=sample))
+        return cls(np.empty((capacity, width(sample))), sample)
 
     def clear(self) -> None:
         """Forget all samples."""
@@ -230,9 +233,8 @@ class Log:
 
     @property
     def samples(self) -> Records:
-        """A copy of the filled rows: of bytes, as NumPy copies records part by part."""
-        filled = self.rows[: self.count].tobytes()
-        return np.frombuffer(bytearray(filled), self.rows.dtype)
+        """A copy of the filled rows."""
+        return np.frombuffer(bytearray(self.rows[: self.count]), self.sample)
 
 
 class Engine(Protocol):
