@@ -104,7 +104,7 @@ def simulate(
     notes = () if moving.basin is None else tuple(_notes(moving.basin, batch, settings))
     return kind(
         integrator=integrator,
-        status=moving.STATUS[Ending(batch.status.item(0)).name],
+        status=moving.STATUS[batch.status.item(0)],
         step=batch.steps["h"].item(0),
         steps=batch.taken.item(0),
         escapes=batch.escapes.item(0),
