@@ -27,9 +27,9 @@ from __future__ import annotations
 import enum
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 import numpy as np
 
@@ -38,7 +38,7 @@ from certreg.equilibrium.equilibrium_set import unit_entries
 from certreg.errors import DegenerateProblemError
 from certreg.native.engine import compiled_engine, current_engine
 from certreg.native.layout import BASIN, Records, RecordType, named, record_of, symmetric
-from certreg.native.loops import Engine, Integrator, Kind
+from certreg.native.loops import Ending, Engine, Integrator, Kind
 from certreg.problem.support import Cell, Verb, require_supported
 from certreg.results import Absent, Brief
 
@@ -63,6 +63,11 @@ class Status(enum.Enum):
     def at_rest(self) -> bool:
         """Whether the body came to rest."""
         return self.name in {"CONVERGED", "AT_REST"}
+
+    @classmethod
+    def by_ending(cls) -> dict[int, Self]:
+        """Those of a body, by how the loops say that its run ended."""
+        return {Ending[name]: status for name, status in cls.__members__.items()}
 
 
 class SimulationStatus(Status):
@@ -116,7 +121,7 @@ class AnyBody(Brief, ABC):
     KIND: ClassVar[Kind]
     ENERGIES: ClassVar[RecordType]
     SAMPLE: ClassVar[RecordType | None] = None  # as the integrator has it
-    STATUS: ClassVar[type[Status]]  # by the names of `Ending`
+    STATUS: ClassVar[Mapping[int, Status]]  # by `Ending`
     INTEGRATOR: ClassVar[Integrator] = Integrator.MIDPOINT  # where the user names none
     NO_RATE: ClassVar[Absent]  # why there is no rate of decay, where there is none
 

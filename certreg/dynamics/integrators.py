@@ -6,8 +6,6 @@ Floating point proposes: a step decides how fast a run ends, never where it may 
 from __future__ import annotations
 
 import math
-from array import array
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from types import SimpleNamespace
@@ -35,6 +33,7 @@ MIDPOINT_MOST = 1000.0  # of that: larger steps gain nothing; halving brings the
 SPLITTING_SHARE = 0.8  # of sqrt(2 / g_max): 12 to 23 steps from anywhere
 MOST_STEPS = 1 << 53  # the sum of two of them is a long integer of C
 IDENTITY = np.eye(3)
+FOUR, SIX, NINE = 4 * 8, 6 * 8, 9 * 8  # bytes of so many doubles
 SPLITTING_HALVINGS = 8  # of the step, from the start, where a fast spin lost the state
 
 
@@ -213,16 +212,15 @@ def spring_ratios(bodies: Records, basins: Records) -> NDArray[np.float64]:
 
 
 def _ratios_of_one(bodies: Records, basins: Records) -> list[float]:
-    body, basin = array("d", bodies.tobytes()), array("d", basins.tobytes())  # sooner than parts
-    return spring_ratios_of_one(basin[:4], body[:9], body[9:15])
+    body, basin = bodies.tobytes(), basins.tobytes()  # whose parts are sooner taken
+    return spring_ratios_of_one(basin[:FOUR], body[:NINE], body[NINE : NINE + SIX])
 
 
-def spring_ratios_of_one(
-    q: Sequence[float], cross: Sequence[float], inertia: Sequence[float]
-) -> list[float]:
+def spring_ratios_of_one(q: bytes, cross: bytes, inertia: bytes) -> list[float]:
     """Those of one body, by C where it is compiled and rounding leaves J a root.
 
-    q: the unit quaternion of the optimum; cross: C row by row; inertia: the upper triangle of J.
+    q: the doubles of the unit quaternion of the optimum; cross: of C row by row; inertia: of the
+    upper triangle of J.
     """
     compiled = library_if_any()
     try:
@@ -235,11 +233,9 @@ def spring_ratios_of_one(
         return _ratios_by_numpy(q, cross, inertia)
 
 
-def _ratios_by_numpy(
-    q: Sequence[float], cross: Sequence[float], inertia: Sequence[float]
-) -> list[float]:
-    rows = np.array(cross).reshape(1, 3, 3)
-    return _ratios(np.array([q]), rows, np.array([inertia]))[0].tolist()
+def _ratios_by_numpy(q: bytes, cross: bytes, inertia: bytes) -> list[float]:
+    one, rows, upper = map(np.frombuffer, (q, cross, inertia))
+    return _ratios(one[np.newaxis], rows.reshape(1, 3, 3), upper[np.newaxis])[0].tolist()
 
 
 def _ratios(

@@ -62,7 +62,7 @@ class RigidBody(AnyBody):
 
     KIND = Kind.RIGID
     ENERGIES = ENERGIES
-    STATUS = SimulationStatus
+    STATUS = SimulationStatus.by_ending()
     INTEGRATOR = Integrator.EULER  # the paper's
     NO_RATE = Absent("the optimum is not unique: no rate belongs to it")
 

@@ -35,7 +35,7 @@ from certreg.dynamics.integrators import (
 )
 from certreg.dynamics.rigid import body_on_weights, core_of
 from certreg.dynamics.trajectory import Course, Trajectory
-from certreg.equilibrium.equilibrium_set import unit_double
+from certreg.equilibrium.equilibrium_set import unit_entries
 from certreg.equilibrium.stability import TRANSLATION_STIFFNESS
 from certreg.errors import DegenerateProblemError
 from certreg.exact.elimination import rank
@@ -104,7 +104,7 @@ def simulate(
     notes = () if moving.basin is None else tuple(_notes(moving.basin, batch, settings))
     return kind(
         integrator=integrator,
-        status=moving.STATUS[Ending(batch.status.item(0)).name],
+        status=moving.STATUS[batch.status.item(0)],
         step=batch.steps["h"].item(0),
         steps=batch.taken.item(0),
         escapes=batch.escapes.item(0),
@@ -166,8 +166,9 @@ def optimal_damping(objective: Isotropic) -> float:
         )
     core = core_of(objective.moments)
     basin_gaps(objective, core.length_exponent)  # raises where doubles do not tell the optimum
-    optimum = unit_double(objective.eigenvectors[0]).tolist()
-    return _of_springs(spring_ratios_of_one(optimum, core.cross, core.inertia)[0])
+    numbers = (unit_entries(objective.eigenvectors[0]), core.cross, core.inertia)
+    q, cross, inertia = (array("d", part).tobytes() for part in numbers)
+    return _of_springs(spring_ratios_of_one(q, cross, inertia)[0])
 
 
 def _notes(basin: Basin, batch: Batch, settings: SimulationSettings) -> Iterator[str]:

@@ -72,7 +72,7 @@ class SprungBody(ValleyBody):
     KIND = Kind.SPRINGS
     ENERGIES = SPRING_ENERGIES
     SAMPLE = SPRING_SAMPLE
-    STATUS = SpringStatus
+    STATUS = SpringStatus.by_ending()
     NO_RATE = Absent("not computed for general springs")
 
     origin: tuple[Fraction, ...]
@@ -299,7 +299,7 @@ class BreathingBody(ValleyBody):
     KIND = Kind.BREATHING
     ENERGIES = BREATHING_ENERGIES
     SAMPLE = BREATHING_SAMPLE
-    STATUS = BreathingStatus
+    STATUS = BreathingStatus.by_ending()
     NO_RATE = Absent("no basin is certified of a body whose scale is free")
 
     source_exponent: int

@@ -214,8 +214,10 @@ def rotation_double(q: Sequence[int]) -> NDArray[np.float64]:
 @lru_cache(maxsize=16)  # the quaternions of one problem are asked for by every part of its answer
 def unit_entries(q: tuple[int, ...]) -> tuple[float, ...]:
     """The same entries, of a tuple."""
-    norm = math.isqrt(squared_norm(q) << (2 * DOUBLE_BITS))
-    return tuple([(entry << DOUBLE_BITS) / norm for entry in q])
+    w, x, y, z = q
+    norm = math.isqrt((w * w + x * x + y * y + z * z) << (2 * DOUBLE_BITS))
+    w, x, y, z = w << DOUBLE_BITS, x << DOUBLE_BITS, y << DOUBLE_BITS, z << DOUBLE_BITS
+    return w / norm, x / norm, y / norm, z / norm
 
 
 @lru_cache(maxsize=16)

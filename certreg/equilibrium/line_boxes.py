@@ -28,7 +28,13 @@ from flint import acb, acb_mat, arb, arb_mat, ctx
 
 from certreg.equilibrium.line_set import BITS, critical_of
 from certreg.errors import ContradictionError
-from certreg.exact.balls import fixed_point, negative_eigenvalues, orthonormal, radius_bits
+from certreg.exact.balls import (
+    fixed_point,
+    negative_eigenvalues,
+    orthonormal,
+    radius_bits,
+    sign,
+)
 from certreg.geometry.so3 import body_frame, squared_norm
 from certreg.objective.quartics import MONOMIALS, PAIR_PLACE, PAIRS
 from certreg.results import Guarantee
@@ -364,9 +370,12 @@ def index_of(line: BoxedLine) -> int | None:
 def critical_at(
     objective: Isotropic | Springs, q: tuple[arb, ...], index: int | None, bits: int = BITS
 ) -> Critical:
-    """The component of a proved line, told to so many bits, at the working precision."""
+    """The component of a proved line, told to so many bits, at the working precision.
+
+    An entry whose ball holds 0 counts as 0: rounding decides no sign of a quaternion.
+    """
     (unit,) = orthonormal([q], 1)
-    vector = [fixed_point(entry, bits) for entry in unit]
+    vector = [fixed_point(entry, bits) if sign(entry) else 0 for entry in unit]
     return critical_of(objective, vector, index, Guarantee.ENCLOSED)
 
 

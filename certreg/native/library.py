@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import ctypes
-import struct
 import sys
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, fields
 from functools import cache, lru_cache
@@ -43,7 +42,7 @@ SCRATCH = 56  # doubles per point: CERTREG_SCRATCH of native/stationary.h
 PORTION = 512  # bodies that one call takes: Ctrl-C is answered within milliseconds
 _POINTER = ctypes.c_void_p
 _address, _first = ctypes.addressof, ctypes.c_char.from_buffer
-_Ratios, _FOUR, _SIX, _NINE = ctypes.c_double * 3, *map(struct.Struct, ("4d", "6d", "9d"))
+_Ratios = ctypes.c_double * 3
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -196,15 +195,13 @@ class Library:
         self.handle.certreg_stationary_poses(ctypes.byref(passed))
         return poses
 
-    def spring_ratios(
-        self, q: Sequence[float], cross: Sequence[float], inertia: Sequence[float]
-    ) -> list[float]:
+    def spring_ratios(self, q: bytes, cross: bytes, inertia: bytes) -> list[float]:
         """The eigenvalues of the pencil (G, J) of one body, ascending; see native/pencil.h.
 
-        Raises ValueError where rounding leaves J without a root.
+        Of doubles, 4, 9 and 6. Raises ValueError where rounding leaves J without a root.
         """
-        ratios, given = _Ratios(), (_FOUR.pack(*q), _NINE.pack(*cross), _SIX.pack(*inertia))
-        if not self.handle.certreg_pencil(*given, ratios):
+        ratios = _Ratios()
+        if not self.handle.certreg_pencil(q, cross, inertia, ratios):
             raise ValueError("the inertia is not positive definite in double precision")
         return list(ratios)
 

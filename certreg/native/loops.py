@@ -26,6 +26,7 @@ from certreg.native.layout import (
     STEP,
     Records,
     RecordType,
+    width,
 )
 
 if TYPE_CHECKING:
@@ -42,7 +43,7 @@ LARGEST_TURN = 2.0  # radians of a midpoint step: beyond, it is halved
 HALVINGS = 60  # of a midpoint step: from h = 1 down to rounding
 
 
-class Integrator(enum.Enum):
+class Integrator(enum.StrEnum):
     """How the equations of motion are stepped; the value is the word used in commands."""
 
     EULER = "euler"  # explicit, R projected to the nearest rotation [Yang2020]
@@ -82,7 +83,7 @@ class Ending(enum.IntEnum):
     COLLAPSED = 4  # where the scale is a state: it falls to 0; said by no loop in C
 
 
-class Kind(enum.Enum):
+class Kind(enum.StrEnum):
     """Which generated functions move a body; the value is what their names begin with."""
 
     RIGID = "certreg_"
@@ -212,17 +213,19 @@ _ARRAYS = tuple(field.name for field in fields(Batch) if field.name != "integrat
 class Log:
     """Samples of one trajectory: when it is full, every second goes and the stride doubles.
 
-    rows: (capacity,) records of time, state and energies; `count` of them are filled.
+    rows: (capacity, k), the doubles of records `sample` of time, state and energies; `count` of
+    them are filled.
     """
 
-    rows: Records
+    rows: NDArray[np.float64]
+    sample: RecordType
     count: int = 0
     stride: int = 1
 
     @classmethod
     def of_capacity(cls, capacity: int, sample: RecordType) -> Log:
         """An empty log of records of this type."""
-        return cls(rows=np.empty(capacity, dtype=sample))
+        return cls(np.empty((capacity, width(sample))), sample)
 
     def clear(self) -> None:
         """Forget all samples."""
@@ -230,9 +233,8 @@ class Log:
 
     @property
     def samples(self) -> Records:
-        """A copy of the filled rows: of bytes, as NumPy copies records part by part."""
-        filled = self.rows[: self.count].tobytes()
-        return np.frombuffer(bytearray(filled), self.rows.dtype)
+        """A copy of the filled rows."""
+        return np.frombuffer(bytearray(self.rows[: self.count]), self.sample)
 
 
 class Engine(Protocol):

@@ -199,8 +199,7 @@ class BodyRun:
         (energies,) = self.machine.evaluate(f"{self.prefix}energies", state, self.body)
         if self.integrator is not Integrator.MIDPOINT:
             time = taken * self.size
-        row = np.concatenate([[time], state, energies])
-        log.rows[log.count] = named(row, log.rows.dtype)
+        log.rows[log.count] = np.concatenate([[time], state, energies])
         log.count += 1
 
 

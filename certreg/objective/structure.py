@@ -9,7 +9,7 @@ if TYPE_CHECKING:
     from certreg.problem.support import Cell
 
 
-class Structure(enum.Enum):
+class Structure(enum.StrEnum):
     """What kind of function of the rotation is minimised.
 
     It follows from the declared terms and motion, never from coefficients: springs whose matrices

@@ -203,20 +203,20 @@ def row_blocks(n: int) -> Iterator[slice]:
 
 
 def contiguous(
-    array: NDArray[np.float64], rows: slice, name: str | None = None
+    array: NDArray[np.float64], rows: slice, name: str | None = None, least: float = -np.inf
 ) -> NDArray[np.float64]:
     """Rows of an array of a problem as contiguous doubles, -0.0 as 0.0; `name` is for errors.
 
     A copy where the array is mapped from a file. Raises InvalidProblemError where the file holds a
-    number that is not finite: it did not, once.
+    number that is not finite, or below the least: it did not, once.
     """
     if mapped_file(array) is None:
         return np.ascontiguousarray(array[rows])
     copied = array[rows].astype(np.float64, order="C")
     copied += 0.0  # -0.0 + 0.0 is 0.0: one point, one digest
-    finite = np.isfinite(copied)
-    if not finite.all():
-        row = rows.start + int(np.argwhere(~finite)[0][0])
+    good = np.isfinite(copied) & (copied >= least)
+    if not good.all():
+        row = rows.start + int(np.argwhere(~good)[0][0])
         raise InvalidProblemError(
             CHANGED, array=name, row=row, value=copied[row - rows.start].tolist()
         )

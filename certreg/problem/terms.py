@@ -10,7 +10,7 @@ import numpy as np
 
 from certreg._loading import cached_property
 from certreg.errors import InvalidProblemError
-from certreg.problem.arrays import CHANGED, contiguous, mapped_file, row_blocks
+from certreg.problem.arrays import contiguous, row_blocks
 from certreg.problem.factors import ranks_of
 from certreg.results import Brief
 
@@ -79,14 +79,10 @@ class Pairs(Brief):
 
         Raises InvalidProblemError where a file holds no proper points any more.
         """
-        springs = contiguous(self.springs, rows, self.name)
-        if mapped_file(self.springs) is not None and (springs < self.least).any():
-            row = (rows.start or 0) + int(np.argmax(springs < self.least))
-            raise InvalidProblemError(CHANGED, array=self.name, row=row, limit=self.least)
         return type(self)(
             source=contiguous(self.source, rows, "source"),
             target=contiguous(self.target, rows, "target"),
-            springs=springs,
+            springs=contiguous(self.springs, rows, self.name, self.least),
         )
 
     def data(self, *beside: Named) -> tuple[Named, ...]:

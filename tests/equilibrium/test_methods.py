@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from importlib import import_module
+from itertools import permutations
 
 import numpy as np
 import pytest
@@ -48,10 +49,25 @@ def critical_sets(problem):
     return [checked(search(objective, name).critical) for name in FINDERS[Structure.LINEAR]]
 
 
+def isotropic(points):
+    """The objective of points on themselves."""
+    return Isotropic(exact_moments(RegistrationProblem(points, points)))
+
+
 def turned_apart(p, q):
     """The angle between the rotations of unit quaternions."""
     across = min(np.linalg.norm(p - q), np.linalg.norm(p + q))
     return 4 * np.arcsin(min(1.0, across / 2))
+
+
+@pytest.mark.parametrize("sizes", list(permutations((3, 2, 1))))
+def test_an_entry_that_is_zero_decides_no_sign_of_an_enclosed_quaternion(sizes):
+    octahedron = np.vstack([np.diag(sizes), -np.diag(sizes)])  # K is diagonal: axes are critical
+    by_continuation = search(isotropic(octahedron), "homotopy").critical
+
+    units = sorted(tuple(map(abs, part.quaternion)) for part in by_continuation.components)
+    assert units == sorted(part.quaternion for part in by_continuation.components)
+    assert [sum(map(bool, unit)) for unit in units] == [1] * 4
 
 
 @pytest.mark.slow
