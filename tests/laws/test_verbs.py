@@ -15,7 +15,7 @@ import pytest
 from campaign_work import InProcess
 from commands import certreg as command
 from commands import strict_json, write_csv
-from laws.cells import CELLS, DATA, SOURCE, cell_of, options_of, target_of
+from laws.cells import CELLS, DATA, LOSSES, SOURCE, cell_of, options_of, target_of
 
 import certreg
 from certreg.errors import InvalidProblemError
@@ -223,10 +223,15 @@ def test_a_list_of_every_cell_is_certified_or_refused_row_by_row(
 def test_many_problems_of_a_cell_are_certified_or_refused(
     data: str, motion: str, loss: Loss
 ) -> None:
-    cell = cell_of(data, motion, loss)
-    problems, options = [(SOURCE, target_of(cell))], options_of(cell, data)
-    (one,) = certreg.certify_many(problems, errors="keep", simulation=False, **options)
-    if refused := refusal(cell):
-        assert (type(one), str(one)) == (InvalidProblemError, refused.sentence)
-        return
-    assert certreg.verify(one.certificate).proved
+    cell, options = cell_of(data, motion, loss), options_of(cell_of(data, motion, loss), data)
+    asked = {name: options.pop(name) for name in LOSSES[loss]} | {"simulation": False}
+    clouds = (SOURCE, target_of(cell))
+    each = certreg.certify_many([clouds], errors="keep", **options, **asked)
+    if supported(cell._replace(loss=Loss.SQUARES)):  # else there is no such problem
+        stated = certreg.RegistrationProblem(*clouds, **options)
+        each += certreg.certify_many([stated], errors="keep", **asked)
+    for one in each:
+        if refused := refusal(cell):
+            assert (type(one), str(one)) == (InvalidProblemError, refused.sentence)
+        else:
+            assert certreg.verify(one.certificate).proved
