@@ -13,6 +13,9 @@ from typing import TYPE_CHECKING, Any, NoReturn, Protocol, TypeVar
 if TYPE_CHECKING:
     from pathlib import Path
 
+    # What a text in JSON holds, as `json.loads` reads it: objects and lists hold others of these.
+    Json = dict[str, Any] | list[Any] | str | float | bool | None
+
 T = TypeVar("T")
 
 MAX_GAP = 1e-6  # of the range: a rotation off by two thousandths of a radian costs as much

@@ -28,7 +28,7 @@ from contextlib import contextmanager, suppress
 from dataclasses import asdict, dataclass
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -42,6 +42,8 @@ from certreg.verify import shown
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
+
+    from certreg.results import Json
 
     Reals = NDArray[np.float64]
 
@@ -131,14 +133,13 @@ def require_same(path: Path, manifest: Manifest) -> None:
             )
 
 
-def flat(document: dict[str, Any], prefix: str = "") -> dict[str, Any]:
+def flat(document: dict[str, Json], prefix: str = "") -> dict[str, Any]:
     """The leaves of nested objects by their dotted names."""
     leaves: dict[str, Any] = {}
     for key, value in document.items():
-        if isinstance(value, dict):
-            leaves |= flat(cast("dict[str, Any]", value), f"{prefix}{key}.")
-        else:
-            leaves[prefix + key] = value
+        leaves |= (
+            flat(value, f"{prefix}{key}.") if isinstance(value, dict) else {prefix + key: value}
+        )
     return leaves
 
 

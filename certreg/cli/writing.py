@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
 import click
 
@@ -32,9 +32,9 @@ class WritingCommand(click.Command):
 
 def _files_of(context: click.Context) -> list[Path]:
     """All files that the command was given to read."""
-    given = [value for name, value in context.params.items() if name != "out"]
-    several = (cast("tuple[Any, ...]", v) if isinstance(v, tuple) else (v,) for v in given)
-    listed = [each for values in several for each in values]
+    given: dict[str, Path | str | tuple[Path | str, ...] | None] = context.params
+    several = (v if isinstance(v, tuple) else (v,) for name, v in given.items() if name != "out")
+    listed = (each for values in several for each in values)
     bounds = context.params.get("max_residual")  # a number or a file, as it was typed
     files = [each for each in listed if isinstance(each, Path) and not is_standard_input(each)]
     return files if bounds is None else [*files, Path(bounds)]

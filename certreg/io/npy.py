@@ -8,7 +8,7 @@ import tokenize
 import warnings
 from collections.abc import Iterable, Sequence
 from itertools import chain, pairwise
-from typing import TYPE_CHECKING, Any, BinaryIO, NamedTuple, cast
+from typing import TYPE_CHECKING, Any, BinaryIO, NamedTuple
 
 import numpy as np
 
@@ -69,7 +69,7 @@ def parse_npy(stream: BinaryIO, file: Path) -> NDArray[Any]:
         stream.seek(start)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # as in read_header
-            return cast("NDArray[Any]", np.load(stream, allow_pickle=False))
+            return np.load(stream, allow_pickle=False)
     except NOT_NPY as error:
         raise not_npy(file, error) from error
 

@@ -8,7 +8,7 @@ import math
 import os
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, BinaryIO, cast
+from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
 
@@ -22,6 +22,7 @@ from certreg.verify import FILE_MAX, FORMAT, RefusalError, parse, shown
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from certreg.results import Json
 
 MAX_POSE_BYTES = 1 << 20  # a result without its points is a few kilobytes
 RESULT = "result.json"
@@ -169,14 +170,14 @@ SCALE = 64  # bits: the root of the norm is then right beyond a double
 def pose_of_json(source: Place, content: bytes, text: str) -> GivenPose:
     """The pose in a document; content: the bytes of the text, of which certificates are parsed."""
     try:
-        document: Any = json.loads(text)
+        document: list[Any] | dict[str, Any] = json.loads(text)
     except (ValueError, RecursionError) as error:
         raise source.refusal(
             f"is not JSON ({shown(error)}): give a pose file or a certreg result"
         ) from error
     if isinstance(document, list):
         return of_matrix(source, document)
-    fields = cast("dict[str, Any]", document)
+    fields = document
     if fields.get("format") == FORMAT:
         return pose_of_certificate(source, content)
     some = any(isinstance(fields.get(name), dict) for name in BOUNDED)
@@ -209,12 +210,11 @@ def pose_of_certificate(source: Place, content: bytes) -> GivenPose:
     return GivenPose(turn=turn, translation=None, of_some=some)
 
 
-def _pose_of_fit(fit: Any) -> tuple[int, ...]:
+def _pose_of_fit(fit: Json) -> tuple[int, ...]:
     """Of the least squares that a certificate of wrong pairs holds, as nobody has checked it."""
-    fields = cast("dict[str, Any]", fit) if isinstance(fit, dict) else {}
-    proof = fields.get("proof", fields)
-    pose = cast("dict[str, Any]", proof).get("pose") if isinstance(proof, dict) else None
-    entries = cast("list[Any]", pose) if isinstance(pose, list) else []
+    proof: Json = fit.get("proof", fit) if isinstance(fit, dict) else None
+    pose: Json = proof.get("pose") if isinstance(proof, dict) else None
+    entries = pose if isinstance(pose, list) else []
     right = len(entries) == QUATERNION and all(type(entry) is int for entry in entries)
     return tuple(entries) if right else (0,)
 
@@ -226,8 +226,8 @@ def _pose_of_fields(source: Place, fields: dict[str, Any]) -> GivenPose:
     if "rotation" in fields:
         matrix = finite_array(source, fields["rotation"], (3, 3), "rotation")
     scale = _scale(source, fields.get("scale"))
-    if "quaternion_wxyz" not in fields:
-        return GivenPose(turn=cast("Any", matrix), translation=translation, scale=scale)
+    if matrix is not None and "quaternion_wxyz" not in fields:
+        return GivenPose(turn=matrix, translation=translation, scale=scale)
     quaternion = finite_array(source, fields["quaternion_wxyz"], (4,), "quaternion_wxyz")
     pose = of_quaternion(source, quaternion, translation)
     apart = 0.0 if matrix is None else float(np.abs(matrix - pose.rotation).max())
@@ -302,9 +302,9 @@ def of_array(source: Place, array: NDArray[np.float64]) -> GivenPose:
     return of_matrix(source, array.tolist())
 
 
-def of_matrix(source: Place, rows: Any) -> GivenPose:
+def of_matrix(source: Place, rows: Json) -> GivenPose:
     """The pose of a matrix 4x4 or 3x4; the rotation is not checked."""
-    if isinstance(rows, list) and len(cast("list[Any]", rows)) == 3:
+    if isinstance(rows, list) and len(rows) == 3:
         rows = [*rows, [0.0, 0.0, 0.0, 1.0]]
     matrix = finite_array(source, rows, (4, 4), "the pose matrix")
     if matrix[3].tolist() != [0.0, 0.0, 0.0, 1.0]:

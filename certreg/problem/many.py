@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -84,13 +84,12 @@ class _Rows:
         return np.cumsum(self.sizes) - self.sizes
 
 
-def _listed(given: Any, depth: int) -> Sequence[Any]:
+def _listed(given: Sequence[Any] | NDArray[Any], depth: int) -> Sequence[Any]:
     """What is given one by one, in arrays so deep or in objects that hold points; else nothing."""
     if not isinstance(given, list | tuple) or not given:
         return ()
-    listed = cast("Sequence[Any]", given)
-    held = any(hasattr(listed[0], name) for name in (*ATTRIBUTES, "point", "columns"))
-    return listed if held or np.ndim(listed[0]) == depth else ()
+    held = any(hasattr(given[0], name) for name in (*ATTRIBUTES, "point", "columns"))
+    return given if held or np.ndim(given[0]) == depth else ()
 
 
 def _rows_of(given: Any, name: str, depth: int, forms: str) -> _Rows:

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, cast
+from typing import Any
 
 from certreg.errors import InvalidProblemError
 from certreg.problem.arrays import data_frame
@@ -40,9 +40,9 @@ class RowLabels(Brief):
 
 def labels_of(given: Any) -> RowLabels | None:
     """The labels of the rows of a cloud or of weights; None where they have none."""
-    called: Any = getattr(given, "identifiers", None)
+    called: tuple[str, ...] | None = getattr(given, "identifiers", None)
     if isinstance(called, tuple):  # a cloud that certreg read
-        return RowLabels(values=cast("tuple[str, ...]", called), certain=given.labels is not None)
+        return RowLabels(values=called, certain=given.labels is not None)
     if data_frame(given):
         columns = [one for one in given.columns if isinstance(one, str)]
         found = [one for one in columns if one.strip().lower() == LABEL]

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
-from typing import TYPE_CHECKING, Any, Literal, cast, overload
+from collections.abc import Callable, Iterable, Sized
+from typing import TYPE_CHECKING, Any, Literal, overload
 
 from certreg.certificate.many import Certificates, certificates_of
 from certreg.errors import CertregError, InvalidProblemError
@@ -49,7 +49,7 @@ def certify_many(
 
 
 def certify_many(
-    problems: Any,
+    problems: Iterable[Problem],
     targets: Any = None,
     *,
     errors: Literal["raise", "keep"] = "raise",
@@ -113,10 +113,10 @@ def certify_many(
         raise InvalidProblemError(
             f"errors is {errors!r}: give 'raise' or 'keep'", array="errors", value=errors
         )
-    total = len(problems) if hasattr(problems, "__len__") else None  # pyright: ignore[reportArgumentType]
+    total = len(problems) if isinstance(problems, Sized) else None
     results: list[Registration | CertregError] = []
     for number, problem in enumerate(problems):
-        stated = cast("tuple[Any, ...]", problem if isinstance(problem, tuple) else (problem,))
+        stated = problem if isinstance(problem, tuple) else (problem,)
         try:
             results.append(certify(*stated, **options))
         except CertregError as error:

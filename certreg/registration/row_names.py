@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, TypeVar, cast
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from certreg.verify import shown
+
+if TYPE_CHECKING:
+    from certreg.results import Json
 
 T = TypeVar("T", str, int)
 
@@ -46,8 +49,7 @@ class RowNames:
         return f"{number}" if label is None else f"{number} ({shown(label)})"
 
 
-def _each(given: Any, kind: type[T], n: int) -> tuple[T, ...] | None:
+def _each(given: Json, kind: type[T], n: int) -> tuple[T, ...] | None:
     """The entries of a list of n, all of one kind; None where it is none."""
-    entries = cast("list[Any]", given) if isinstance(given, list) else []
-    right = tuple(one for one in entries if type(one) is kind)
+    right = tuple(one for one in given if type(one) is kind) if isinstance(given, list) else ()
     return right if len(right) == n else None

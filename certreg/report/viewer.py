@@ -10,7 +10,7 @@ import base64
 import math
 import zlib
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from certreg.problem.problem import RegistrationProblem
     from certreg.registration.linear import LinearSolution
     from certreg.registration.result import Registration
+    from certreg.results import Json
 
 
 SPRINGS_WORDS = (
@@ -94,19 +95,16 @@ class Names:
     @classmethod
     def of(cls, about: dict[str, Any], n: int) -> Names:
         """The names in the `about` of a certificate, whatever else it holds."""
-        labels: Any = about.get("labels")
+        labels: Json = about.get("labels")
         named = [about.get(key) for key in ("source", "target")]
         source, target = (
             printable(name) if isinstance(name, str) and name else default
             for name, default in zip(named, ("source", "target"), strict=True)
         )
-        if not isinstance(labels, list) or len(cast("list[Any]", labels)) != n:
-            labels = []
-        texts = [label for label in cast("list[Any]", labels) if isinstance(label, str)]
-        whole = len(texts) == n
-        return cls(
-            source=source, target=target, labels=tuple(map(printable, texts)) if whole else None
-        )
+        listed = labels if isinstance(labels, list) else []
+        texts = [printable(label) for label in listed if isinstance(label, str)]
+        whole = len(texts) == len(listed) == n
+        return cls(source=source, target=target, labels=tuple(texts) if whole else None)
 
 
 def scene_document(registration: Registration, names: Names) -> dict[str, Any]:

@@ -1,95 +1,36 @@
-"""The table of what is supported, held against what happens: every cell, every verb."""
+"""The table of what is supported, held against what happens in Python: every cell."""
 
 from __future__ import annotations
 
 import itertools
-from functools import cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
+from laws.cells import (
+    CELLS,
+    DATA,
+    MOTIONS,
+    SOURCE,
+    TURN,
+    cell_of,
+    certified,
+    options_of,
+    refused_sentence,
+    target_of,
+)
 from laws.zoo import GENERIC, cells
 
 import certreg
 from certreg.equilibrium.methods import FINDERS
-from certreg.errors import InvalidProblemError
 from certreg.objective.structure import Structure
-from certreg.problem.motion import Scale
 from certreg.problem.support import TABLE, Cell, Loss, Verb, refusal, supported
 from certreg.registration.certification import PROVERS, prover_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-PAIRS = 12
-RNG = np.random.default_rng(40)
-SOURCE = RNG.normal(size=(PAIRS, 3))
-TURN = np.linalg.qr(RNG.normal(size=(3, 3)))[0]
-TURN = TURN * np.linalg.det(TURN)
-NOISE = 0.01 * RNG.normal(size=(PAIRS, 3))
-AXES = RNG.normal(size=(PAIRS, 3))
-AXES /= np.linalg.norm(AXES, axis=1)[:, None]
-SHAPES = RNG.normal(size=(PAIRS, 3, 3))
-DATA: dict[str, dict[str, Any]] = {
-    "weights": {},
-    "planes": {"normals": AXES},
-    "lines": {"directions": AXES},
-    "covariances": {"covariances": SHAPES @ SHAPES.transpose(0, 2, 1) + np.eye(3)},
-}
-MOTIONS: dict[str, dict[str, Any]] = {
-    "pose": {},
-    "rotation": {"rotation_only": True},
-    "asymmetric": {"scale": "asymmetric"},
-    "symmetric": {"scale": "symmetric"},
-    "asymmetric rotation": {"scale": "asymmetric", "rotation_only": True},
-}
-LOSSES: dict[Loss, dict[str, Any]] = {
-    Loss.SQUARES: {},
-    Loss.CONSENSUS: {"max_residual": 0.3},
-    Loss.TRUNCATED: {"max_residual": 0.3, "objective": "truncated"},
-}
 ACCEPTED = 18  # of 60; a cell that opens, or closes, changes this number knowingly
-CELLS = list(itertools.product(DATA, MOTIONS, LOSSES))
-
-
-def cell_of(data: str, motion: str, loss: Loss) -> Cell:
-    """What the cell declares."""
-    moves = MOTIONS[motion]
-    return Cell(
-        springs=data != "weights",
-        scale=Scale(moves.get("scale", "none")),
-        rotation_only=moves.get("rotation_only", False),
-        loss=loss,
-    )
-
-
-def options_of(cell: Cell, data: str) -> dict[str, Any]:
-    """What a user gives for the cell."""
-    return {
-        **(DATA[data] if cell.springs else {}),
-        "scale": cell.scale,
-        "rotation_only": cell.rotation_only,
-        **LOSSES[cell.loss],
-    }
-
-
-def target_of(cell: Cell) -> Any:
-    """Points that such a motion meets."""
-    shift = 0.0 if cell.rotation_only else np.array([1.0, 2.0, 3.0])
-    return SOURCE @ TURN.T + NOISE + shift
-
-
-@cache
-def certified(cell: Cell, data: str) -> Any:
-    """The result of `certify` on points of the cell."""
-    return certreg.certify(SOURCE, target_of(cell), **options_of(cell, data))
-
-
-def refused_sentence(call: Callable[[], object]) -> str:
-    """Of the error that the call ends with."""
-    with pytest.raises(InvalidProblemError) as caught:
-        call()
-    return str(caught.value)
 
 
 def test_the_table_accepts_as_many_cells_as_documented() -> None:
@@ -154,12 +95,10 @@ def test_every_verb_answers_or_refuses_by_the_table(data: str, motion: str) -> N
 
 @pytest.mark.parametrize("verb", Verb)
 def test_every_refusal_names_a_remedy_that_the_table_supports(verb: Verb) -> None:
-    for data, motion in SQUARES:
-        cell = cell_of(data, motion, Loss.SQUARES)
-        if not supported(cell) or (refused := refusal(cell, verb)) is None:
-            continue
-        assert refused.remedies
-        assert all(supported(one.cell, one.verb) for one in refused.remedies)
+    for cell in itertools.starmap(cell_of, CELLS):
+        if refused := refusal(cell, verb):
+            assert refused.remedies
+            assert all(supported(one.cell, one.verb) for one in refused.remedies)
 
 
 def test_no_rule_of_the_table_is_without_a_case() -> None:
