@@ -188,5 +188,9 @@ class UnusedSpringsWarning(UserWarning):
     """The target has normals or covariances that were not asked for: pairs are points."""
 
 
+class UnusedNoiseWarning(UserWarning):
+    """A cloud has a column `sigma` or `weight` that was not asked for: all pairs count alike."""
+
+
 class NotCompiledWarning(UserWarning):
     """Where nothing is compiled, something runs slower or proves less; the message says why."""

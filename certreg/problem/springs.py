@@ -41,6 +41,7 @@ from certreg.problem.spring_rows import (
     warn_of_unused,
 )
 from certreg.problem.terms import Pairs, SprungPairs
+from certreg.problem.unused_noise import warn_of_unused_noise
 from certreg.results import Brief
 
 if TYPE_CHECKING:
@@ -313,6 +314,8 @@ def stated_pairs(
     """
     n = len(clouds[0])
     source, target = map(_read_only, clouds)
+    if sigma is None and weights is None:
+        warn_of_unused_noise(*held, depth=2)
     if not given.rows:
         warn_of_unused(held[1], n, depth=2)
         own = given_weights(weights, n) if sigma is None else _weights_from_sigma(sigma, n)

@@ -33,6 +33,7 @@ from certreg.problem.problem import RegistrationProblem
 from certreg.problem.row_labels import require_same_labels
 from certreg.problem.spring_rows import warn_of_unused
 from certreg.problem.support import Cell, require_supported
+from certreg.problem.unused_noise import warn_of_unused_noise
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -127,9 +128,12 @@ def register(
     on_springs = any(value is not None for value in springs.values())
     kind, about_origin = checked_scale(scale), checked_rotation_only(rotation_only)
     require_supported(Cell(springs=on_springs, scale=kind, rotation_only=about_origin))
+    if weights is None:
+        warn_of_unused_noise(source, target, depth=1, takes="weights")
     if on_springs:
+        own = 1.0 if weights is None else weights
         problem = RegistrationProblem(
-            source, target, weights=weights, rotation_only=about_origin, **springs
+            source, target, weights=own, rotation_only=about_origin, **springs
         )
         return equilibria.spring_pose(problem)
     x = _readable(cloud_array(source, "source"), "source")
