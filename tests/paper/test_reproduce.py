@@ -260,7 +260,7 @@ def test_a_step_without_projection_is_seen(monkeypatch):
             for k in range(min(rules.max_steps, 400)):
                 if log is not None:
                     (energies,) = current_engine().evaluate("certreg_energies", state, body)
-                    plain(log.rows)[log.count] = [k * step, *state, *energies]
+                    log.rows[log.count] = [k * step, *state, *energies]
                     log.count += 1
                 state += step * current_engine().evaluate("certreg_rate", state, body)[0]
             batch.status[0] = 1
