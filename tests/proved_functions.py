@@ -304,7 +304,7 @@ PROVED = (
     ),
     _of(
         "registration/equilibria",
-        "ScaledEquilibria.finite ScaledEquilibria.count ScaledEquilibria.unique",
+        "ScaledEquilibria.finite ScaledEquilibria.count",
         "registration/test_flags_enumerated",
     ),
     _of(

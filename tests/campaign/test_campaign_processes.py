@@ -132,6 +132,7 @@ def test_a_campaign_on_a_cluster_survives_a_killed_worker(tmp_path):
     assert tree(tmp_path / "out") == tree(tmp_path / "whole")
 
 
+@pytest.mark.long  # loads distributed, a second
 def test_a_scheduler_that_is_not_there_is_one_clear_error(monkeypatch):
     pytest.importorskip("distributed", reason="the extra `campaign` is not installed")
     monkeypatch.setattr("certreg.campaign.workers.CONNECTING", 0.5)

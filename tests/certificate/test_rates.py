@@ -241,6 +241,7 @@ def test_what_must_not_be_is_told():
     assert truncated_rotations.faults([good, bad]) == [f"a: {end}" for end in ends]
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("seed", [0, 1, 2])
 def test_the_certified_optimum_is_that_of_descents_and_accepted_by_the_checker_alone(seed: int):
     assert turned_springs.optimum_missed(seed) == ""
@@ -268,11 +269,12 @@ def test_the_noise_is_estimated_with_the_right_degrees_of_freedom():
 
 
 @pytest.mark.slow
-def test_certificates_whose_claims_are_false_are_refused():
-    made = [(seed, turned_springs.forged(seed)) for seed in range(12)]
+@pytest.mark.parametrize("count", [4, pytest.param(12, marks=pytest.mark.long)])
+def test_certificates_whose_claims_are_false_are_refused(count: int):
+    made = [(seed, turned_springs.forged(seed)) for seed in range(count)]
     false = [document for seed, document in made if turned_springs.is_false(document, seed)]
 
-    assert len(false) >= 8
+    assert len(false) >= 2 * count // 3
     assert not any(check(json.dumps(document).encode()).verified for document in false)
 
 

@@ -162,7 +162,7 @@ def witnessed(document: Document, case: Known, rng: random.Random) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("count", [150, pytest.param(6000, marks=pytest.mark.long)])
+@pytest.mark.parametrize("count", [75, pytest.param(6000, marks=pytest.mark.long)])
 def test_a_forged_consensus_is_refused_unless_no_motion_contradicts_it(count: int):
     rng, passed, false = random.Random(count), 0, 0
     for k in range(count):

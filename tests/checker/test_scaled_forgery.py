@@ -240,7 +240,7 @@ def witnessed(document: Document, case: Known, rng: random.Random) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("count", [120, pytest.param(3000, marks=pytest.mark.long)])
+@pytest.mark.parametrize("count", [60, pytest.param(3000, marks=pytest.mark.long)])
 def test_a_forged_free_scale_is_refused_unless_no_motion_contradicts_it(count: int):
     rng, passed, false = random.Random(count), 0, 0
     for k in range(count):

@@ -42,11 +42,13 @@ def test_the_checker_answers_rightly_of_a_free_scale():
     assert [case.name for case in cases if not case.passes(checker)] == []
 
 
-def test_the_checker_answers_rightly_of_wrong_pairs():
+@pytest.mark.slow
+@pytest.mark.parametrize("every", [3, pytest.param(1, marks=pytest.mark.long)])
+def test_the_checker_answers_rightly_of_wrong_pairs(every: int):
     cases = consensus_cases()
 
     assert len(cases) >= 400
-    assert [case.name for case in cases if not case.passes(checker)] == []
+    assert [case.name for case in cases[::every] if not case.passes(checker)] == []
 
 
 def test_the_checker_answers_rightly_of_wrong_pairs_on_general_springs():
@@ -67,11 +69,12 @@ def test_the_checker_answers_rightly_of_lists_of_equilibria(every: int):
 
 
 @pytest.mark.slow
-def test_the_checker_answers_rightly_of_truncated_squares():
+@pytest.mark.parametrize("every", [3, pytest.param(1, marks=pytest.mark.long)])
+def test_the_checker_answers_rightly_of_truncated_squares(every: int):
     cases = truncated_cases()
 
     assert len(cases) >= 120
-    assert [case.name for case in cases if not case.passes(checker)] == []
+    assert [case.name for case in cases[::every] if not case.passes(checker)] == []
 
 
 @pytest.mark.slow
@@ -100,7 +103,7 @@ def test_every_mutant_is_one_of_the_checker_as_it_is():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("every", [64, pytest.param(1, marks=pytest.mark.long)])
+@pytest.mark.parametrize("every", [128, pytest.param(1, marks=pytest.mark.long)])
 def test_no_mutant_of_the_checker_answers_as_it_should(every: int):
     found = answers(every)
 

@@ -157,6 +157,7 @@ def test_every_command_is_asked():
 
 
 @pytest.mark.slow
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("name", LINES)
 def test_what_becomes_of_the_output_decides_no_verdict(
     name: str, place: Path, monkeypatch: pytest.MonkeyPatch
@@ -252,6 +253,8 @@ def test_streams_that_others_put_there_stay():
         assert sys.stdout is out
 
 
+@pytest.mark.slow
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("code", [0, 1])
 def test_the_checker_alone_ends_with_the_code_of_its_verdict(code: int, place: Path):
     limits = ["--max-gap=0"] * code
@@ -269,6 +272,8 @@ def test_the_checker_alone_ends_with_the_code_of_its_verdict(code: int, place: P
 
 
 @pytest.mark.slow
+@pytest.mark.slow
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize(
     ("program", "closed"),
     [(("-m", "certreg", "verify"), CLOSED), (("-I", "-S", CHECKER), "it is closed)\n")],

@@ -296,6 +296,7 @@ def test_a_damping_that_explicit_euler_cannot_follow_is_told_and_confirms_the_co
 # proofs
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_claims_are_proved_in_processes_of_their_own(monkeypatch):
     monkeypatch.setattr("certreg.campaign.workers._processors", lambda: 1)
@@ -454,8 +455,9 @@ def test_figures_are_of_the_pages_width(drawn):
 
 
 @pytest.mark.slow
-@pytest.mark.one_in(3)
-@pytest.mark.parametrize("kind", ["png", "svg", "pdf"])
+@pytest.mark.parametrize(
+    "kind", ["png", *(pytest.param(kind, marks=pytest.mark.long) for kind in ("svg", "pdf"))]
+)
 def test_figures_are_the_same_bytes_again(kind: str, drawn):
     assert written(drawn[0], kind) == written(drawn[0], kind)
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 from commands import checked
-from scipy.stats import chi2
+from scipy.special import chdtri
 from strategies import random_rotation
 
 from certreg.problem.problem import RegistrationProblem
@@ -96,7 +96,7 @@ def test_a_near_optimal_pose_that_the_noise_rules_out_says_so_first(fine: Regist
 
 @pytest.mark.parametrize("dof", [3, 6])
 def test_the_noise_rules_out_what_is_as_likely_as_a_millionth(fine: Registration, dof: int):
-    edge = math.sqrt(chi2.isf(LEVEL, dof))
+    edge = math.sqrt(chdtri(dof, LEVEL))
     far, near = (SigmaDistance(value=k * edge, dof=dof, p=0.0) for k in (1.0001, 0.9999))
 
     assert rules_out(fine, far)
@@ -111,7 +111,7 @@ def test_a_sigma_that_is_too_small_rules_nothing_out(fine: Registration):
 
     assert not small.fit.warnings
     assert checked(factor) > 1.5
-    edge = math.sqrt(chi2.isf(LEVEL, 6) * checked(factor))
+    edge = math.sqrt(chdtri(6, LEVEL) * checked(factor))
     far, near = (SigmaDistance(value=k * edge, dof=6, p=0.0) for k in (1.0001, 0.9999))
     assert (rules_out(small, far), rules_out(small, near)) == (True, False)
     for shift in (0.01, 0.03):

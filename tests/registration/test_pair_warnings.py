@@ -162,7 +162,10 @@ def test_of_a_known_scale_a_bound_is_wide_beside_the_smaller_cloud(turned):
 
 @pytest.mark.parametrize(
     ("source", "begun", "code"),
-    [(np.eye(3), "PARTLY PROVED: ", 4), (np.eye(3)[[2, 2, 2]], "CERTIFIED, NOT UNIQUE: ", 3)],
+    [
+        pytest.param(np.eye(3), "PARTLY PROVED: ", 4, marks=pytest.mark.long),
+        (np.eye(3)[[2, 2, 2]], "CERTIFIED, NOT UNIQUE: ", 3),
+    ],
 )
 def test_directions_that_are_one_fix_no_rotation(source, begun, code):
     found = certified("turned", 0.1, source, np.eye(3)[[2, 2, 2]])
