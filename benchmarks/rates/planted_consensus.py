@@ -25,7 +25,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from certreg.certificate.clique_refutation import Assuming
-from certreg.certificate.consistency import ConsistentPairs, consistent_pairs
+from certreg.certificate.consistency import ConsistentPairs
 from certreg.certificate.edge_elimination import MOST_TURNED, Parting
 from certreg.certificate.producing_consensus import ConsensusProver, consensus_certificate
 from certreg.certificate.vertex_elimination import Graph, GraphThinning
@@ -163,12 +163,13 @@ def faults(seed: int) -> Iterator[str]:
     """What is wrong with an instance."""
     case = planted(seed)
     problem, rng, all_rows = case.problem, np.random.default_rng(seed), (1 << case.problem.n) - 1
-    near, mine = consistent_pairs(problem), mask_of(case.rows)
+    pairs, mine = ConsistentPairs.of(problem), mask_of(case.rows)
+    near = pairs.near()
     if any(mine & ~(near[i] | 1 << i) for i in case.rows):
         yield f"{seed}: two planted pairs are no neighbours"
     K = max(3, len(case.rows) - int(rng.integers(3)))
     few = rng.permutation(list(case.rows))[: int(rng.integers(1, K + 1))].tolist()
-    graph = Graph(near, ConsistentPairs.of(problem).points(), 0.3, turned=MOST_TURNED)
+    graph = Graph(near, pairs.points(), 0.3, turned=MOST_TURNED)
     thinning = GraphThinning(graph, all_rows, K, mask_of(few))
     thinning.run()
     assuming, parting = Assuming(thinning), Parting(thinning)

@@ -40,11 +40,6 @@ END_BITS = 4  # more than it takes to tell the ends of a piece apart
 TINY = 1e-100  # lengths, in the unit of their cloud, whose squares may lose digits
 
 
-def consistent_pairs(problem: RegistrationProblem) -> BitRows:
-    """For each pair those that one rigid motion may meet with it, as bits."""
-    return ConsistentPairs.of(problem).near()
-
-
 class ExactRows:
     """The points and bounds of a problem as integers over a power of two, when first asked for."""
 

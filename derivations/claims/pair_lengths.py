@@ -194,6 +194,6 @@ CLAIM = Claim(
     not_claimed="That pairs whose lengths agree, two by two, are within their bounds together: "
     "mirror images agree in all lengths.",
     runs=("certreg.verify.consistent",),
-    used_by=("certreg.certificate.consistency.consistent_pairs",),
+    used_by=("certreg.certificate.consistency.RigidPairs.near",),
     not_in_coq="All of it: the checker in Coq reads no bounds of pairs.",
 )

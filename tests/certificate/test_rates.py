@@ -20,8 +20,8 @@ from benchmarks.rates.mapped_clouds import Run, size, turn, write_clouds
 from benchmarks.rates.spring_certificates import BARELY, WELL, Rate, rate_of
 from certreg import RegistrationProblem, verify
 from certreg.certificate.blockwise import check_on_sums
+from certreg.certificate.consistency import RigidPairs
 from certreg.dynamics.integrators import SimulationSettings
-from certreg.problem.losses import Consensus
 from certreg.registration.exit_codes import DONE, NOT_CERTIFIED
 from certreg.registration.simulation import simulate
 from certreg.results import Optimality
@@ -119,13 +119,14 @@ def test_no_planted_pair_is_struck_and_the_checker_agrees(count: int):
 
 
 def test_a_graph_that_loses_a_neighbour_at_its_bound_is_seen(monkeypatch):
-    honest = planted_consensus.consistent_pairs
+    honest = RigidPairs.near
 
-    def strict(problem):
-        return honest(problem.under(Consensus(problem.bounds * (1.0 - 1e-6))))
+    def strict(pairs):
+        pairs.bounds = pairs.bounds * (1.0 - 1e-6)
+        return honest(pairs)
 
     assert list(planted_consensus.faults(3)) == []
-    monkeypatch.setattr(planted_consensus, "consistent_pairs", strict)
+    monkeypatch.setattr(RigidPairs, "near", strict)
     assert any(
         "no neighbours" in fault for k in (1, 3, 5, 7) for fault in planted_consensus.faults(k)
     )

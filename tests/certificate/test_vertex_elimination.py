@@ -13,7 +13,7 @@ from reference_graphs import PlainThinned, linked
 from benchmarks.rates.consensus_labels import Cell
 from certreg.certificate import proof_stages, vertex_elimination
 from certreg.certificate.consensus import RIGID
-from certreg.certificate.consistency import ConsistentPairs, ExactRows, consistent_pairs
+from certreg.certificate.consistency import ConsistentPairs, ExactRows
 from certreg.certificate.infeasibility_weights import PointRows
 from certreg.certificate.producing_consensus import ConsensusProver, consensus_certificate
 from certreg.certificate.proof_stages import Stager
@@ -124,7 +124,7 @@ def test_lengths_on_the_edge_of_the_bounds_are_decided_exactly(bound):
     source = [[0, 0, 0], [4, 0, 0], [0, 8, 0], [0, 0, 16], [1, 1, 1]]
     target = [[0, 0, 0], [6, 0, 0], [0, 6, 0], [0, 0, 19], [1, 1, 1]]
     problem = bounded(RegistrationProblem(source, target), bound)
-    near, exact = consistent_pairs(problem), ExactRows(problem)
+    near, exact = ConsistentPairs.of(problem).near(), ExactRows(problem)
 
     assert [list(rows_of(mask)) for mask in near] == [
         [j for j in range(5) if j != i and exact.agree(i, j)] for i in range(5)
@@ -138,8 +138,9 @@ def test_pairs_that_a_rigid_motion_may_meet_are_those_of_scales_from_one_to_one(
     for seed in range(20):
         points = np.random.default_rng(seed).normal(size=(2, 40, 3)).round(seed % 3)
         problem = bounded(RegistrationProblem(*points), 0.5)
+        near = ConsistentPairs.of(problem).near()
 
-        assert consistent_pairs(problem).integers == ConsistentPairs(problem).near(RIGID).integers
+        assert near.integers == ConsistentPairs(problem).near(RIGID).integers
 
 
 @pytest.mark.parametrize(("bound", "met"), [(1.0, [0, 1, 2]), (1.0 - 2.0**-52, [0, 1])])
