@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     Json = dict[str, Any] | list[Any] | str | float | bool | None
 
 T = TypeVar("T")
+U = TypeVar("U")
 
 MAX_GAP = 1e-6  # of the range: a rotation off by two thousandths of a radian costs as much
 MAX_ANGLE = 1e-5  # radians: half a millimetre at fifty metres
@@ -264,6 +265,11 @@ OUT_OF_RANGE = Absent("no double holds the value: change the unit of length")
 def present(value: T | Absent) -> T | None:
     """The value; None where it is missing."""
     return None if isinstance(value, Absent) else value
+
+
+def mapped(value: T | Absent, to: Callable[[T], U]) -> U | Absent:
+    """What a function makes of the value; why there is none where it is missing."""
+    return value if isinstance(value, Absent) else to(value)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -254,7 +254,7 @@ PROVED = (
     ),
     _of(
         "registration/label_assessment",
-        "TruncatedLabels.headline",
+        "LabelAssessment.headline",
         "registration/test_truncated_labels",
     ),
     _of(

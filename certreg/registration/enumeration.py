@@ -29,14 +29,12 @@ if TYPE_CHECKING:
     from certreg.certificate.listing import SpringsListBody
     from certreg.equilibrium import paths
     from certreg.equilibrium.critical_set import CriticalSet
-    from certreg.equilibrium.line_set import LineSet
     from certreg.geometry.pose import Pose
     from certreg.geometry.similarity import Similarity
     from certreg.objective.isotropic import Isotropic
     from certreg.objective.springs import Springs
     from certreg.problem.problem import RegistrationProblem
     from certreg.registration import equilibria as listed
-    from certreg.registration.equilibria import SpringEquilibria
     from certreg.registration.progress import Progress
 
     Certified = Certificate[Any] | Absent
@@ -163,12 +161,6 @@ def _described_lines(
     return equilibria_at(critical, objective, problem, lambda: _fit(problem, objective))
 
 
-def _described_springs(
-    critical: LineSet, objective: Springs, problem: RegistrationProblem
-) -> SpringEquilibria:
-    return listed.spring_equilibria(critical, objective, problem)
-
-
 def _fit(problem: RegistrationProblem, objective: Isotropic) -> Fit:
     """What the optimum is worth as a fit."""
     covariance = pose_covariance(problem, objective)
@@ -264,7 +256,7 @@ LISTS: Mapping[Structure, Listing] = {
         subject="count",
     ),
     Structure.QUARTIC: Listing(
-        described=_described_springs,
+        described=lambda lines, energy, of: listed.spring_equilibria(lines, energy, of),  # noqa: PLW0108 - loaded when called
         shown=lambda found: replace(found.equilibria, enumeration=found),
         certified=_list_of_springs,
         subject="list",

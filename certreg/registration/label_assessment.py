@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import enum
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -47,6 +47,7 @@ class LabelsVerdict(enum.Enum):
     UNDECIDED = "undecided"
 
 
+Said = Mapping[LabelsVerdict, Callable[[Any, int, str], str]]
 CODES = {LabelsVerdict.CONSISTENT: DONE, LabelsVerdict.REFUTED: REFUSED}
 
 
@@ -67,6 +68,7 @@ class LabelAssessment(Presented, ABC):
     problem: RegistrationProblem
     rows: tuple[int, ...]
     names: RowNames
+    SAID: ClassVar[Said]  # behind the verdict, of how many inliers and within what
 
     def __repr__(self) -> str:
         counted = f"{len(self.rows)} of {self.problem.n} pairs"
@@ -76,6 +78,12 @@ class LabelAssessment(Presented, ABC):
     @abstractmethod
     def verdict(self) -> LabelsVerdict:
         """What is proved."""
+
+    @property
+    def headline(self) -> str:
+        """The verdict, with what is proved."""
+        said = self.SAID[self.verdict](self, len(self.rows), within_words(self.problem))
+        return f"{self.verdict.name}: {said}"
 
     @property
     def exit_code(self) -> int:
@@ -107,6 +115,19 @@ class KeptPairs(LabelAssessment):
     most: ProvedConsensus | None
     sets: int
     optimum: ClassVar[Absent] = NO_COST
+    SAID: ClassVar[Said] = {
+        LabelsVerdict.CONSISTENT: lambda self, kept, within: (
+            f"one rigid motion brings all {kept} labelled inliers {within}; {self._compared()}"
+        ),
+        LabelsVerdict.UNDECIDED: lambda self, kept, within: (
+            f"no rigid motion was found that brings all {kept} labelled inliers {within}, and no "
+            f"proof that there is none. {self._most()}"
+        ),
+        LabelsVerdict.REFUTED: lambda self, kept, within: (
+            f"no rigid motion brings all {kept} labelled inliers {within}, not even "
+            f"{self._named(self.motion.refuted)} (from 0) together. {self._most()}"
+        ),
+    }
     __repr__ = LabelAssessment.__repr__
 
     @property
@@ -137,26 +158,6 @@ class KeptPairs(LabelAssessment):
     def unique(self) -> bool:
         """Whether it is proved that just these are the inliers of every motion that meets most."""
         return self.most is not None and self.most.decided and self.most.met == self.rows
-
-    @property
-    def headline(self) -> str:
-        """The verdict, with what is proved."""
-        kept, within = len(self.rows), within_words(self.problem)
-        if self.verdict is LabelsVerdict.CONSISTENT:
-            return (
-                f"CONSISTENT: one rigid motion brings all {kept} labelled inliers {within}; "
-                f"{self._compared()}"
-            )
-        if self.verdict is LabelsVerdict.UNDECIDED:
-            return (
-                f"UNDECIDED: no rigid motion was found that brings all {kept} labelled inliers "
-                f"{within}, and no proof that there is none. {self._most()}"
-            )
-        named = self._named(self.motion.refuted)
-        return (
-            f"REFUTED: no rigid motion brings all {kept} labelled inliers {within}, not even "
-            f"{named} (from 0) together. {self._most()}"
-        )
 
     def _compared(self) -> str:
         """How many they are, beside the most."""
@@ -202,6 +203,20 @@ class TruncatedLabels(LabelAssessment):
 
     optimum: TruncatedRegistration
     disproved: bool
+    SAID: ClassVar[Said] = {
+        LabelsVerdict.CONSISTENT: lambda _, kept, within: (
+            f"at every optimum of the truncated cost these {kept} pairs are {within}, and only "
+            "these: proved."
+        ),
+        LabelsVerdict.UNDECIDED: lambda self, kept, within: (
+            f"it is not proved that an optimum of the truncated cost has just these {kept} pairs "
+            f"{within}, nor that none has. {self._open()}"
+        ),
+        LabelsVerdict.REFUTED: lambda self, kept, within: (
+            f"no optimum of the truncated cost has just these {kept} pairs {within}"
+            f"{', by one 4x4 matrix' * self.disproved}. {self._others()}"
+        ),
+    }
     __repr__ = LabelAssessment.__repr__
 
     @classmethod
@@ -228,26 +243,6 @@ class TruncatedLabels(LabelAssessment):
             return LabelsVerdict.REFUTED
         sure = self.optimum.labels_unique
         return LabelsVerdict.CONSISTENT if sure else LabelsVerdict.UNDECIDED
-
-    @property
-    def headline(self) -> str:
-        """The verdict, with what is proved."""
-        kept, within = len(self.rows), within_words(self.problem)
-        if self.verdict is LabelsVerdict.CONSISTENT:
-            return (
-                f"CONSISTENT: at every optimum of the truncated cost these {kept} pairs are "
-                f"{within}, and only these: proved."
-            )
-        if self.verdict is LabelsVerdict.UNDECIDED:
-            return (
-                f"UNDECIDED: it is not proved that an optimum of the truncated cost has just these "
-                f"{kept} pairs {within}, nor that none has. {self._open()}"
-            )
-        matrix = ", by one 4x4 matrix" if self.disproved else ""
-        return (
-            f"REFUTED: no optimum of the truncated cost has just these {kept} pairs {within}"
-            f"{matrix}. {self._others()}"
-        )
 
     def _others(self) -> str:
         """What the proved labels are, where they differ."""

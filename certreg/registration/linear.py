@@ -248,11 +248,7 @@ class LinearProver(SquaresProver[LinearProposal, LinearSolution]):
         """Raises ContradictionError where the simulation goes, or ends, where it must not."""
         if not isinstance(proved.trajectory, Absent):
             require_sound_trajectory(proved.objective, certificate.body, proved.trajectory)
-            self.require_end(certificate.body, proved.trajectory)
-
-    def require_end(self, body: Any, run: SimulatedMotion) -> None:
-        """Raises ContradictionError where it ends in a basin in which it is not proved to be."""
-        require_basin(body, run)
+            require_basin(certificate.body, proved.trajectory)
 
     def damped(self, problem: RegistrationProblem, objective: Isotropic) -> RegistrationProblem:
         """The problem with the damping of the fastest decay, where it names none and one is."""
@@ -293,8 +289,10 @@ class SimilarityProver(LinearProver):
     SCALES = frozenset({Scale.ASYMMETRIC, Scale.SYMMETRIC})
     USUAL = Integrator.MIDPOINT
 
-    def require_end(self, body: Any, run: SimulatedMotion) -> None:
-        """Nothing: it may end anywhere."""
+    def require_sound(self, proved: LinearSolution, certificate: Certificate[Any]) -> None:
+        """The same, but that no basin is proved in which it ends."""
+        if not isinstance(proved.trajectory, Absent):
+            require_sound_trajectory(proved.objective, certificate.body, proved.trajectory)
 
     def damped(self, problem: RegistrationProblem, objective: Isotropic) -> RegistrationProblem:
         """The problem as it is."""

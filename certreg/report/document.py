@@ -15,7 +15,6 @@ from certreg.report.encoding import Document, encoded
 from certreg.report.equilibria import rests_beside
 from certreg.report.equilibrium_fields import NO_EIGENVALUES, margin_fields
 from certreg.report.fields import (
-    degrees,
     finite,
     fit_fields,
     hardly_determined,
@@ -26,7 +25,7 @@ from certreg.report.fields import (
 from certreg.report.parts import listed, sprung
 from certreg.report.simulation import simulation_fields
 from certreg.report.uncertainty import uncertainty_rows
-from certreg.results import OUT_OF_RANGE, Absent
+from certreg.results import OUT_OF_RANGE, Absent, mapped
 
 if TYPE_CHECKING:
     from certreg.certificate.squares import SpringsSosBody
@@ -109,7 +108,7 @@ def _parts(registration: Registration) -> Document:
         "agreement": dict.fromkeys(ANGLES, NOT_SIMULATED),
     }
     if springs is not None:
-        turned = degrees(springs.solution.angle_to_relaxation)
+        turned = mapped(springs.solution.angle_to_relaxation, math.degrees)
         parts["agreement"] |= {"closed_form_deg": NO_CLOSED_FORM, "relaxation_deg": turned}
     if own is not None:
         angles = own.solution.agreement
@@ -120,8 +119,8 @@ def _parts(registration: Registration) -> Document:
             "simulation": simulation_fields(own),
             "agreement": {
                 "closed_form_deg": math.degrees(angles.closed_form),
-                "relaxation_deg": degrees(angles.stated("relaxation")),
-                "simulation_deg": degrees(angles.stated("simulation")),
+                "relaxation_deg": mapped(angles.stated("relaxation"), math.degrees),
+                "simulation_deg": mapped(angles.stated("simulation"), math.degrees),
             },
         }
     parts["margin"] = {**parts["margin"], "hardly_determined": hardly_determined(registration)}
@@ -196,7 +195,7 @@ def _relaxation(registration: Registration) -> Document | Absent:
         "value": OUT_OF_RANGE if value is None else value,
         "proved_gap": NOT_A_BOUND if gap is None else finite(double_above(gap.value)),
         "rank": relaxation.rank,
-        "angle_to_pose_deg": degrees(solution.agreement.stated("relaxation")),
+        "angle_to_pose_deg": mapped(solution.agreement.stated("relaxation"), math.degrees),
     }
 
 
@@ -214,7 +213,7 @@ def _relaxation_of_springs(registration: Registration[QuarticSolution]) -> Docum
         "value": OUT_OF_RANGE if nearest is None else nearest,
         "proved_gap": NO_BOUND_OF_IT,
         "rank": relaxation.rank,
-        "angle_to_pose_deg": degrees(solution.angle_to_relaxation),
+        "angle_to_pose_deg": mapped(solution.angle_to_relaxation, math.degrees),
     }
 
 

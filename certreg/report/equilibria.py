@@ -144,8 +144,12 @@ def listed_rests(found: ListedEquilibria) -> Rests:
 
 def count_words(equilibria: EquilibriumSet) -> str:
     """How many equilibria there are and how that is known, in one sentence."""
-    known = f"{equilibria.guarantee.label}, {'' if equilibria.complete else 'not proved '}complete"
-    return f"Equilibria ({known}): {_counted(equilibria)}."
+    return _known(equilibria, _counted(equilibria))
+
+
+def _known(found: EquilibriumSet | ScaledEquilibria | SpringEquilibria, counted: str) -> str:
+    known = f"{found.guarantee.label}, {'' if found.complete else 'not proved '}complete"
+    return f"Equilibria ({known}): {counted}."
 
 
 def _counted(equilibria: EquilibriumSet) -> str:
@@ -202,13 +206,10 @@ def _row(component: Component, *, sure: bool) -> tuple[str, ...]:
 def scaled_rests(found: ScaledEquilibria) -> Rests:
     """With a free scale, and the states inside out; the rest is that of the body of scale 1."""
     rigid = rigid_rests(found.rigid)
-    headline = rigid.headline
-    if found.breathing is not None:
-        known = f"{found.guarantee.label}, complete"
-        headline = f"Equilibria ({known}): {scaled_count_words(found)}."
+    states = found.breathing
     return replace(
         rigid,
-        headline=headline,
+        headline=rigid.headline if states is None else _known(found, scaled_count_words(found)),
         head=("index", "kind", "scale", "RMSE", "energy", "to optimum", ""),
         rows=[
             (
@@ -222,7 +223,7 @@ def scaled_rests(found: ScaledEquilibria) -> Rests:
             )
             for each in found.components
         ],
-        after=[] if found.breathing is None else [inside_out_words(found.breathing)],
+        after=[] if states is None else [inside_out_words(states)],
         notes=rigid.notes[:1],  # the margin
         fields=lambda: {**rigid.fields(), **equilibrium_fields.scaled_fields(found)},
         enumeration=found.enumeration,
@@ -290,8 +291,7 @@ def _spring_headline(found: SpringEquilibria) -> str:
     """How many equilibria there are and how that is known, in one sentence."""
     if found.finiteness is line_set.Finiteness.SYMMETRIC:
         return f"Equilibria (exact): infinitely many; {_apart_words(found)}."
-    known = f"{found.guarantee.label}, {'' if found.complete else 'not proved '}complete"
-    return f"Equilibria ({known}): {_count_of_springs(found)}."
+    return _known(found, _count_of_springs(found))
 
 
 def _count_of_springs(equilibria: SpringEquilibria) -> str:

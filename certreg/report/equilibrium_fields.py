@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING
 
 from certreg.equilibrium.line_set import Finiteness
 from certreg.report.encoding import Document, Noted
-from certreg.report.fields import degrees
-from certreg.results import Absent
+from certreg.results import Absent, mapped
 
 if TYPE_CHECKING:
     from certreg.equilibrium.equilibrium_set import Component, EquilibriumSet
@@ -154,7 +153,7 @@ def _spring_component(part: SpringEquilibrium) -> Document:
         "translation": part.pose.translation,
         "quaternion_wxyz": part.pose.quaternion_wxyz,
         "angle_to_first_deg": math.degrees(part.angle_to_first),
-        "angle_to_optimum_deg": degrees(part.stated("angle_to_optimum")),
+        "angle_to_optimum_deg": mapped(part.stated("angle_to_optimum"), math.degrees),
     }
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.exact.dyadic import degrees_above, double_above, double_below
+from certreg.exact.dyadic import double_above, double_below
 from certreg.registration.headlines import is_loose
 from certreg.registration.result import UNDECIDED, Registration
 from certreg.report.encoding import Document, Noted
@@ -32,20 +32,16 @@ def pose_fields(registration: Registration) -> Document:
         "rotation": pose.rotation,
         "translation": pose.translation,
         "quaternion_wxyz": pose.quaternion_wxyz,
-        **_scale(registration),
+        "scale": scale_of(registration.pose),
+        "scale_interval": scale_interval(registration),
         **_covariance(registration),
     }
 
 
-def _scale(registration: Registration) -> Document:
-    """The scale, and proved bounds of it."""
-    scale = scale_of(registration.pose)
-    interval = scale if isinstance(scale, Absent) else scale_interval(registration)
-    return {"scale": scale, "scale_interval": interval}
-
-
 def scale_interval(registration: Registration) -> tuple[float, float] | Absent:
     """Between which numbers a free scale is at every optimum, proved, rounded outwards."""
+    if isinstance(scale := scale_of(registration.pose), Absent):
+        return scale
     certificate, bounds = registration.certificate, registration.stated("bounds")
     if certificate is None or isinstance(bounds, Absent):
         return bounds
@@ -134,16 +130,6 @@ def hardly_determined(registration: Registration) -> bool | Absent:
 def finite(value: float | Absent) -> float | Absent:
     """A number that JSON has, or why there is none."""
     return OUT_OF_RANGE if not isinstance(value, Absent) and math.isinf(value) else value
-
-
-def upper_degrees(angle: float | Absent) -> float | Absent:
-    """An upper bound in degrees, that stays one."""
-    return angle if isinstance(angle, Absent) else degrees_above(angle)
-
-
-def degrees(angle: float | Absent) -> float | Absent:
-    """An angle in degrees."""
-    return angle if isinstance(angle, Absent) else math.degrees(angle)
 
 
 def optimality_fields(registration: Registration) -> Document:

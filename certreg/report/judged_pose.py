@@ -3,28 +3,26 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING
 
 from certreg.exact.decimals import at_most
-from certreg.exact.dyadic import rational_root_above
+from certreg.exact.dyadic import degrees_above, rational_root_above
 from certreg.registration.findings import FIT_WARNED, JudgedEnergies, SigmaDistance
 from certreg.registration.headlines import degrees_words, interval_words
 from certreg.registration.loose_turns import TooLarge
 from certreg.report.encoding import Document, encoded
-from certreg.report.fields import degrees, finite, fit_fields, upper_degrees
+from certreg.report.fields import finite, fit_fields
 from certreg.report.lines import exact_number, unit_words
 from certreg.report.remedies import ADVICE
 from certreg.report.scale import scale_of
 from certreg.report.uncertainty import known
-from certreg.results import OUT_OF_RANGE, Absent, PoseVerdict
+from certreg.results import OUT_OF_RANGE, Absent, PoseVerdict, mapped
 
 if TYPE_CHECKING:
     from certreg.registration.assessed import Assessment
     from certreg.registration.scaled_poses import GapParts
 
 
-T = TypeVar("T")
 ASSESSMENT_SCHEMA = "certreg-assessment/1"
 TURN = 3  # degrees of freedom of a rotation alone
 
@@ -105,19 +103,19 @@ def assessment_document(assessment: Assessment) -> Document:
             "gap_lower": stated("gap_lower"),
             "gap_upper": finite(stated("gap_upper")),
             "gap_share": finite(stated("gap_share")),
-            "gap_parts": _fields(stated("gap_parts"), _gap_parts),
+            "gap_parts": mapped(stated("gap_parts"), _gap_parts),
             "rounding_cost": finite(stated("rounding_cost")),
-            "angle_upper_deg": upper_degrees(stated("angle_upper")),
+            "angle_upper_deg": mapped(stated("angle_upper"), degrees_above),
             "shift_upper": finite(stated("shift_upper")),
-            "angle_to_optimum_deg": degrees(stated("angle_to_optimum")),
-            "nearest": _fields(
+            "angle_to_optimum_deg": mapped(stated("angle_to_optimum"), math.degrees),
+            "nearest": mapped(
                 stated("nearest_index"),
                 lambda index: {
                     "morse_index": index,
-                    "angle_deg": degrees(stated("nearest_angle")),
+                    "angle_deg": mapped(stated("nearest_angle"), math.degrees),
                 },
             ),
-            "sigma_distance": _fields(
+            "sigma_distance": mapped(
                 stated("sigma_distance"),
                 lambda distance: {"value": distance.value, "dof": distance.dof, "p": distance.p},
             ),
@@ -125,7 +123,7 @@ def assessment_document(assessment: Assessment) -> Document:
             "headline": assessment.headline,
             "words": assessment.words,
             "hint": stated("slip") if assessment.slip is None else assessment.hint,
-            "slip": _fields(
+            "slip": mapped(
                 stated("slip"),
                 lambda slip: {
                     "code": slip.code.value,
@@ -144,11 +142,6 @@ def assessment_document(assessment: Assessment) -> Document:
             "fit": fit_fields(assessment.fit),
         }
     )
-
-
-def _fields(value: T | Absent, fields: Callable[[T], Document]) -> Document | Absent:
-    """The fields of a part, or why there is none."""
-    return value if isinstance(value, Absent) else fields(value)
 
 
 def _gap_parts(parts: GapParts) -> Document:

@@ -224,10 +224,7 @@ def _proved(registration: Registration) -> Iterator[Fact]:
 
 def _interval(registration: Registration) -> Iterator[Fact]:
     """Between which numbers a free scale is."""
-    bounds = None
-    if registration.problem.scale in BIAS:
-        bounds = present(scale_interval(registration))
-    if bounds is not None:
+    if (bounds := present(scale_interval(registration))) is not None:
         low, high = printed_interval(bounds)
         words = f"at most {high}, of every optimum; both are rounded outwards"
         yield Fact(name="Scale", value=f"≥ {low}", words=words)

@@ -100,17 +100,17 @@ SHAPES = (  # the light ones first: classes are loaded up to that of the result
         document=_by("pair_fields", "pairs_document"),
         card=_by("pairs", "pairs_card"),
     ),
-    Shape(
-        of=_of("label_assessment", "KeptPairs"),
-        words=_by("judged_labels", "labels_summary"),
-        document=_by("judged_labels", "labels_document"),
-        card=_by("judged_labels", "labels_card"),
-    ),
-    Shape(
-        of=_of("label_assessment", "TruncatedLabels"),
-        words=_by("judged_labels", "labels_summary"),
-        document=_by("judged_labels", "truncated_labels_document"),
-        card=_by("judged_labels", "labels_card"),
+    *(
+        Shape(
+            of=_of("label_assessment", name),
+            words=_by("judged_labels", "labels_summary"),
+            document=_by("judged_labels", document),
+            card=_by("judged_labels", "labels_card"),
+        )
+        for name, document in (
+            ("KeptPairs", "labels_document"),
+            ("TruncatedLabels", "truncated_labels_document"),
+        )
     ),
 )
 

@@ -19,7 +19,7 @@ from certreg.report.encoding import Document, encoded
 from certreg.report.lines import away_words, number, rate_words, step_words
 from certreg.report.picture import energy_picture
 from certreg.report.thinning import unspent_words
-from certreg.results import OUT_OF_RANGE, Absent, Brief, present
+from certreg.results import OUT_OF_RANGE, Absent, Brief, mapped, present
 
 if TYPE_CHECKING:
     from certreg.registration.result import Registration
@@ -205,5 +205,4 @@ def motion_beside(registration: Registration) -> MotionTold | Absent:
 
 def simulation_fields(registration: Registration) -> Document | Absent:
     """The `simulation` of a result."""
-    told = motion_beside(registration)
-    return told if isinstance(told, Absent) else told.simulation()
+    return mapped(motion_beside(registration), MotionTold.simulation)

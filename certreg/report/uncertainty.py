@@ -8,13 +8,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
 from certreg.exact.decimals import as_given, at_most
 from certreg.exact.dyadic import nearest_or_zero, nearest_root, sigma_of_weight
-from certreg.problem.motion import ROTATION, SCALE, TRANSLATION
+from certreg.problem.motion import ROTATION, SCALE, TRANSLATION, Unknown
 from certreg.registration.covariance import NO_RESIDUALS, PoseCovariance
 from certreg.registration.loose_turns import axis_words, beyond_first_order
 from certreg.registration.misfits import FitCode
@@ -30,12 +30,14 @@ if TYPE_CHECKING:
 
 
 T = TypeVar("T")
+Row = Callable[[Any, PoseCovariance], str]  # of a registration and its covariance
 FINE = math.radians(0.01)  # below it arc seconds: 36 of them
 FIRST_ORDER = 0.2  # radians, 11 degrees: turns scatter 2 % more there, 4 to 8 % at 0.3, measured;
 # and of a translation's deviation: a second order of that share adds 2 % to it, too
 SURE_SIGMA = 1e-6  # of chi-squared: so seldom is it so small, as large ones are warned of
 MOST_DECIMALS, PLAIN_BELOW = 12, 1e15  # of a number without an exponent
 MOST_DIGITS = 16  # and more: all that the double has
+OF_TURN = "a small turn about the source's axes"
 OF_ORIGIN = "of the source's origin, along the target's axes"
 SWUNG = Absent("the turn swings the source's origin too far for a first order")
 WARNED = "the fit may hold more than noise (see the warning), and ± would be of noise alone"
@@ -77,23 +79,11 @@ def _centre_row(registration: Registration, covariance: PoseCovariance) -> str:
     return f"{sigma_words(covariance)}  (the centre of the source lands at {centre})"
 
 
-def _scale_row(registration: Registration, covariance: PoseCovariance) -> str:
-    return scale_words(registration.pose, covariance.stated("scale_sigma"))
-
-
-def _turn_row(_: Registration, covariance: PoseCovariance) -> str:
-    return rotation_words(covariance, "  (a small turn about the source's axes)")
-
-
-def _shift_row(_: Registration, covariance: PoseCovariance) -> str:
-    return shift_words(covariance, f"  ({OF_ORIGIN})")
-
-
-ROWS = (  # by what is found
+ROWS: tuple[tuple[Unknown, tuple[str, Row]], ...] = (  # by what is found
     (TRANSLATION, ("centre", _centre_row)),
-    (SCALE, ("scale", _scale_row)),
-    (ROTATION, ("rotation", _turn_row)),
-    (TRANSLATION, ("translation", _shift_row)),
+    (SCALE, ("scale", lambda of, sure: scale_words(of.pose, sure.stated("scale_sigma")))),
+    (ROTATION, ("rotation", lambda _, sure: rotation_words(sure, f"  ({OF_TURN})"))),
+    (TRANSLATION, ("translation", lambda _, sure: shift_words(sure, f"  ({OF_ORIGIN})"))),
 )
 
 

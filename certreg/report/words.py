@@ -256,10 +256,7 @@ def _list(found: Listed | None) -> Iterator[Sentence]:
 
 
 def _scale(registration: Registration) -> Iterator[Sentence]:
-    if registration.problem.scale not in BIAS:
-        return
-    bounds = scale_interval(registration)
-    if isinstance(bounds, Absent):
+    if isinstance(bounds := scale_interval(registration), Absent):
         return
     low, high = printed_interval(bounds)
     words = (
