@@ -23,6 +23,7 @@ from certreg.problem.arrays import (
     data_frame,
     finite_doubles,
     mapped_file,
+    per_point,
     real_numbers,
 )
 from certreg.problem.row_labels import LABEL, labels_of, require_same_labels
@@ -160,15 +161,8 @@ def _of_pairs(values: Any, paired: Pair, name: str) -> Any:
     """One number for each pair, of those for each row of the source; a single number as it is."""
     if values is None or paired.source_rows is None:
         return values
-    array, n = real_numbers(values, name), paired.sizes[0]
-    if array.shape not in {(), (n,)}:
-        raise InvalidProblemError(
-            f"{name} has shape {array.shape}: expected one number, or ({n},), one per point",
-            array=name,
-            value=array.shape,
-            limit=(n,),
-        )
-    return array if array.ndim == 0 else array[paired.source_rows]
+    array = per_point(values, name, paired.sizes[0])
+    return values if np.ndim(values) == 0 else array[paired.source_rows]
 
 
 def cloud_of(given: Any, name: str) -> Cloud:

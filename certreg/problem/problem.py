@@ -122,7 +122,7 @@ class RegistrationProblem(Brief):
         source_points = finite_doubles(cloud_array(source, "source"), "source")
         target_points = finite_doubles(cloud_array(target, "target"), "target")
         n = len(source_points)
-        _require_as_many(n, len(target_points))
+        require_as_many(n, len(target_points))
         given = GivenSprings(
             normals=normals,
             directions=directions,
@@ -372,7 +372,8 @@ class RegistrationProblem(Brief):
         return self.pairs.data(*[("max_residual", self.bounds)] if each else ())
 
 
-def _require_as_many(n: int, m: int) -> None:
+def require_as_many(n: int, m: int) -> None:
+    """Raises InvalidProblemError where the source has another number of points than the target."""
     if n != m:
         raise InvalidProblemError(
             f"source has {n} points, target has {m}: correspondences pair row i with row i, so "

@@ -29,7 +29,7 @@ from certreg.problem.budget import checked_threads
 from certreg.problem.fast_pose import FloatingPose, floating_pose
 from certreg.problem.moments import Moments, davenport_error, moments_of_clouds
 from certreg.problem.motion import Scale, checked_rotation_only, checked_scale
-from certreg.problem.problem import RegistrationProblem
+from certreg.problem.problem import RegistrationProblem, require_as_many
 from certreg.problem.row_labels import require_same_labels
 from certreg.problem.spring_rows import warn_of_unused
 from certreg.problem.support import Cell, require_supported
@@ -134,14 +134,7 @@ def register(
         return equilibria.spring_pose(problem)
     x = _readable(cloud_array(source, "source"), "source")
     y = _readable(cloud_array(target, "target"), "target")
-    if len(x) != len(y):
-        raise InvalidProblemError(
-            f"source has {len(x)} points, target has {len(y)}: correspondences pair row i with "
-            "row i, so both need the same number",
-            array="target",
-            value=len(y),
-            limit=len(x),
-        )
+    require_as_many(len(x), len(y))
     require_same_labels(source, target=target, weights=weights)
     warn_of_unused(target, len(y), depth=1)
     w = None if weights is None else _readable(real_numbers(weights, "weights"), "weights")
