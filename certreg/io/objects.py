@@ -27,12 +27,28 @@ from certreg.problem.arrays import (
     real_numbers,
 )
 from certreg.problem.row_labels import LABEL, labels_of, require_same_labels
-from certreg.problem.spring_rows import held_rows, unused_springs, warn_of_unused
+from certreg.problem.spring_rows import (
+    SpringArguments,
+    held_rows,
+    require_known,
+    unused_springs,
+    warn_of_unused,
+)
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from numpy.typing import ArrayLike, NDArray
 
     from certreg.problem.problem import RegistrationProblem
+
+
+class ProblemOptions(SpringArguments, total=False):
+    """What states a problem beside its clouds, as in `RegistrationProblem`."""
+
+    sigma: ArrayLike | None
+    weights: ArrayLike | None
+    damping: float | None
+    scale: str
+    rotation_only: bool
 
 
 def load(path: str | os.PathLike[str]) -> Cloud:
@@ -107,6 +123,7 @@ def pair(source: Any, target: Any, *, match: str = "all", **springs: Any) -> Pai
     >>> first.points.shape
     (2, 3)
     """
+    require_known(springs, ProblemOptions, "pair")
     if springs:
         raise InvalidProblemError(
             f"pair takes no {', '.join(springs)}: give them to certify(source, target, ...), which "

@@ -26,7 +26,7 @@ from certreg.problem.motion import (
     checked_motion,
 )
 from certreg.problem.row_labels import require_same_labels
-from certreg.problem.springs import GivenSprings, stated_pairs
+from certreg.problem.springs import GivenSprings, require_one_noise, stated_pairs
 from certreg.problem.support import PREFIXES, Cell, require_supported
 from certreg.results import Brief
 
@@ -115,10 +115,7 @@ class RegistrationProblem(Brief):
         scale: str | Scale = Scale.NONE,
         rotation_only: bool = False,
     ) -> None:
-        if sigma is not None and weights is not None:
-            raise InvalidProblemError(
-                "both sigma and weights were given: give one (weights = 1/sigma^2)", array="weights"
-            )
+        require_one_noise(sigma, weights)
         source_points = finite_doubles(cloud_array(source, "source"), "source")
         target_points = finite_doubles(cloud_array(target, "target"), "target")
         n = len(source_points)

@@ -290,7 +290,7 @@ def given_sigma(sigma: ArrayLike, n: int) -> NDArray[np.float64]:
     return array
 
 
-def _weights_from_sigma(sigma: ArrayLike, n: int) -> NDArray[np.float64]:
+def weights_of_sigma(sigma: ArrayLike, n: int) -> NDArray[np.float64]:
     """(n,) weights in memory, even if the sigmas are mapped; equal ones take the place of one."""
     array = given_sigma(sigma, n)
     distinct, inverse = np.unique(array, return_inverse=True)
@@ -324,7 +324,7 @@ def stated_pairs(
     source, target = map(_read_only, clouds)
     if not given.rows:
         warn_of_unused(held[1], n, depth=2)
-        own = given_weights(weights, n) if sigma is None else _weights_from_sigma(sigma, n)
+        own = given_weights(weights, n) if sigma is None else weights_of_sigma(sigma, n)
         return Pairs(source=source, target=target, springs=_read_only(own))
     over = None if sigma is None else given_sigma(sigma, n)
     times = None if weights is None else given_weights(weights, n)
