@@ -87,7 +87,7 @@ def simulate(
     so little damped that the integrator gains energy without end; InvalidProblemError for an
     integrator that does not move such a body; ValueError for a start without a scale above 0.
     """
-    settings, moving = settings or DEFAULT_SETTINGS, moving_body(objective, damping)
+    settings, moving = settings or DEFAULT_SETTINGS, BODIES[objective.structure](objective, damping)
     integrator = integrator or moving.INTEGRATOR
     states = moving.stated(start, integrator)
     batch = Batch.single(
@@ -115,20 +115,13 @@ def simulate(
     )
 
 
-def moving_body(objective: Isotropic | Springs, damping: float) -> AnyBody:
-    """The body that moves down an objective, with what is certified of its optimum.
-
-    Raises DegenerateProblemError where the dynamics is not defined, or not in doubles.
-    """
-    return BODIES[objective.structure](objective, damping)
-
-
 def _on_weights(objective: Isotropic, damping: float) -> AnyBody:
     if objective.scaling is not None:
         return valleys.breathing_body(objective.moments, damping)
     return body_on_weights(objective, damping)
 
 
+# The body that moves down an objective, with what is certified of its optimum.
 BODIES: Mapping[Structure, Callable[[Any, float], AnyBody]] = {
     Structure.LINEAR: _on_weights,
     # so that it is loaded when the first is asked for

@@ -215,9 +215,8 @@ def rotation_double(q: Sequence[int]) -> NDArray[np.float64]:
 def unit_entries(q: tuple[int, ...]) -> tuple[float, ...]:
     """The same entries, of a tuple."""
     w, x, y, z = q
-    norm = math.isqrt((w * w + x * x + y * y + z * z) << (2 * DOUBLE_BITS))
-    w, x, y, z = w << DOUBLE_BITS, x << DOUBLE_BITS, y << DOUBLE_BITS, z << DOUBLE_BITS
-    return w / norm, x / norm, y / norm, z / norm
+    norm, up = math.isqrt((w * w + x * x + y * y + z * z) << (2 * DOUBLE_BITS)), DOUBLE_BITS
+    return (w << up) / norm, (x << up) / norm, (y << up) / norm, (z << up) / norm
 
 
 @lru_cache(maxsize=16)

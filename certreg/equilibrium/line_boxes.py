@@ -28,13 +28,7 @@ from flint import acb, acb_mat, arb, arb_mat, ctx
 
 from certreg.equilibrium.line_set import BITS, critical_of
 from certreg.errors import ContradictionError
-from certreg.exact.balls import (
-    fixed_point,
-    negative_eigenvalues,
-    orthonormal,
-    radius_bits,
-    sign,
-)
+from certreg.exact.balls import fixed_point, negative_eigenvalues, orthonormal, radius_bits, sign
 from certreg.geometry.so3 import body_frame, squared_norm
 from certreg.objective.quartics import MONOMIALS, PAIR_PLACE, PAIRS
 from certreg.results import Guarantee
@@ -159,15 +153,14 @@ def _krawczyk(system: BallSystem, x: Balls, inverse: Balls, step: Balls) -> Ball
     return image if all(outer.contains_interior(inner) for outer, inner in pairs) else None
 
 
-def are_distinct(boxes: Sequence[RootBox]) -> bool:
-    """Whether boxes of lines of quaternions, each in a chart of its own, hold different lines.
+def are_distinct(lines: Sequence[tuple[Any, ...]]) -> bool:
+    """Whether quaternions of balls (4,), each in a chart of its own, hold different lines.
 
     Two lines differ iff a 2x2 minor is not zero. False means not proved, not disproved.
     """
-    vectors = [box.coordinates[:4] for box in boxes]
     return all(
         any(bool(p[i] * q[j] - p[j] * q[i] != 0) for i, j in combinations(range(4), 2))
-        for p, q in combinations(vectors, 2)
+        for p, q in combinations(lines, 2)
     )
 
 
@@ -349,10 +342,10 @@ def all_different(lines: Sequence[BoxedLine]) -> bool:
 
     False means not proved, not disproved.
     """
-    real = [_as_box(line.quaternion) for line in lines if line.is_real]
+    real = [line.quaternion for line in lines if line.is_real]
     other = [line.quaternion for line in lines if not line.is_real]
-    conjugates = [_as_box(tuple(entry.conjugate() for entry in q)) for q in other]
-    return are_distinct(real) and are_distinct([*map(_as_box, other), *conjugates])
+    conjugates = [tuple(entry.conjugate() for entry in q) for q in other]
+    return are_distinct(real) and are_distinct([*other, *conjugates])
 
 
 def index_of(line: BoxedLine) -> int | None:
@@ -377,10 +370,6 @@ def critical_at(
     (unit,) = orthonormal([q], 1)
     vector = [fixed_point(entry, bits) if sign(entry) else 0 for entry in unit]
     return critical_of(objective, vector, index, Guarantee.ENCLOSED)
-
-
-def _as_box(q: tuple[Any, ...]) -> RootBox:
-    return RootBox(coordinates=q, bits=0)
 
 
 @cache

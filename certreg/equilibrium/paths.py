@@ -131,7 +131,13 @@ def critical_lines(
     quartic = levelled(coefficients).rest
     form = FloatingQuartic.of(quartic)
     if not quartic.any():
-        return _no_lines(PathsOutcome.CONSTANT)
+        return CriticalLines(
+            points=np.zeros((0, 4), dtype=np.complex128),
+            codes=np.zeros(0, dtype=np.int8),
+            quaternions=np.zeros((0, 4)),
+            outcome=PathsOutcome.CONSTANT,
+            attempts=0,
+        )
     best: CriticalLines | None = None
     for attempt in range(1, ATTEMPTS + 1):
         found = _gathered(form, _followed(quartic, rng, tracker), attempt)
@@ -142,16 +148,6 @@ def critical_lines(
         tracker = tracker.careful()
     assert best is not None  # noqa: S101 - there is an attempt
     return best
-
-
-def _no_lines(outcome: PathsOutcome) -> CriticalLines:
-    return CriticalLines(
-        points=np.zeros((0, 4), dtype=np.complex128),
-        codes=np.zeros(0, dtype=np.int8),
-        quaternions=np.zeros((0, 4)),
-        outcome=outcome,
-        attempts=0,
-    )
 
 
 def _followed(quartic: Reals, rng: np.random.Generator, tracker: TrackerSettings) -> TrackedPaths:

@@ -23,15 +23,32 @@ from certreg.problem.arrays import (
     data_frame,
     finite_doubles,
     mapped_file,
+    per_point,
     real_numbers,
 )
 from certreg.problem.row_labels import LABEL, labels_of, require_same_labels
-from certreg.problem.spring_rows import held_rows, unused_springs, warn_of_unused
+from certreg.problem.spring_rows import (
+    SpringArguments,
+    held_rows,
+    require_known,
+    unused_springs,
+    warn_of_unused,
+)
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from numpy.typing import ArrayLike, NDArray
 
     from certreg.problem.problem import RegistrationProblem
+
+
+class ProblemOptions(SpringArguments, total=False):
+    """What states a problem beside its clouds, as in `RegistrationProblem`."""
+
+    sigma: ArrayLike | None
+    weights: ArrayLike | None
+    damping: float | None
+    scale: str
+    rotation_only: bool
 
 
 def load(path: str | os.PathLike[str]) -> Cloud:
@@ -106,6 +123,7 @@ def pair(source: Any, target: Any, *, match: str = "all", **springs: Any) -> Pai
     >>> first.points.shape
     (2, 3)
     """
+    require_known(springs, ProblemOptions, "pair")
     if springs:
         raise InvalidProblemError(
             f"pair takes no {', '.join(springs)}: give them to certify(source, target, ...), which "
@@ -160,15 +178,8 @@ def _of_pairs(values: Any, paired: Pair, name: str) -> Any:
     """One number for each pair, of those for each row of the source; a single number as it is."""
     if values is None or paired.source_rows is None:
         return values
-    array, n = real_numbers(values, name), paired.sizes[0]
-    if array.shape not in {(), (n,)}:
-        raise InvalidProblemError(
-            f"{name} has shape {array.shape}: expected one number, or ({n},), one per point",
-            array=name,
-            value=array.shape,
-            limit=(n,),
-        )
-    return array if array.ndim == 0 else array[paired.source_rows]
+    array = per_point(values, name, paired.sizes[0])
+    return values if np.ndim(values) == 0 else array[paired.source_rows]
 
 
 def cloud_of(given: Any, name: str) -> Cloud:

@@ -127,6 +127,19 @@ def real_numbers(values: Any, name: str) -> NDArray[Any]:
     return array
 
 
+def per_point(values: Any, name: str, n: int) -> NDArray[Any]:
+    """One number for each of n points, (n,), or (1,) that stands for all, as `real_numbers`."""
+    array = real_numbers(values, name)
+    if array.shape not in {(), (n,)}:
+        raise InvalidProblemError(
+            f"{name} has shape {array.shape}: expected one number, or ({n},), one per point",
+            array=name,
+            value=array.shape,
+            limit=(n,),
+        )
+    return array.reshape(-1)
+
+
 def _remedy(values: Any, name: str) -> str:
     """What to type for an array that does not let NumPy read it: on a GPU, or with gradients."""
     if hasattr(values, "detach"):  # of PyTorch; .double(), for NumPy has no bfloat16
@@ -146,12 +159,14 @@ def finite_doubles(array: NDArray[Any], name: str) -> NDArray[np.float64]:
     for rows in row_blocks(len(array)):
         doubles, same = as_doubles(array[rows])
         if not same.all():
-            message = (
-                f"{name} has entries of type {array.dtype} that no double holds exactly: "
-                "round them yourself with .astype(float) if that is what you mean"
-            )
             row = rows.start + int(np.argwhere(~same)[0][0])
-            raise InvalidProblemError(message, array=name, row=row, value=array[row].tolist())
+            raise InvalidProblemError(
+                f"{name} has entries of type {array.dtype} that no double holds exactly: "
+                "round them yourself with .astype(float) if that is what you mean",
+                array=name,
+                row=row,
+                value=array[row].tolist(),
+            )
         finite = np.isfinite(doubles)
         if not finite.all():
             row = int(np.argwhere(~finite)[0][0])

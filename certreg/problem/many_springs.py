@@ -23,7 +23,7 @@ from certreg.problem.floating_stiffness import (
 )
 from certreg.problem.problem import RegistrationProblem
 from certreg.problem.spring_rows import SHAPES
-from certreg.problem.springs import GivenSprings, stated_springs
+from certreg.problem.springs import GivenSprings, require_one_noise, stated_springs
 from certreg.results import Brief
 
 if TYPE_CHECKING:
@@ -154,10 +154,7 @@ def stated_many(
                 value=len(array),
                 limit=total,
             )
-    if len(numbers) == 2:
-        raise InvalidProblemError(
-            "both sigma and weights were given: give one (weights = 1/sigma^2)", array="weights"
-        )
+    require_one_noise(sigma, weights)
     times = max(map(len, springs.values()))
     rows = GivenSprings(**{name: _flat(array, times) for name, array in kinds.items()})
     scaled = {name: _flat(array, times) for name, array in numbers.items()}

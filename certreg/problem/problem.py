@@ -10,23 +10,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from certreg.errors import InvalidProblemError
-from certreg.problem.arrays import (
-    cloud_array,
-    contiguous,
-    finite_doubles,
-    mapped_file,
-    row_blocks,
-)
+from certreg.problem.arrays import cloud_array, contiguous, finite_doubles, mapped_file, row_blocks
 from certreg.problem.losses import SQUARES, PairLoss
-from certreg.problem.motion import (
-    DEFAULT_DAMPING,
-    Motion,
-    Scale,
-    checked_damping,
-    checked_motion,
-)
+from certreg.problem.motion import DEFAULT_DAMPING, Motion, Scale, checked_damping, checked_motion
 from certreg.problem.row_labels import require_same_labels
-from certreg.problem.springs import GivenSprings, stated_pairs
+from certreg.problem.springs import GivenSprings, require_one_noise, stated_pairs
 from certreg.problem.support import PREFIXES, Cell, require_supported
 from certreg.results import Brief
 
@@ -115,14 +103,11 @@ class RegistrationProblem(Brief):
         scale: str | Scale = Scale.NONE,
         rotation_only: bool = False,
     ) -> None:
-        if sigma is not None and weights is not None:
-            raise InvalidProblemError(
-                "both sigma and weights were given: give one (weights = 1/sigma^2)", array="weights"
-            )
+        require_one_noise(sigma, weights)
         source_points = finite_doubles(cloud_array(source, "source"), "source")
         target_points = finite_doubles(cloud_array(target, "target"), "target")
         n = len(source_points)
-        _require_as_many(n, len(target_points))
+        require_as_many(n, len(target_points))
         given = GivenSprings(
             normals=normals,
             directions=directions,
@@ -368,7 +353,8 @@ class RegistrationProblem(Brief):
         return self.pairs.data(*[("max_residual", self.bounds)] if each else ())
 
 
-def _require_as_many(n: int, m: int) -> None:
+def require_as_many(n: int, m: int) -> None:
+    """Raises InvalidProblemError where the source has another number of points than the target."""
     if n != m:
         raise InvalidProblemError(
             f"source has {n} points, target has {m}: correspondences pair row i with row i, so "

@@ -7,7 +7,8 @@ a symmetric matrix or of L.
 from __future__ import annotations
 
 import warnings
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterable, Mapping
+from typing import TYPE_CHECKING, Any, TypedDict
 
 import numpy as np
 
@@ -57,6 +58,23 @@ ALONE = (
 )
 NOT_LOWER = "has entries above its diagonal: give a lower triangular L, as numpy.linalg.cholesky"
 NOT_SYMMETRIC = "is not symmetric up to 1e-12 of its largest entry: give (W + W^T)/2"
+
+
+class SpringArguments(TypedDict, total=False):
+    """General springs, as in `RegistrationProblem`."""
+
+    normals: Any
+    directions: Any
+    covariances: Any
+    information: Any
+    factors: Any
+
+
+def require_known(given: Iterable[str], arguments: type[Mapping[str, Any]], function: str) -> None:
+    """Nothing for arguments that a function takes; for another the TypeError that Python raises."""
+    for name in given:
+        if name not in arguments.__annotations__:
+            raise TypeError(f"{function}() got an unexpected keyword argument {name!r}")
 
 
 def held_rows(given: Any, name: str) -> NDArray[Any]:

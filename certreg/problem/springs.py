@@ -20,7 +20,14 @@ import numpy as np
 from certreg._loading import cached_property
 from certreg.errors import InvalidProblemError
 from certreg.exact.dyadic import weight_of_sigma
-from certreg.problem.arrays import finite_doubles, first_row, mapped_file, real_numbers, row_blocks
+from certreg.problem.arrays import (
+    finite_doubles,
+    first_row,
+    mapped_file,
+    per_point,
+    real_numbers,
+    row_blocks,
+)
 from certreg.problem.factors import (
     LARGEST_ENTRY,
     SMALLEST_ENTRY,
@@ -45,10 +52,9 @@ from certreg.problem.unused_noise import warn_of_unused_noise
 from certreg.results import Brief
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from numpy.typing import ArrayLike, NDArray
 
     Rows = NDArray[np.float64]
-    from numpy.typing import ArrayLike, NDArray
 
 
 POINT = (1.0, 0.0, 1.0, 0.0, 0.0, 1.0)  # the factor of a pair without a kind: L = I
@@ -228,29 +234,29 @@ def _part(values: Rows | None, part: slice) -> Rows | None:
     return values if values is None or len(values) == 1 else np.asarray(values[part], np.float64)
 
 
-def _per_point(values: ArrayLike, name: str, n: int) -> NDArray[np.float64]:
-    """(n,) finite doubles, or (1,) that stands for all."""
-    array = real_numbers(values, name)
-    if array.ndim == 0:
-        return finite_doubles(array.reshape(1), name)
-    if array.shape != (n,):
+def require_one_noise(sigma: Any, weights: Any) -> None:
+    """Raises InvalidProblemError where both were given."""
+    if sigma is not None and weights is not None:
         raise InvalidProblemError(
-            f"{name} has shape {array.shape}: expected one number, or ({n},), one per point",
-            array=name,
-            value=array.shape,
-            limit=(n,),
+            "both sigma and weights were given: give one (weights = 1/sigma^2)", array="weights"
         )
-    return finite_doubles(array, name)
 
 
 def given_weights(weights: ArrayLike | None, n: int) -> NDArray[np.float64]:
     """(n,) weights >= 0, not all zero; equal ones take the place of one."""
-    array = np.ones(1) if weights is None else _per_point(weights, "weights", n)
+    array = (
+        np.ones(1)
+        if weights is None
+        else finite_doubles(per_point(weights, "weights", n), "weights")
+    )
     row = first_row(array, lambda block: block < 0)
     if row is not None:
-        message = f"weights[{row}] is {array[row]}: weights must be >= 0"
         raise InvalidProblemError(
-            message, array="weights", row=row, value=float(array[row]), limit=0.0
+            f"weights[{row}] is {array[row]}: weights must be >= 0",
+            array="weights",
+            row=row,
+            value=float(array[row]),
+            limit=0.0,
         )
     if first_row(array, lambda block: block > 0) is None:
         raise InvalidProblemError(
@@ -270,19 +276,21 @@ def given_sigma(sigma: ArrayLike, n: int) -> NDArray[np.float64]:
             value=sigma,
             limit=0.0,
         )
-    array = _per_point(sigma, "sigma", n)
+    array = finite_doubles(per_point(sigma, "sigma", n), "sigma")
     row = first_row(array, lambda block: block <= 0)
     if row is not None:
         place = "sigma" if np.ndim(sigma) == 0 else f"sigma[{row}]"
-        message = f"{place} is {array[row]}: a standard deviation must be > 0"
-        named = None if np.ndim(sigma) == 0 else row
         raise InvalidProblemError(
-            message, array="sigma", row=named, value=float(array[row]), limit=0.0
+            f"{place} is {array[row]}: a standard deviation must be > 0",
+            array="sigma",
+            row=None if np.ndim(sigma) == 0 else row,
+            value=float(array[row]),
+            limit=0.0,
         )
     return array
 
 
-def _weights_from_sigma(sigma: ArrayLike, n: int) -> NDArray[np.float64]:
+def weights_of_sigma(sigma: ArrayLike, n: int) -> NDArray[np.float64]:
     """(n,) weights in memory, even if the sigmas are mapped; equal ones take the place of one."""
     array = given_sigma(sigma, n)
     distinct, inverse = np.unique(array, return_inverse=True)
@@ -318,7 +326,7 @@ def stated_pairs(
         warn_of_unused_noise(*held, depth=2)
     if not given.rows:
         warn_of_unused(held[1], n, depth=2)
-        own = given_weights(weights, n) if sigma is None else _weights_from_sigma(sigma, n)
+        own = given_weights(weights, n) if sigma is None else weights_of_sigma(sigma, n)
         return Pairs(source=source, target=target, springs=_read_only(own))
     over = None if sigma is None else given_sigma(sigma, n)
     times = None if weights is None else given_weights(weights, n)

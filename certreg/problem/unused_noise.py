@@ -11,24 +11,23 @@ from certreg.errors import UnusedNoiseWarning
 from certreg.problem.arrays import data_frame
 
 REMEDIES = {  # by the name of the column: that of the attribute, and what uses it
-    "sigma": ("sigma", {"sigma": "sigma={}", "weights": "weights=1 / {}**2"}),
-    "weight": ("weights", {"sigma": "weights={}", "weights": "weights={}"}),
+    "sigma": ("sigma", "sigma={}"),
+    "weight": ("weights", "weights={}"),
 }
 
 
-def warn_of_unused_noise(source: Any, target: Any, *, depth: int, takes: str = "sigma") -> None:
+def warn_of_unused_noise(source: Any, target: Any, *, depth: int) -> None:
     """A warning for each cloud that holds a sigma or weights, where none were given.
 
-    depth: how many calls are between the user and here. takes: what the function that was called
-    has for them, "sigma" and weights, or "weights" alone.
+    depth: how many calls are between the user and here.
     """
     for cloud, which in ((source, "source"), (target, "target")):
-        for name, (attribute, remedies) in REMEDIES.items():
+        for name, (attribute, remedy) in REMEDIES.items():
             place = _place(cloud, name, attribute)
             if place is not None:
                 words = (
                     f"{which} has a column {name}, which is not used: all pairs count alike. "
-                    f"{remedies[takes].format(which + place)} uses it; give its points alone if "
+                    f"{remedy.format(which + place)} uses it; give its points alone if "
                     "pairs count alike"
                 )
                 warnings.warn(words, UnusedNoiseWarning, stacklevel=depth + 2)

@@ -9,8 +9,10 @@ from certreg.errors import InvalidProblemError
 from certreg.exact.dyadic import double_above, nearest_double, nearest_root
 from certreg.geometry.given import GivenPose, given_pose
 from certreg.geometry.pose_matrix import why_no_rotation
+from certreg.io.objects import ProblemOptions
 from certreg.objective.structure import Structure
 from certreg.problem.bounds import bounded
+from certreg.problem.spring_rows import require_known
 from certreg.problem.support import Loss
 from certreg.registration.assessed import Assessment
 from certreg.registration.assessment_words import WORDS, headline_of_pose, words_of_pose
@@ -29,7 +31,6 @@ from certreg.registration.headlines import NO_ROTATION
 from certreg.registration.label_assessment import LabelAssessment, judged_labels
 from certreg.registration.landscape import AssessmentSettings, landscape_of, optimum_worth
 from certreg.registration.problem_arguments import (
-    ProblemOptions,
     is_problem,
     stated_in_clouds,
     stated_problem_of,
@@ -135,6 +136,7 @@ def assess(  # noqa: PLR0913 - each is one question, and has its usual answer
     >>> judged.verdict.value
     'optimal'
     """
+    require_known(statement, ProblemOptions, "assess")
     if labels is not None or max_residual is not None or objective is not None:
         given = {"labels": labels, "max_residual": max_residual}
         sought = {"objective": objective, "effort": effort}

@@ -7,11 +7,13 @@ from typing import TYPE_CHECKING, Any, Unpack
 
 from certreg._loading import found_late, late
 from certreg.dynamics.integrators import SimulationSettings
+from certreg.io.objects import ProblemOptions
 from certreg.native.loops import Integrator
 from certreg.objective.structure import Structure
+from certreg.problem.spring_rows import require_known
 from certreg.problem.support import Cell, Loss
 from certreg.registration.pipeline import Asked, Work, accepting
-from certreg.registration.problem_arguments import ProblemOptions, stated_problem_of
+from certreg.registration.problem_arguments import stated_problem_of
 from certreg.registration.progress import counted
 from certreg.registration.robustness import ROBUSTNESS_ANGLE, checked_angle
 from certreg.registration.squares import SQUARES
@@ -109,6 +111,7 @@ def certify(  # noqa: PLR0913 - each is one question, and has its usual answer
     OutOfRangeError
         Where no double can hold the pose.
     """
+    require_known(statement, ProblemOptions, "certify")
     loss = Loss.of(objective, max_residual)
     stated, named = stated_problem_of(problem, target, statement, loss)
     bounded = max_residual is not None

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Any, TypedDict, Unpack
+from typing import TYPE_CHECKING, Any, Unpack
 
 import numpy as np
 
@@ -29,9 +29,10 @@ from certreg.problem.budget import checked_threads
 from certreg.problem.fast_pose import FloatingPose, floating_pose
 from certreg.problem.moments import Moments, davenport_error, moments_of_clouds
 from certreg.problem.motion import Scale, checked_rotation_only, checked_scale
-from certreg.problem.problem import RegistrationProblem
+from certreg.problem.problem import RegistrationProblem, require_as_many
 from certreg.problem.row_labels import require_same_labels
-from certreg.problem.spring_rows import warn_of_unused
+from certreg.problem.spring_rows import SpringArguments, require_known, warn_of_unused
+from certreg.problem.springs import require_one_noise, weights_of_sigma
 from certreg.problem.support import Cell, require_supported
 from certreg.problem.unused_noise import warn_of_unused_noise
 
@@ -45,16 +46,6 @@ else:
     equilibria = late("certreg.registration.equilibria")
 
 
-class SpringArguments(TypedDict, total=False):
-    """General springs, as in `RegistrationProblem`."""
-
-    normals: Any
-    directions: Any
-    covariances: Any
-    information: Any
-    factors: Any
-
-
 # Of tr(R^T C), Sxx and Syy: tr(R^T C) / Sxx [Umeyama1991], or sqrt(Syy / Sxx) [Horn1987]. The
 # rotation is the same.
 BEST_SCALES: Mapping[Scale, BestScale] = {
@@ -64,11 +55,12 @@ BEST_SCALES: Mapping[Scale, BestScale] = {
 LARGEST_TURN = 1e-3  # radians by which rounding may turn a pose before it is refused
 
 
-def register(
+def register(  # noqa: PLR0913 - each is one question, and has its usual answer
     source: Any,
     target: Any,
     weights: ArrayLike | None = None,
     *,
+    sigma: ArrayLike | None = None,
     threads: int = 1,
     scale: str = Scale.NONE,
     rotation_only: bool = False,
@@ -87,6 +79,8 @@ def register(
         files.
     weights
         (N,), >= 0; None: all are one.
+    sigma
+        Instead of weights, one number or (N,), as for a problem: the weight is 1/sigma^2.
     threads
         How many; the pose is the same to the bit for every number of them.
     scale
@@ -106,8 +100,8 @@ def register(
     Raises
     ------
     InvalidProblemError
-        For arrays that are no clouds in correspondence, a number of threads below 1, another word
-        for the scale, and a free scale beside springs.
+        For arrays that are no clouds in correspondence, sigma beside weights, a number of threads
+        below 1, another word for the scale, and a free scale beside springs.
     DegenerateProblemError
         Where rounding may turn the pose by more than 1e-3 rad: above all where the best rotation is
         not unique, as for points on one line. Of springs where a shift or a turn is undetermined,
@@ -125,29 +119,27 @@ def register(
     3.0
     """
     threads = checked_threads(threads)
+    require_known(springs, SpringArguments, "register")
     on_springs = any(value is not None for value in springs.values())
     kind, about_origin = checked_scale(scale), checked_rotation_only(rotation_only)
     require_supported(Cell(springs=on_springs, scale=kind, rotation_only=about_origin))
-    if weights is None:
-        warn_of_unused_noise(source, target, depth=1, takes="weights")
+    noisy = sigma is not None or weights is not None
+    if not noisy:
+        warn_of_unused_noise(source, target, depth=1)
     if on_springs:
-        own = 1.0 if weights is None else weights
+        own = weights if noisy else 1.0
         problem = RegistrationProblem(
-            source, target, weights=own, rotation_only=about_origin, **springs
+            source, target, sigma=sigma, weights=own, rotation_only=about_origin, **springs
         )
         return equilibria.spring_pose(problem)
     x = _readable(cloud_array(source, "source"), "source")
     y = _readable(cloud_array(target, "target"), "target")
-    if len(x) != len(y):
-        raise InvalidProblemError(
-            f"source has {len(x)} points, target has {len(y)}: correspondences pair row i with "
-            "row i, so both need the same number",
-            array="target",
-            value=len(y),
-            limit=len(x),
-        )
-    require_same_labels(source, target=target, weights=weights)
+    require_as_many(len(x), len(y))
+    require_same_labels(source, target=target, sigma=sigma, weights=weights)
     warn_of_unused(target, len(y), depth=1)
+    if sigma is not None:
+        require_one_noise(sigma, weights)
+        weights = weights_of_sigma(sigma, len(x))
     w = None if weights is None else _readable(real_numbers(weights, "weights"), "weights")
     if w is not None and w.shape != (len(x),):
         raise InvalidProblemError(

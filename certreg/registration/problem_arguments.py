@@ -7,28 +7,17 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from certreg.errors import InvalidProblemError
-from certreg.io.objects import stated_problem
+from certreg.io.objects import ProblemOptions, stated_problem
 from certreg.problem.motion import Scale, checked_rotation_only, checked_scale
 from certreg.problem.problem import RegistrationProblem
+from certreg.problem.spring_rows import SHAPES
 from certreg.problem.support import Cell, Loss, Verb, require_supported
-from certreg.registration.closed_form import SpringArguments
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike
     from typing_extensions import TypeIs
 
 
 LOG = logging.getLogger(__name__)
-
-
-class ProblemOptions(SpringArguments, total=False):
-    """What states a problem beside its clouds, as in `RegistrationProblem`."""
-
-    sigma: ArrayLike | None
-    weights: ArrayLike | None
-    damping: float | None
-    scale: str
-    rotation_only: bool
 
 
 def stated_problem_of(
@@ -93,7 +82,7 @@ def require_method(method: Any, known: Sequence[str], cell: Cell) -> None:
 
 def _declared(statement: ProblemOptions, loss: Loss) -> Cell:
     """What the options declare, before any cloud is read."""
-    springs = (statement.get(name) for name in SpringArguments.__annotations__)
+    springs = (statement.get(name) for name in SHAPES)
     return Cell(
         springs=any(given is not None for given in springs),
         scale=checked_scale(statement.get("scale", Scale.NONE)),

@@ -258,12 +258,10 @@ def test_one_coordinate_that_is_not_real_is_enough_and_a_ball_about_0_is_none(pl
 
 
 def test_lines_are_different_where_a_minor_is_not_zero_for_certain():
-    one = RootBox(coordinates=tuple(map(arb, (1, 2, 3, 4))), bits=53)
+    one = tuple(map(arb, (1, 2, 3, 4)))
     for last, distinct in ((arb(4.5, 0.25), True), (arb(4.5, 0.5), False), (arb(8), True)):
-        other = RootBox(coordinates=(arb(1), arb(2), arb(3), last), bits=53)
-        assert are_distinct([one, other]) is distinct
-    twice = RootBox(coordinates=tuple(map(arb, (2, 4, 6, 8))), bits=53)
-    assert not are_distinct([one, twice])
+        assert are_distinct([one, (arb(1), arb(2), arb(3), last)]) is distinct
+    assert not are_distinct([one, tuple(map(arb, (2, 4, 6, 8)))])
 
 
 class Half:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import warnings
 from fractions import Fraction
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
@@ -12,7 +12,7 @@ import scipy.spatial.transform as scipy_transform
 from strategies import random_rotation
 
 import certreg
-from certreg import Similarity, register
+from certreg import RegistrationProblem, Similarity, register
 from certreg.errors import (
     CertregError,
     DegenerateProblemError,
@@ -20,6 +20,9 @@ from certreg.errors import (
     OutOfRangeError,
 )
 from certreg.results import Optimality, PoseVerdict
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
 
 NEAR = 1e-12  # of the scale, the rotation and the clouds' size
 
@@ -31,6 +34,64 @@ def drawn(seed: int) -> tuple[Any, Any, Any]:
     y = 10.0 ** rng.uniform(-2, 2) * (x @ random_rotation(rng).T + rng.normal(size=3) * x.std())
     noise = rng.choice([0.0, 0.1, 3.0]) * y.std() * rng.normal(size=y.shape)
     return x, y + noise, rng.uniform(0.1, 3.0, n)
+
+
+@pytest.mark.slow
+def test_sigma_means_what_it_means_for_a_problem():
+    x, y, sigma = drawn(7)
+    normals = random_rotation(np.random.default_rng(7))[np.arange(len(x)) % 3]
+    stated = RegistrationProblem(x, y, sigma=sigma)
+    for options in ({}, {"scale": "asymmetric"}, {"rotation_only": True}):
+        found, expected = (
+            register(x, y, sigma=sigma, **options),
+            register(x, y, stated.weights, **options),
+        )
+        assert np.array_equal(found.T_target_source, expected.T_target_source)
+    of_planes = register(x, y, sigma=sigma, normals=normals)
+    certified = certreg.certify(x, y, sigma=sigma, normals=normals, simulation=False)
+    assert np.abs(of_planes.rotation - certified.pose.rotation).max() < NEAR
+    assert np.abs(register(x, y, sigma=0.3).rotation - register(x, y).rotation).max() < NEAR
+
+
+@pytest.mark.parametrize("normals", [None, [[0, 0, 1], [0, 1, 0], [1, 0, 0], [1, 1, 1]]])
+def test_what_is_no_sigma_is_refused_as_for_a_problem(normals: Any):
+    x = np.diag([1.0, 2.0, 3.0, 4.0])[:, :3]
+    for sigma, weights in ((1.0, [1.0] * 4), (0.0, None), ([1.0] * 3, None), (np.nan, None)):
+        given: dict[str, Any] = {"sigma": sigma, "weights": weights, "normals": normals}
+        with pytest.raises(InvalidProblemError) as of_a_problem:
+            RegistrationProblem(x, x, **given)
+        with pytest.raises(InvalidProblemError) as refused:
+            register(x, x, **given)
+        assert str(refused.value) == str(of_a_problem.value)
+
+
+@pytest.mark.parametrize("name", ["foo", "weigths"])
+@pytest.mark.parametrize("value", [None, [1.0] * 4])
+def test_a_keyword_that_no_function_knows_is_named_as_python_names_it(name: str, value: Any):
+    x = np.diag([1.0, 2.0, 3.0, 4.0])[:, :3]
+    problem = RegistrationProblem(x, x)
+    calls: dict[str, tuple[Callable[..., object], tuple[Any, ...]]] = {
+        "register": (register, (x, x)),
+        "certify": (certreg.certify, (x, x)),
+        "pair": (certreg.pair, (x, x)),
+        "assess": (certreg.assess, (x, x, np.eye(4))),
+    }
+    of_a_problem = {
+        "certify": (certreg.certify, (problem,)),
+        "assess": (certreg.assess, (problem, np.eye(4))),
+    }
+    for function, (call, given) in (*calls.items(), *of_a_problem.items()):
+        with pytest.raises(TypeError) as refused:
+            call(*given, **{name: value})
+        assert str(refused.value) == f"{function}() got an unexpected keyword argument {name!r}"
+
+
+def test_a_keyword_of_a_problem_that_no_pose_depends_on_is_none_of_register():
+    x = np.diag([1.0, 2.0, 3.0, 4.0])[:, :3]
+    with pytest.raises(
+        TypeError, match=r"register\(\) got an unexpected keyword argument 'damping'"
+    ):
+        register(x, x, damping=2.0)  # pyright: ignore[reportCallIssue]
 
 
 @pytest.mark.parametrize("unit", [1e-100, 1e100])
