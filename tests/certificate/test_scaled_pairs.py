@@ -152,6 +152,7 @@ def test_what_is_proved_where_pairs_agree_by_chance_is_accepted(n: int):
     assert len(found.met) <= found.upper < n
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_cutting_ends_where_ever_more_ranges_stay_open(monkeypatch):
     problem = all_wrong(20)

@@ -221,6 +221,7 @@ def test_without_numpy_the_checker_checks_and_others_say_what_they_need(
     ]
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("fault", "told"),

@@ -185,8 +185,7 @@ def test_equilibria_and_motions_of_a_cell_are_answered_or_refused(
         assert answered(run) if supported(cell, verb) else refused_by_the_table(run, cell, verb)
 
 
-@pytest.mark.slow
-@pytest.mark.one_in(12)
+@pytest.mark.long
 @pytest.mark.parametrize("name", ELIMINATIONS)
 @pytest.mark.parametrize("key", ELIMINATED)
 def test_equilibria_on_springs_are_found_by_elimination(key: Key, name: str, clouds: Path) -> None:

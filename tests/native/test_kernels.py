@@ -146,6 +146,7 @@ def test_a_variant_that_is_none_is_refused_with_the_names_there_are(named, monke
     assert run.err == f"certreg: CERTREG_VARIANT is {shown(named)}: {choice}\n"
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.slow
 @pytest.mark.parametrize("command", ["certify", "simulate"])
 def test_no_command_that_computes_takes_a_variant_that_is_none(command, tmp_path):

@@ -157,6 +157,7 @@ def test_without_compiled_code_the_search_for_wrong_pairs_is_refused_in_one_line
     assert (run.returncode, run.stdout, run.stderr) == (2, "", f"certreg: {words}\n")
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_without_compiled_code_all_is_proved_that_needs_no_search():
     """Least squares of all kinds and truncated ones, their lists, and batches of certificates."""

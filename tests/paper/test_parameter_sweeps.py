@@ -299,6 +299,7 @@ def test_of_large_clouds_there_are_fewer_instances():
     assert instance_count(100_000, 2000) == 200
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_one_seed_gives_the_same_maps(found):
     family = replace(FAMILIES["noise"], values=(0.01,))

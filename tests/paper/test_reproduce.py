@@ -296,6 +296,7 @@ def test_a_damping_that_explicit_euler_cannot_follow_is_told_and_confirms_the_co
 # proofs
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_claims_are_proved_in_processes_of_their_own(monkeypatch):
     monkeypatch.setattr("certreg.campaign.workers._processors", lambda: 1)

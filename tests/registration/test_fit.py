@@ -177,7 +177,8 @@ def test_a_fit_without_a_pairing_is_not_told_to_be_scaled():
 @pytest.mark.parametrize("offset", [0.0, 1e6, 1e12])
 @pytest.mark.parametrize("scale", [1e-120, 1.0, 1e120])
 def test_residuals_at_rounding_raise_no_alarm(offset, scale):
-    source = scale * (CLOUD @ TURN.T + offset)
+    turn = np.linalg.qr(np.random.default_rng(1).standard_normal((3, 3)))[0]
+    source = scale * (CLOUD @ (turn * np.linalg.det(turn)).T + offset)
     result = said(source, scale * CLOUD, sigma=scale * 1e-30)
 
     assert result.warnings == ()

@@ -103,6 +103,7 @@ def test_no_outliers_are_said(given):
     assert result.headline.endswith("and all 12 pairs are within their bounds there: no outliers.")
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_a_circle_of_optima_is_certified_but_not_unique():
     line = np.outer([1.0, 2.0, -3.0], [0.0, 0.0, 1.0])
