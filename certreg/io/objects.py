@@ -25,8 +25,8 @@ from certreg.problem.arrays import (
     mapped_file,
     real_numbers,
 )
+from certreg.problem.attributes import held_rows, unused_springs, warn_of_unused
 from certreg.problem.row_labels import LABEL, labels_of, require_same_labels
-from certreg.problem.spring_rows import held_rows, unused_springs, warn_of_unused
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

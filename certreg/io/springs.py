@@ -25,7 +25,7 @@ from certreg.io.labels import text_of_field
 from certreg.io.streams import Place, is_standard_input, number, reading, refused
 from certreg.io.text import titled_rows
 from certreg.problem.arrays import as_doubles
-from certreg.problem.spring_rows import SPRING_COLUMNS, held_rows, require_not_of_source
+from certreg.problem.attributes import SPRING_COLUMNS, held_rows, require_not_of_source
 from certreg.results import Brief
 from certreg.verify import shown
 

@@ -21,16 +21,7 @@ from certreg._loading import cached_property
 from certreg.errors import InvalidProblemError
 from certreg.exact.dyadic import weight_of_sigma
 from certreg.problem.arrays import finite_doubles, first_row, mapped_file, real_numbers, row_blocks
-from certreg.problem.factors import (
-    LARGEST_ENTRY,
-    SMALLEST_ENTRY,
-    covariance_factors,
-    information_factors,
-    line_factors,
-    plane_factors,
-    weigh,
-)
-from certreg.problem.spring_rows import (
+from certreg.problem.attributes import (
     SHAPES,
     absent_rows,
     any_of,
@@ -39,6 +30,15 @@ from certreg.problem.spring_rows import (
     require,
     require_not_of_source,
     warn_of_unused,
+)
+from certreg.problem.factors import (
+    LARGEST_ENTRY,
+    SMALLEST_ENTRY,
+    covariance_factors,
+    information_factors,
+    line_factors,
+    plane_factors,
+    weigh,
 )
 from certreg.problem.terms import Pairs, SprungPairs
 from certreg.results import Brief

@@ -123,7 +123,6 @@ ANY_PROBLEM = {  # names of what stands in problems, or may stand in the files o
     "certreg.geometry.similarity",
     "certreg.io.springs",
     "certreg.report.springs",
-    "certreg.problem.spring_rows",
     "certreg.problem.springs",
 }
 
