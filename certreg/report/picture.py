@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.registration.spring_rows import SpringAxes
+from certreg.registration.whitened_residuals import SpringAxes
 from certreg.results import Brief
 
 if TYPE_CHECKING:
