@@ -25,6 +25,7 @@ from certreg.registration.findings import (
     sigma_distance,
     verdict_of,
 )
+from certreg.registration.gap_parts import NOT_SCALED, read_for
 from certreg.registration.headlines import NO_ROTATION
 from certreg.registration.label_assessment import LabelAssessment, judged_labels
 from certreg.registration.landscape import AssessmentSettings, landscape_of, optimum_worth
@@ -35,7 +36,6 @@ from certreg.registration.problem_arguments import (
     stated_problem_of,
 )
 from certreg.registration.result import UNDECIDED, PoseWorth, Registration
-from certreg.registration.scaled_poses import NOT_SCALED, read_for
 from certreg.results import OUT_OF_RANGE, Absent, PoseVerdict, present
 
 if TYPE_CHECKING:

@@ -112,7 +112,7 @@ def test_help_and_verify_load_no_numerical_library(which: str, tmp_path: Path):
 # What is of another kind of problem, of another format, or of a report that nobody asked for.
 OF_OTHERS = re.compile(
     r"certreg[.](?:\w+[.]\w*(?:spring|consensus|scaled|truncated|breath|breaking|similarity)"
-    r"|problem[.]\w*stiffness|registration[.](?:valley|quartic|whitened_residuals)"
+    r"|problem[.]\w*stiffness|registration[.](?:valley|quartic|whitened_residuals|gap_parts)"
     r"|report[.]\w*(?:page|picture|card|document|overview|folder)"
     r"|certificate[.](?:cones|listing|squares|refuting|consistency|coq|blockwise)"
     r"|equilibrium[.](?:paths|tracking|quartics|methods|line_)"
