@@ -21,7 +21,7 @@ from certreg.exact.dyadic import power_of_two
 from certreg.geometry.so3 import rotation_matrix, squared_norm
 from certreg.native.bitset_graph import BitRows, agreeing
 from certreg.problem.lifting import lift
-from certreg.relaxation.similarity_fit import lengths_between, scale_ranges
+from certreg.relaxation.paired_scales import lengths_between, scale_ranges
 
 if TYPE_CHECKING:
     from fractions import Fraction

@@ -34,7 +34,7 @@ from certreg.relaxation.paired_rows import (
     poses_of_triples,
     squared_ratios,
 )
-from certreg.relaxation.similarity_fit import Similar, SimilarRows
+from certreg.relaxation.paired_scales import Similar, SimilarRows
 from certreg.relaxation.truncated_squares import Candidate, candidate_of, truncated_fit
 
 if TYPE_CHECKING:
