@@ -115,7 +115,7 @@ OF_OTHERS = re.compile(
     r"|problem[.]\w*stiffness|registration[.](?:valley|quartic|whitened_residuals|gap_parts)"
     r"|report[.]\w*(?:page|picture|card|document|overview|folder)"
     r"|certificate[.](?:cones|listing|squares|refuting|consistency|coq|blockwise)"
-    r"|relaxation[.](?:proposals|paired_scales)"
+    r"|relaxation[.](?:proposals|paired_scales|graduated_nonconvexity)"
     r"|equilibrium[.](?:paths|tracking|quartics|methods|line_)"
     r"|io[.](?:cif|np[yz]|obj|pairs|pcd|atoms|ply|scans|stl|trajectories)$)"
     r"|scipy[.](?:sparse|optimize|spatial)"
