@@ -224,9 +224,11 @@ def test_many_problems_of_a_cell_are_certified_or_refused(
     data: str, motion: str, loss: Loss
 ) -> None:
     cell, options = cell_of(data, motion, loss), options_of(cell_of(data, motion, loss), data)
-    asked = {name: options.pop(name) for name in LOSSES[loss]} | {"simulation": False}
+    asked: dict[str, Any] = {name: options.pop(name) for name in LOSSES[loss]}
+    asked["simulation"] = False
     clouds = (SOURCE, target_of(cell))
-    each = certreg.certify_many([clouds], errors="keep", **options, **asked)
+    each: list[Any] = []
+    each += certreg.certify_many([clouds], errors="keep", **options, **asked)
     if supported(cell._replace(loss=Loss.SQUARES)):  # else there is no such problem
         stated = certreg.RegistrationProblem(*clouds, **options)
         each += certreg.certify_many([stated], errors="keep", **asked)
