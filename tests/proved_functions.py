@@ -292,7 +292,7 @@ PROVED = (
         "registration/test_spring_words registration/test_spring_results",
     ),
     _of(
-        "registration/scaled_poses",
+        "registration/gap_parts",
         "GapParts.doubles _percent",
         "registration/test_exact_ends",
     ),

@@ -17,10 +17,10 @@ import time
 import numpy as np
 from wrong_pairs import wrong_pairs
 
-from certreg.relaxation.consensus_search import candidates
 from certreg.relaxation.edge_rows import grown, held, widened
+from certreg.relaxation.graduated_nonconvexity import candidate_of, truncated_fit
 from certreg.relaxation.paired_rows import fitted, paired_rows, squared_ratios
-from certreg.relaxation.truncated_squares import candidate_of, truncated_fit
+from certreg.relaxation.proposals import candidates
 
 COUNT = 100
 CELLS = (

@@ -23,7 +23,7 @@ from certreg.geometry.so3 import quaternion_from_matrix, rotation_matrix, square
 from certreg.native.bitset_graph import BitRows, agreeing
 from certreg.native.cliques import triangles
 from certreg.problem.lifting import lift
-from certreg.relaxation.similarity_fit import lengths_between, scale_ranges
+from certreg.relaxation.paired_scales import lengths_between, scale_ranges
 
 if TYPE_CHECKING:
     from certreg.problem.problem import RegistrationProblem

@@ -26,14 +26,14 @@ from certreg.problem.arrays import (
     per_point,
     real_numbers,
 )
-from certreg.problem.row_labels import LABEL, labels_of, require_same_labels
-from certreg.problem.spring_rows import (
+from certreg.problem.attributes import (
     SpringArguments,
     held_rows,
     require_known,
     unused_springs,
     warn_of_unused,
 )
+from certreg.problem.row_labels import LABEL, labels_of, require_same_labels
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray

@@ -25,7 +25,7 @@ from certreg.io.labels import text_of_field
 from certreg.io.streams import Place, is_standard_input, number, reading, refused
 from certreg.io.text import COLUMN_FORMATS, titled_rows
 from certreg.problem.arrays import as_doubles
-from certreg.problem.spring_rows import SPRING_COLUMNS, held_rows, require_not_of_source
+from certreg.problem.attributes import SPRING_COLUMNS, held_rows, require_not_of_source
 from certreg.results import Brief
 from certreg.verify import shown
 
@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     from certreg.io.pairing import Pair
 else:
     npy = late("certreg.io.npy")
+
 
 OF_COLUMNS = {"plane": "normals", "line": "directions", "full": "covariances"}
 TURNS = (

@@ -11,8 +11,8 @@ import numpy as np
 from certreg.errors import InvalidProblemError
 from certreg.geometry.given import given_pose
 from certreg.geometry.pose_matrix import why_no_rotation
+from certreg.problem.attributes import SIX_OF_NINE, checked_rows, held_rows, require
 from certreg.problem.factors import covariance_factors, lower_triangles, symmetric_matrices
-from certreg.problem.spring_rows import SIX_OF_NINE, checked_rows, held_rows, require
 from certreg.results import Brief
 
 if TYPE_CHECKING:

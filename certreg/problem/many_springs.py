@@ -14,6 +14,7 @@ import numpy as np
 from certreg._loading import cached_property
 from certreg.errors import InvalidProblemError
 from certreg.native.library import MANY, library_for
+from certreg.problem.attributes import SHAPES
 from certreg.problem.floating_stiffness import (
     LEAST_STIFFNESS,
     FloatingSpringMoments,
@@ -22,7 +23,6 @@ from certreg.problem.floating_stiffness import (
     is_settled,
 )
 from certreg.problem.problem import RegistrationProblem
-from certreg.problem.spring_rows import SHAPES
 from certreg.problem.springs import GivenSprings, require_one_noise, stated_springs
 from certreg.results import Brief
 

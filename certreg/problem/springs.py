@@ -28,16 +28,7 @@ from certreg.problem.arrays import (
     real_numbers,
     row_blocks,
 )
-from certreg.problem.factors import (
-    LARGEST_ENTRY,
-    SMALLEST_ENTRY,
-    covariance_factors,
-    information_factors,
-    line_factors,
-    plane_factors,
-    weigh,
-)
-from certreg.problem.spring_rows import (
+from certreg.problem.attributes import (
     SHAPES,
     absent_rows,
     any_of,
@@ -46,6 +37,15 @@ from certreg.problem.spring_rows import (
     require,
     require_not_of_source,
     warn_of_unused,
+)
+from certreg.problem.factors import (
+    LARGEST_ENTRY,
+    SMALLEST_ENTRY,
+    covariance_factors,
+    information_factors,
+    line_factors,
+    plane_factors,
+    weigh,
 )
 from certreg.problem.terms import Pairs, SprungPairs
 from certreg.problem.unused_noise import warn_of_unused_noise

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from certreg.geometry.similarity import Similarity
     from certreg.registration.convention_errors import Slip
     from certreg.registration.fit import Fit
-    from certreg.registration.scaled_poses import GapParts
+    from certreg.registration.gap_parts import GapParts
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -11,8 +11,8 @@ from certreg.geometry.given import GivenPose, given_pose
 from certreg.geometry.pose_matrix import why_no_rotation
 from certreg.io.objects import ProblemOptions
 from certreg.objective.structure import Structure
+from certreg.problem.attributes import require_known
 from certreg.problem.bounds import bounded
-from certreg.problem.spring_rows import require_known
 from certreg.problem.support import Loss
 from certreg.registration.assessed import Assessment
 from certreg.registration.assessment_words import WORDS, headline_of_pose, words_of_pose
@@ -27,16 +27,12 @@ from certreg.registration.findings import (
     sigma_distance,
     verdict_of,
 )
+from certreg.registration.gap_parts import NOT_SCALED, read_for
 from certreg.registration.headlines import NO_ROTATION
 from certreg.registration.label_assessment import LabelAssessment, judged_labels
 from certreg.registration.landscape import AssessmentSettings, landscape_of, optimum_worth
-from certreg.registration.problem_arguments import (
-    is_problem,
-    stated_in_clouds,
-    stated_problem_of,
-)
+from certreg.registration.problem_arguments import is_problem, stated_in_clouds, stated_problem_of
 from certreg.registration.result import UNDECIDED, PoseWorth, Registration
-from certreg.registration.scaled_poses import NOT_SCALED, read_for
 from certreg.results import OUT_OF_RANGE, Absent, PoseVerdict, present
 
 if TYPE_CHECKING:

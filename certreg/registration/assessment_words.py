@@ -14,6 +14,7 @@ from certreg.geometry.pose_matrix import UNNOTED_DEFECT, rotation_defect
 from certreg.objective.structure import Structure
 from certreg.registration.ambiguity import DISTINGUISHABLE, ambiguous_words, narrow_words
 from certreg.registration.findings import GOOD, Findings, SigmaDistance, rules_out
+from certreg.registration.gap_parts import is_scaled
 from certreg.registration.headlines import (
     NEAR_AS_OTHERS,
     NEAR_OPTIMAL_NOT_UNIQUE,
@@ -34,7 +35,6 @@ from certreg.registration.headlines import (
     share_words,
 )
 from certreg.registration.rounding import rounding_remedy
-from certreg.registration.scaled_poses import is_scaled
 from certreg.registration.weakly_constrained import weak_shift_words
 from certreg.results import Absent, ComponentKind, Limits, PoseVerdict
 

@@ -19,7 +19,7 @@ from certreg.problem.problem import RegistrationProblem
 from certreg.problem.support import Loss
 from certreg.registration.closed_form import register
 from certreg.registration.optimum import pose_at
-from certreg.relaxation.consensus_search import candidates
+from certreg.relaxation.proposals import candidates
 from certreg.results import OUT_OF_RANGE, Brief, ComponentKind, Explained
 
 if TYPE_CHECKING:

@@ -10,7 +10,7 @@ from certreg.dynamics.integrators import SimulationSettings
 from certreg.io.objects import ProblemOptions
 from certreg.native.loops import Integrator
 from certreg.objective.structure import Structure
-from certreg.problem.spring_rows import require_known
+from certreg.problem.attributes import require_known
 from certreg.problem.support import Cell, Loss
 from certreg.registration.pipeline import Asked, Work, accepting
 from certreg.registration.problem_arguments import stated_problem_of

@@ -28,7 +28,7 @@ from certreg.registration.pair_words import motion_words
 from certreg.registration.pipeline import USUAL, Asked, Prover, Work
 from certreg.registration.row_names import RowNames
 from certreg.registration.squares import fitted
-from certreg.relaxation.consensus_search import candidates
+from certreg.relaxation.proposals import candidates
 
 if TYPE_CHECKING:
     from certreg.certificate.consensus import ConsensusBody, ConsensusSimilarityBody

@@ -33,9 +33,9 @@ from certreg.registration.exit_codes import code_of_list
 from certreg.registration.loose_turns import axis_words
 from certreg.registration.optimum import pose_at
 from certreg.registration.outlying import LISTED
-from certreg.registration.spring_rows import ResidualSums
 from certreg.registration.unobservable import Freedom
 from certreg.registration.weakly_constrained import weak_shift_words, weak_shifts
+from certreg.registration.whitened_residuals import ResidualSums
 from certreg.results import OUT_OF_RANGE, Absent, ComponentKind, Explained, Guarantee, Presented
 
 if TYPE_CHECKING:

@@ -14,10 +14,10 @@ from certreg.exact.dyadic import nearest_double, nearest_root
 from certreg.exact.eigenbasis import integer_eigenbasis
 from certreg.geometry.so3 import davenport_matrix, dot, rotation_matrix, squared_norm
 from certreg.problem.lifting import lift
+from certreg.registration.gap_parts import GapParts, gap_parts
 from certreg.registration.landscape import AssessmentSettings, PosePlace, landscape_of
 from certreg.registration.loose_turns import LOOSE_SIGMA, TURNED_FAR, beyond_first_order
 from certreg.registration.misfits import LEVEL
-from certreg.registration.scaled_poses import GapParts, gap_parts
 from certreg.registration.tail_probabilities import log_chi2_above
 from certreg.results import OUT_OF_RANGE, Absent, Brief, Limits, PoseVerdict
 

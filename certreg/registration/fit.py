@@ -41,7 +41,7 @@ if TYPE_CHECKING:
     from certreg.geometry.similarity import Similarity
     from certreg.objective.isotropic import Isotropic
     from certreg.problem.problem import RegistrationProblem
-    from certreg.registration.spring_rows import ResidualSums
+    from certreg.registration.whitened_residuals import ResidualSums
 
 
 COINCIDENT = Absent("all points with weight of a cloud coincide: there is nothing to explain")

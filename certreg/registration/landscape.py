@@ -25,10 +25,10 @@ from certreg.registration.rounding import rounding_cost, rounding_errors
 if TYPE_CHECKING:
     from certreg.geometry.given import GivenPose
     from certreg.objective.isotropic import Isotropic
+    from certreg.registration.gap_parts import GapParts
     from certreg.registration.linear import LinearSolution
     from certreg.registration.quartic import QuarticSolution
     from certreg.registration.result import PoseWorth, Registration
-    from certreg.registration.scaled_poses import GapParts
 
 
 SLACK = 1.01  # of a rounding cost: its parts are computed in doubles

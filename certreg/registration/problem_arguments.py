@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 from certreg.errors import InvalidProblemError
 from certreg.io.objects import ProblemOptions, stated_problem
+from certreg.problem.attributes import SHAPES
 from certreg.problem.motion import Scale, checked_rotation_only, checked_scale
 from certreg.problem.problem import RegistrationProblem
-from certreg.problem.spring_rows import SHAPES
 from certreg.problem.support import Cell, Loss, Verb, require_supported
 
 if TYPE_CHECKING:

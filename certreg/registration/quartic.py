@@ -33,10 +33,15 @@ from certreg.registration.fit import Fit, spring_fit
 from certreg.registration.optimum import pose_at
 from certreg.registration.outlying import LISTED
 from certreg.registration.result import UNDECIDED, Method, PoseWorth, Solution
-from certreg.registration.spring_rows import ResidualSums, SpringAxes, blocks_at, source_centre
 from certreg.registration.squares import NOT_CERTIFIED, SquaresProver
 from certreg.registration.unobservable import Freedom
 from certreg.registration.weakly_constrained import WeakShift, weak_shifts
+from certreg.registration.whitened_residuals import (
+    ResidualSums,
+    SpringAxes,
+    blocks_at,
+    source_centre,
+)
 from certreg.results import Absent
 
 if TYPE_CHECKING:

@@ -44,9 +44,9 @@ if TYPE_CHECKING:
     from certreg.registration.covariance import PoseCovariance, Residual
     from certreg.registration.fit import Fit
     from certreg.registration.simulation import SimulatedMotion
-    from certreg.registration.spring_rows import SpringAxes
     from certreg.registration.unobservable import Freedom
     from certreg.registration.weakly_constrained import WeakShift
+    from certreg.registration.whitened_residuals import SpringAxes
 
     ResidualBlock = tuple[slice, NDArray[np.float64], NDArray[np.float64]]
     Solved_co = TypeVar("Solved_co", bound="Solution", covariant=True, default=Any)

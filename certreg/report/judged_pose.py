@@ -20,7 +20,7 @@ from certreg.results import OUT_OF_RANGE, Absent, PoseVerdict, mapped
 
 if TYPE_CHECKING:
     from certreg.registration.assessed import Assessment
-    from certreg.registration.scaled_poses import GapParts
+    from certreg.registration.gap_parts import GapParts
 
 
 ASSESSMENT_SCHEMA = "certreg-assessment/1"

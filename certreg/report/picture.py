@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from certreg.registration.whitened_residuals import SpringAxes
 from certreg.results import Brief
 
 if TYPE_CHECKING:
@@ -15,7 +16,7 @@ if TYPE_CHECKING:
 
     from certreg.dynamics.trajectory import Trajectory
     from certreg.registration.result import Registration
-    from certreg.registration.spring_rows import SpringAxes
+    from certreg.registration.whitened_residuals import SpringAxes
 
 
 WIDTH, HEIGHT, MARGIN = 240, 160, 10  # pixels

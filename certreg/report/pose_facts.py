@@ -29,12 +29,12 @@ from certreg.report.uncertainty import (
 from certreg.results import Absent, present
 
 if TYPE_CHECKING:
-    from certreg.registration import scaled_poses
+    from certreg.registration import gap_parts
     from certreg.registration.covariance import PoseCovariance
     from certreg.registration.result import Registration
 else:
     # of which few results have a free scale
-    scaled_poses = late("certreg.registration.scaled_poses")
+    gap_parts = late("certreg.registration.gap_parts")
 
 WIDE = 1e9  # larger translations are written with an exponent
 BASIS = "± is"  # the row that says where the deviations come from
@@ -105,7 +105,7 @@ def _scale_facts(registration: Registration, _: PoseCovariance | None) -> Iterat
     yield Fact(name="Scale", value=f"{scale:.9g}", words=kind)
     if scale == 0.0:
         yield Fact(name="", value="", words=SCALE_ZERO)
-    if (unit := scaled_poses.unit_of(registration)) is not None:
+    if (unit := gap_parts.unit_of(registration)) is not None:
         yield Fact(name="Unit", value="", words=unit)
 
 

@@ -14,13 +14,13 @@ from certreg.results import Absent
 
 if TYPE_CHECKING:
     from certreg.geometry.pose import Pose
-    from certreg.registration import equilibria, scaled_poses
+    from certreg.registration import equilibria, gap_parts
     from certreg.registration.equilibria import ScaledEquilibria
     from certreg.registration.result import Registration
 else:
     # of which few results have a free scale
     equilibria = late("certreg.registration.equilibria")
-    scaled_poses = late("certreg.registration.scaled_poses")
+    gap_parts = late("certreg.registration.gap_parts")
 
 
 SCALE_ZERO = (
@@ -45,7 +45,7 @@ def scale_lines(registration: Registration) -> list[str]:
     kind, scale, own = registration.problem.scale, scale_of(registration.pose), listed(registration)
     if isinstance(scale, Absent) or own is None:
         return []
-    unit = scaled_poses.unit_of(own)
+    unit = gap_parts.unit_of(own)
     return [
         f"  scale             {scale!r}  ({kind.value}; target over source)",
         *([SCALE_ZERO] if scale == 0.0 else []),

@@ -271,7 +271,7 @@ finish(Cut(count=15, points=2), pathlib.Path(sys.argv[2]))
 """
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_folder_begun_by_one_variant_is_resumed_by_another_to_the_byte(tmp_path):
     variants = kernels.runnable(kernels.record_of(kernels.BUILT), kernels.BUILT)
     folders = [tmp_path / "instances", tmp_path / "flat"]

@@ -48,6 +48,7 @@ def is_running(pid: int) -> bool:
         return False
 
 
+@pytest.mark.long
 @pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="there is no /proc here")
 def test_workers_end_with_the_campaign_that_is_killed(tmp_path):
     run = begin(KIND, tmp_path / "out")

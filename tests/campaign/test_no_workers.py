@@ -150,7 +150,7 @@ def test_a_command_says_that_it_waits(tmp_path: Path):
     assert len(run.out.splitlines()) == 1
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_cluster_of_dask_begins_and_goes_on_without_workers(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):

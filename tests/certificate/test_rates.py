@@ -259,7 +259,7 @@ def test_another_optimum_of_the_descents_is_seen(monkeypatch: pytest.MonkeyPatch
     assert "SciPy finds" in turned_springs.optimum_missed(0)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_noise_is_estimated_with_the_right_degrees_of_freedom():
     """With 4 counted as 7, as with a translation, the mean would be above 1.15 for planes."""
     factors = np.array([turned_springs.variance_factor(seed) for seed in range(60)])

@@ -168,7 +168,7 @@ def test_cutting_ends_where_ever_more_ranges_stay_open(monkeypatch):
         assert check(consensus_certificate(problem, found, None).line()).verified
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_stages_of_all_ranges_together_are_no_longer_than_they_may_be(monkeypatch):
     problem = all_wrong(20)
     whole = searched(problem)

@@ -212,23 +212,13 @@ def _clouds(tmp_path: Path) -> list[Path]:
     ]
 
 
-def require_told(asked: tuple[Any, ...], code: int, begun: str) -> None:
-    """That the object says what the one line does, and is printed for `--json` alone."""
-    told, plain = certreg(*asked, "--json"), certreg(*asked)
-
-    assert (told.code, plain.code) == (code, code)
-    assert plain.out == ""
-    assert told.err == plain.err
-    assert told.document == {
-        "schema": "certreg-error/1",
-        "exit_code": code,
-        "error": {
-            "kind": KINDS[code].__name__,
-            "message": told.err.removeprefix("certreg: ").rstrip(),
-        },
-    }
-    assert told.document["error"]["message"].startswith(begun)
-    Draft202012Validator(json.loads(SCHEMA.read_text("utf-8"))).validate(told.document)
+def error_object(code: int, line: str) -> dict[str, Any]:
+    """What `--json` prints where a command ends with a code and one line."""
+    message = line.removeprefix("certreg: ").rstrip()
+    error = {"kind": KINDS[code].__name__, "message": message}
+    document = {"schema": "certreg-error/1", "exit_code": code, "error": error}
+    Draft202012Validator(json.loads(SCHEMA.read_text("utf-8"))).validate(document)
+    return document
 
 
 @pytest.mark.parametrize(
@@ -239,7 +229,12 @@ def require_told(asked: tuple[Any, ...], code: int, begun: str) -> None:
     ],
 )
 def test_where_no_motion_meets_enough_pairs(two_units, options, begun):
-    require_told(("certify", *two_units, "--max-residual", "0.01", *options), 4, begun)
+    asked = ("certify", *two_units, "--max-residual", "0.01", *options)
+    told, plain = certreg(*asked, "--json"), certreg(*asked)
+
+    assert (told.code, plain.code, plain.out, told.err) == (4, 4, "", plain.err)
+    assert told.document == error_object(4, plain.err)
+    assert told.document["error"]["message"].startswith(begun)
 
 
 @pytest.mark.parametrize("code", [4, 1])
@@ -258,7 +253,12 @@ def test_of_every_command_with_that_option(two_units, monkeypatch, command, modu
     (two_units[0].parent / "pose.txt").write_text("1 0 0 0 0 0 0", "utf-8")
     pose = [two_units[0].parent / "pose.txt"] * (len(command) - 1)
     monkeypatch.setattr(module, step, fail)
-    require_told((command[0], *two_units, *command[1:], *pose), code, "two paths met")
+    asked = (command[0], *two_units, *command[1:], *pose)
+    told, plain = certreg(*asked, "--json"), certreg(*asked)
+
+    assert (told.code, plain.code, plain.out, told.err) == (code, code, "", plain.err)
+    assert told.document == error_object(code, plain.err)
+    assert told.document["error"]["message"].startswith("two paths met")
 
 
 @pytest.mark.parametrize("bound", ["-1", "1e9", "wide"])

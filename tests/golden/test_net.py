@@ -26,9 +26,9 @@ SLOW |= SHOWN_SLOWLY
 
 
 def marked(case: NetCase):
-    """Of those that are slow one in three is asked in every run of the tests."""
+    """Of those that are slow one in six is asked in every run of the tests."""
     marks = [pytest.mark.slow] if case.name in SLOW else []
-    marks += [pytest.mark.long] if case.name in SLOW - {*sorted(SLOW)[2::3]} else []
+    marks += [pytest.mark.long] if case.name in SLOW - {*sorted(SLOW)[2::6]} else []
     return pytest.param(case, id=case.name, marks=marks)
 
 

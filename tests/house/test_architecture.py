@@ -282,12 +282,12 @@ def test_a_module_that_is_loaded_late_is_the_one_that_types_say():
     planted = sources()
     planted["certreg.io.text"] += '\npcd = late("certreg.io.pcd")\n'
     planted["certreg.io.columns"] += (
-        '\nfrom certreg.problem import springs\nsprings = late("certreg.problem.spring_rows")\n'
+        '\nfrom certreg.problem import springs\nsprings = late("certreg.problem.attributes")\n'
     )
 
     assert mistyped(sources()) == []
     assert mistyped(planted) == [
-        "certreg.io.columns loads certreg.problem.spring_rows as springs",
+        "certreg.io.columns loads certreg.problem.attributes as springs",
         "certreg.io.text loads certreg.io.pcd as pcd",
     ]
     assert sum(len(late_modules(text)) for text in sources().values()) > 20

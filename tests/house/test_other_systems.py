@@ -65,7 +65,7 @@ for line in {lines!r}:
 """
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_every_command_runs_without_what_windows_lacks(tmp_path: Path):
     """Nor do backslashes in names mean anything, and workers are spawned: there is no fork."""
     out, made, pairs = tmp_path / "out", tmp_path / "out" / "certificate.json", tmp_path / "p.csv"

@@ -115,7 +115,7 @@ ALLOWED = {  # what the last digit of a number to the nearest is worth, and wher
     """,
     "never rounded to the limit that it is held against": """
         registration/exit_codes.py {value:.{digits}g}
-        registration/scaled_poses.py {percent:.3g}
+        registration/gap_parts.py {percent:.3g}
         report/lines.py {percent:.{digits}f}
         report/thinning.py {100.0 * left:.3g}
     """,

@@ -112,9 +112,10 @@ def test_help_and_verify_load_no_numerical_library(which: str, tmp_path: Path):
 # What is of another kind of problem, of another format, or of a report that nobody asked for.
 OF_OTHERS = re.compile(
     r"certreg[.](?:\w+[.]\w*(?:spring|consensus|scaled|truncated|breath|breaking|similarity)"
-    r"|problem[.]\w*stiffness|registration[.](?:valley|quartic)"
+    r"|problem[.]\w*stiffness|registration[.](?:valley|quartic|whitened_residuals|gap_parts)"
     r"|report[.]\w*(?:page|picture|card|document|overview|folder)"
     r"|certificate[.](?:cones|listing|squares|refuting|consistency|coq|blockwise)"
+    r"|relaxation[.](?:proposals|paired_scales|graduated_nonconvexity)"
     r"|equilibrium[.](?:paths|tracking|quartics|methods|line_)"
     r"|io[.](?:cif|np[yz]|obj|pairs|pcd|atoms|ply|scans|stl|trajectories)$)"
     r"|scipy[.](?:sparse|optimize|spatial)"
@@ -123,7 +124,6 @@ ANY_PROBLEM = {  # names of what stands in problems, or may stand in the files o
     "certreg.geometry.similarity",
     "certreg.io.springs",
     "certreg.report.springs",
-    "certreg.problem.spring_rows",
     "certreg.problem.springs",
 }
 

@@ -87,11 +87,7 @@ def test_it_is_that_of_the_sum_over_the_points(one: Specimen):
     with mpmath.workdps(DIGITS):
         right = covariance_by_differences(one, place)
     found = one.result.covariance
-
-    agrees(found, right * (found.variance_factor if found.estimated else 1.0))
-
-
-def agrees(found: Any, right: Any) -> None:
+    right = right * (found.variance_factor if found.estimated else 1.0)
     told = [*found.translation_sigma, *found.rotation_sigma]
     levels, axes = np.linalg.eigh(right[3:6, 3:6])
 

@@ -13,7 +13,7 @@ import jsonschema
 import numpy as np
 import pytest
 from commands import strict_json
-from laws.zoo import ALL, GENERIC, named
+from laws.zoo import ALL, GENERIC, free, named
 from syntax import nodes
 
 import certreg
@@ -78,7 +78,7 @@ def test_deviations_are_those_of_the_observations_that_the_parameters_leave(one:
     fit, pose = one.fit, one.result.to_dict()["pose"]
     W = one.matrices[one.rows]
     ranks = np.linalg.matrix_rank(W / np.linalg.norm(W, axis=(1, 2))[:, None, None], tol=1e-9)
-    degrees = int(ranks.sum()) - one.motion.parameters
+    degrees = int(ranks.sum()) - len(free(one))
 
     assert fit.degrees_of_freedom == degrees
     if fit.covariance is None:

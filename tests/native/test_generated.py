@@ -149,7 +149,7 @@ def values_of(expressions: Iterable[Any], numbers: dict[Any, float]) -> list[flo
     return function(*numbers.values())
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_named_values_are_those_of_the_derived_step():
     from derivations import integrators
 

@@ -440,7 +440,7 @@ def test_what_is_built_of_its_sources_is_left_alone(pretend, folder):
     assert len(list(folder.glob("kernels-*"))) == len(found.variants)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_another_compiler_that_is_asked_for_builds_anew(pretend, folder, monkeypatch):
     log = pretend()
     assert build_kernels.renewed().asked == os.environ["CC"]
@@ -714,7 +714,7 @@ def test_an_instruction_of_the_baseline_is_none_above_it(line):
     assert above_the_baseline(f"    1000:\t{line}\n") == []
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_wheel_with_libraries_is_for_this_platform_and_any_python(pretend, tmp_path):
     pytest.importorskip("hatchling", reason="the build backend is not installed")
     from hatchling.builders.wheel import WheelBuilder

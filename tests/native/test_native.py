@@ -179,7 +179,7 @@ def test_without_compiled_code_all_is_proved_that_needs_no_search():
     assert (run.stdout, run.stderr) == (5 * "0 True\n" + "4 True\n", "")
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_without_compiled_code_many_problems_at_once_are_refused_in_one_line():
     code = (
         "import certreg, numpy\n"

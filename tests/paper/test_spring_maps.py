@@ -144,6 +144,7 @@ def test_the_table_and_the_document_say_the_same(counts):
         assert low <= sum(row[name] / row["listed"] for row in rows) <= high
 
 
+@pytest.mark.long
 def test_a_cell_of_which_nothing_is_listed_has_no_numbers(counts):
     nothing = replace(counts[0], seen=(SpringObservation(listed=False),) * 3)
     (row,) = spring_rows([nothing])

@@ -14,14 +14,10 @@ from certreg.certificate.radius import Radius
 from certreg.exact.dyadic import Dyadic
 from certreg.objective.scaling import Scaling, SymmetricScaling
 from certreg.registration import scale_range
+from certreg.registration.gap_parts import GapParts, _percent
 from certreg.registration.robustness import Robustness
 from certreg.registration.rounding import RANGE, UNIT, rounding_cost, rounding_errors
-from certreg.registration.scale_range import (
-    moved_scale,
-    moved_symmetric_scale,
-    proved_scales,
-)
-from certreg.registration.scaled_poses import GapParts, _percent
+from certreg.registration.scale_range import moved_scale, moved_symmetric_scale, proved_scales
 
 LITTLE = Fraction(1, 10**30)
 PLACES = 10**60

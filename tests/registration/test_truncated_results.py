@@ -235,7 +235,7 @@ def test_the_command_writes_what_it_proves(given, tmp_path: Path):
     assert len(table) == 13
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_bound_that_holds_by_chance_is_warned_of(given):
     wide = certified(given.source, given.target, 1.7)
     narrow = certified(given.source, given.target)

@@ -32,8 +32,8 @@ def written(folder: Path, name: str, points: Any, column: str = "", values: Any 
 @pytest.mark.parametrize(
     ("call", "remedy"),
     [
-        (certreg.register, "weights=1 / target.sigma**2 uses it"),
-        (lambda x, y: certreg.register(x, y, normals=y.points), "weights=1 / target.sigma**2 uses"),
+        (certreg.register, "sigma=target.sigma uses it"),
+        (lambda x, y: certreg.register(x, y, normals=y.points), "sigma=target.sigma uses"),
         (certreg.RegistrationProblem, "sigma=target.sigma uses it"),
         (lambda x, y: certreg.RegistrationProblem(*certreg.pair(x, y)), "sigma=target.sigma uses"),
     ],
@@ -60,14 +60,16 @@ def test_what_the_warning_says_to_type_gives_what_certify_uses(tmp_path: Path):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         proved = certreg.certify(source, target, relaxation=False, simulation=False)
-        posed = certreg.register(source, target, weights=1 / target.sigma**2)
+        posed = certreg.register(source, target, sigma=target.sigma)
         problem = certreg.RegistrationProblem(source, target, sigma=target.sigma)
         certreg.register(source.points, target.points)
         certreg.RegistrationProblem(weighed, target, weights=weighed.weights)
 
     assert problem.digest() == proved.problem.digest()
     assert np.abs(posed.rotation - proved.pose.rotation).max() < 1e-12
-    with pytest.warns(UnusedNoiseWarning, match=r"^source has a column weight, .*weights=source\.w"):
+    with pytest.warns(
+        UnusedNoiseWarning, match=r"^source has a column weight, .*weights=source\.w"
+    ):
         certreg.RegistrationProblem(weighed, target.points)
 
 

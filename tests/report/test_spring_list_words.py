@@ -97,7 +97,7 @@ def test_a_minimum_that_is_listed_first_may_be_the_optimum():
     assert "None of these" not in told
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_of_five_planes_no_row_that_is_listed_is_said_to_be_the_optimum():
     """Paths end somewhere on a curve of exact fits, by rounding here or there, or miss it."""
     found = equilibria(planes(5, 9))

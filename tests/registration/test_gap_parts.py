@@ -17,7 +17,7 @@ from certreg.certificate.bounds import ExactPose
 from certreg.errors import InvalidProblemError
 from certreg.geometry.given import given_pose
 from certreg.objective.isotropic import Isotropic
-from certreg.registration.scaled_poses import gap_parts
+from certreg.registration.gap_parts import gap_parts
 from certreg.report.judged_pose import assessment_summary
 from certreg.results import Optimality, PoseVerdict
 

@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from certreg.relaxation.graduated_nonconvexity import graduated
 from certreg.relaxation.paired_rows import FAR, PairedRows, Poses, fitted, paired_rows
-from certreg.relaxation.truncated_squares import graduated
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

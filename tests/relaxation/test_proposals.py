@@ -12,11 +12,11 @@ from wrong_pairs import WrongPairs, wrong_pairs
 from benchmarks.rates.consensus_poses import graduated_nonconvexity
 from certreg.geometry.so3 import is_reflection
 from certreg.native.bitset_graph import BitRows
-from certreg.relaxation import consensus_search
+from certreg.relaxation import proposals
 from certreg.relaxation.cliques import consistency
-from certreg.relaxation.consensus_search import candidates
 from certreg.relaxation.edge_rows import grown, held, widened
 from certreg.relaxation.paired_rows import fitted, paired_rows
+from certreg.relaxation.proposals import candidates
 
 GNC_FAILS = (5, 6, 10)  # seeds of clouds where graduated non-convexity ends at other rows
 EPSILON = 1e-9  # of a bound: what other roundings may add
@@ -177,7 +177,7 @@ def test_rows_that_may_not_be_together_begin_no_search():
 @pytest.mark.parametrize("kept", ["CLIQUES", "STEPS", "TRIPLES"])
 def test_each_source_of_poses_finds_the_true_rows_alone(kept, seed, monkeypatch):
     for others in {"CLIQUES", "STEPS", "TRIPLES"} - {kept}:
-        monkeypatch.setattr(consensus_search, others, 0)
+        monkeypatch.setattr(proposals, others, 0)
     pairs = made(50, 0.8, seed=seed)
 
     assert len(all_candidates(pairs, effort=4.0)[-1].inliers) >= pairs.true.sum()

@@ -27,6 +27,7 @@ from numpy.typing import NDArray
 from certreg.native.bitset_graph import BitRows, rows_of
 from certreg.relaxation.cliques import CliqueSearch, consistency, core, greedy_cliques
 from certreg.relaxation.edge_rows import Held, best_that_fits, exchanged, grown, held, widened
+from certreg.relaxation.graduated_nonconvexity import Candidate, candidate_of, truncated_fit
 from certreg.relaxation.paired_rows import (
     Poses,
     fitted,
@@ -34,8 +35,7 @@ from certreg.relaxation.paired_rows import (
     poses_of_triples,
     squared_ratios,
 )
-from certreg.relaxation.similarity_fit import Similar, SimilarRows
-from certreg.relaxation.truncated_squares import Candidate, candidate_of, truncated_fit
+from certreg.relaxation.paired_scales import Similar, SimilarRows
 
 if TYPE_CHECKING:
     from certreg.relaxation.paired_rows import PairedRows, Reals, Rows
