@@ -95,9 +95,9 @@ def _least_largest(
         ratios = ((y - x @ turn.T - shift) ** 2).sum(axis=1) / squares
         if ratios.max() < least:
             least, best = float(ratios.max()), (turn, shift)
-        if not ratios.any():
-            break
         shares = shares * np.sqrt(ratios)
+        if not shares.any():  # all rows that count fit exactly
+            break
         shares /= shares.max()
     turn, shift = best
     return turn, (shift + origins[1] - turn @ origins[0]) * unit

@@ -235,7 +235,7 @@ def covariance_at(
     matrix = _in_doubles(whole, given)
     axes, sizes, _ = np.linalg.svd(turning[:TURN])
     size = next(iter(whole.sigmas[PARAMETERS:].tolist()), None)
-    arm = [nearest_or_zero(near.scale * entry) for entry in centre]
+    arm = [0.0 if given else nearest_or_zero(near.scale * entry) for entry in centre]
     swung = second_order(rotation @ turning[:TURN], rotation @ arm, translation)
     if size is not None and any(arm):  # ds theta x R m beside s theta x R m, of which dt has more
         swung = hypot(swung, nearest_or_zero(Fraction(size) / near.scale))

@@ -224,7 +224,7 @@ def exact_pose(
     so that this goes where the matrix takes it, and, where there is a scale, with tr(R^T M) / 3 of
     it. Without a translation, with the best one; without a scale, too, with the best of that.
     """
-    q, scale = nearest_quaternion(given.turn), Fraction(given.scale or 1)
+    q, scale = nearest_quaternion(given.turn), Fraction(1 if given.scale is None else given.scale)
     if given.translation is None:
         best = ExactPose(
             quaternion=q,

@@ -196,7 +196,7 @@ def quartic_place(
     """Where Newton's steps lead, if that is at the pose and an equilibrium."""
     del parts
     objective, q, rest, away = solution.objective, pose.quaternion, None, None
-    scale = rational_root_above(bounds.least_range_squared)
+    scale = rational_root_above(bounds.least_range_squared) or bounds.flat_energy
     shifted = objective.translation_energy(q, pose.translation)
     if shifted <= little(settings, scale) and objective.oscillation:
         near = equilibrium_near(objective, solution.found.levelled, q, solution.least)

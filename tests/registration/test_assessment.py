@@ -355,3 +355,18 @@ def test_no_angle_is_told_that_is_larger_than_the_one_proved():
 
     assert checked(found.angle_upper) >= checked(found.angle_to_optimum)
     assert found.nearest_angle == found.angle_to_optimum
+
+
+def test_the_certified_pose_is_optimal_where_every_rotation_fits_equally():
+    X = np.random.default_rng(0).normal(size=(8, 3))
+    alike = np.tile([1.0, 0.0, 0.0, 1.0, 0.0, 1.0], (8, 1))
+    found = certreg.certify(X, np.tile([0.1, 0.2, 0.3], (8, 1)), information=alike)
+
+    assert assess(found, found.pose).verdict is PoseVerdict.OPTIMAL
+
+
+def test_the_certified_pose_is_optimal_where_the_best_scale_is_zero():
+    found = certreg.certify(np.eye(3), np.ones((3, 3)), scale="asymmetric")
+
+    assert found.pose.scale == 0.0
+    assert assess(found, found.pose).verdict is PoseVerdict.OPTIMAL

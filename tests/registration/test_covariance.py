@@ -491,3 +491,20 @@ def test_points_that_hardly_count_are_no_degrees_of_freedom(least):
 def _stated(x, y, **weights):
     problem = RegistrationProblem(x, y, **weights)
     return problem, Isotropic(exact_moments(problem))
+
+
+def test_springs_without_a_translation_have_the_translation_zero_and_no_doubt_of_it():
+    rng = np.random.default_rng(1)
+    X, N = rng.normal(size=(2, 12, 3))
+    X[:, 0] += 40.0
+    found = certify(
+        X,
+        X + 0.01 * rng.normal(size=X.shape),
+        normals=N / np.linalg.norm(N, axis=1)[:, None],
+        rotation_only=True,
+        sigma=0.01,
+    )
+
+    assert found.covariance.second_order == 0.0
+    told = found.to_dict()["pose"]["uncertainty"]
+    assert told["translation"] == [0.0, 0.0, 0.0]

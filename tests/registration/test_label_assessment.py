@@ -221,3 +221,11 @@ def test_colours_are_no_fewer_than_the_largest_set_that_agrees(share: float):
         assert largest <= colours((1 << 9) - 1, near, 9) <= 9
     assert colours((1 << 9) - 1, [0] * 9, 9) == 1
     assert colours((1 << 9) - 1, [(1 << 9) - 1 - (1 << i) for i in range(9)], 9) == 9
+
+
+def test_labels_of_pairs_that_fit_exactly_are_consistent():
+    X = np.array([[-1.0, -4, 4], [6, 10, -3], [5, 8, -2]])
+
+    found = certreg.assess(X, np.add(X, [1.0, -1, -1]), labels=[1, 1, 1], max_residual=0.1)
+
+    assert found.verdict.value == "consistent"
