@@ -1,7 +1,7 @@
-"""The numbers of general springs as users hold them: arrays, tables, objects of other libraries.
+"""What points hold beside coordinates: in arrays, tables, objects of other libraries.
 
-What comes out has one row per pair: three numbers of a normal, a direction or a column of L, six of
-a symmetric matrix or of L.
+Of general springs one row per pair comes out: three numbers of a normal, a direction or a column
+of L, six of a symmetric matrix or of L.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, TypedDict
 
 import numpy as np
 
-from certreg.errors import InvalidProblemError, UnusedSpringsWarning
+from certreg.errors import InvalidProblemError, UnusedNoiseWarning, UnusedSpringsWarning
 from certreg.problem.arrays import (
     ATTRIBUTES,
     data_frame,
@@ -46,6 +46,10 @@ SHAPES = {  # of the rows of arrays
 HELD = {  # by objects: Open3D, trimesh, PyVista; small_gicp
     "normals": ("normals", "vertex_normals", "point_normals"),
     "covariances": ("covariances", "covs"),
+}
+NOISE_COLUMNS = {  # by the name of the column: that of the attribute, and what uses it
+    "sigma": ("sigma", "sigma={}"),
+    "weight": ("weights", "weights={}"),
 }
 ASYMMETRY = 1e-12  # of the largest entry of a matrix
 SIX_OF_NINE = [0, 1, 2, 4, 5, 8]
@@ -127,6 +131,32 @@ def warn_of_unused(target: Any, n: int, *, depth: int) -> None:
             "uses them; give its points alone if points are meant"
         )
         warnings.warn(words, UnusedSpringsWarning, stacklevel=depth + 2)
+
+
+def warn_of_unused_noise(source: Any, target: Any, *, depth: int) -> None:
+    """A warning for each cloud that holds a sigma or weights, where none were given.
+
+    depth: how many calls are between the user and here.
+    """
+    for cloud, which in ((source, "source"), (target, "target")):
+        for name, (attribute, remedy) in NOISE_COLUMNS.items():
+            if (place := _place(cloud, name, attribute)) is not None:
+                words = (
+                    f"{which} has a column {name}, which is not used: all pairs count alike. "
+                    f"{remedy.format(which + place)} uses it; give its points alone if "
+                    "pairs count alike"
+                )
+                warnings.warn(words, UnusedNoiseWarning, stacklevel=depth + 2)
+
+
+def _place(cloud: Any, name: str, attribute: str) -> str | None:
+    """How Python reaches the column of this name; None where a cloud has none."""
+    if isinstance(cloud, np.ndarray):
+        return None
+    if data_frame(cloud):
+        return f'["{name}"]' if name in list(cloud.columns) else None
+    held = getattr(cloud, attribute, None)
+    return f".{attribute}" if isinstance(held, np.ndarray) else None
 
 
 def unused_springs(cloud: Any, n: int) -> str | None:

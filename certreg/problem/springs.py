@@ -37,6 +37,7 @@ from certreg.problem.attributes import (
     require,
     require_not_of_source,
     warn_of_unused,
+    warn_of_unused_noise,
 )
 from certreg.problem.factors import (
     LARGEST_ENTRY,
@@ -48,7 +49,6 @@ from certreg.problem.factors import (
     weigh,
 )
 from certreg.problem.terms import Pairs, SprungPairs
-from certreg.problem.unused_noise import warn_of_unused_noise
 from certreg.results import Brief
 
 if TYPE_CHECKING:

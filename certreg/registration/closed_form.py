@@ -25,7 +25,12 @@ from certreg.geometry.so3 import (
     rotation_matrix,
 )
 from certreg.problem.arrays import cloud_array, finite_doubles, real_numbers
-from certreg.problem.attributes import SpringArguments, require_known, warn_of_unused
+from certreg.problem.attributes import (
+    SpringArguments,
+    require_known,
+    warn_of_unused,
+    warn_of_unused_noise,
+)
 from certreg.problem.budget import checked_threads
 from certreg.problem.fast_pose import FloatingPose, floating_pose
 from certreg.problem.moments import Moments, davenport_error, moments_of_clouds
@@ -34,7 +39,6 @@ from certreg.problem.problem import RegistrationProblem, require_as_many
 from certreg.problem.row_labels import require_same_labels
 from certreg.problem.springs import require_one_noise, weights_of_sigma
 from certreg.problem.support import Cell, require_supported
-from certreg.problem.unused_noise import warn_of_unused_noise
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray

@@ -62,16 +62,15 @@ def asks(node: ast.AST) -> bool:
             return any(CLASSES.search(name) for name in named(classes))
         case ast.MatchClass(cls=of):
             return any(CLASSES.search(name) for name in named(of))
-        case ast.Compare(left=ast.Attribute(attr="scale"), ops=[ast.In() | ast.NotIn()]):
+        case (
+            ast.Compare(left=ast.Attribute(attr="scale"), ops=[ast.In() | ast.NotIn()])
+            | ast.Call(func=ast.Attribute(attr="get"), args=[ast.Attribute(attr="scale"), *_])
+            | ast.Call(func=ast.Attribute(attr="lacking"))
+            | ast.Subscript(slice=ast.Constant(value="rotation_only"))
+        ):
             return True
         case ast.Compare(left=left, comparators=others):
             return any(map(of_a_kind, (left, *others)))
-        case ast.Call(func=ast.Attribute(attr="get"), args=[ast.Attribute(attr="scale"), *_]):
-            return True
-        case ast.Call(func=ast.Attribute(attr="lacking")):
-            return True
-        case ast.Subscript(slice=ast.Constant(value="rotation_only")):
-            return True
         case ast.Attribute(value=of, attr=name, ctx=ast.Load()):
             motion = getattr(of, "attr", getattr(of, "id", None)) == "motion"
             return name in ATTRIBUTES or (motion and name in FOUND)

@@ -31,7 +31,7 @@ TITLE = "\n## Of pairs that may be wrong\n"
 ROW = re.compile(r"^\| `(?P<line>[^`]+)` \| (?P<codes>[\d, ]+) \| .+ \|$", re.MULTILINE)
 LISTED_BRACES = re.compile(r"^\| (?P<names>(?:`\{\w+\}` ?)+) \| .+ \|$", re.MULTILINE)
 BRACES = re.compile(r"\{(\w+)\}")
-KINDS = (ConsensusRegistration, TruncatedRegistration, KeptPairs, TruncatedLabels)
+KINDS = (ConsensusRegistration, TruncatedRegistration)
 
 
 def section() -> str:
@@ -55,6 +55,18 @@ def said_by(function: Any) -> list[str]:
     return ["".join(text(part) for part in line.values) for line in lines]
 
 
+def said_of(kind: type) -> list[str]:
+    """The lines in its table, each behind its verdict."""
+    tree = ast.parse(textwrap.dedent(inspect.getsource(kind)))
+    tables = [one for one in ast.walk(tree) if isinstance(one, ast.AnnAssign)]
+    (table,) = [one.value for one in tables if ast.unparse(one.target) == "SAID"]
+    said = {ast.unparse(key): line.body for key, line in zip(table.keys, table.values, strict=True)}
+    return [
+        f"{verdict.split('.')[-1]}: {''.join(text(part) for part in line.values)}"
+        for verdict, line in said.items()
+    ]
+
+
 def text(part: ast.expr) -> str:
     return str(part.value) if isinstance(part, ast.Constant) else "{}"
 
@@ -62,6 +74,7 @@ def text(part: ast.expr) -> str:
 def test_the_page_has_the_lines_in_the_words_of_the_program():
     properties = [inspect.getattr_static(kind, "headline").fget for kind in KINDS]
     said = [line for one in (pair_words.headline, *properties) for line in said_by(one)]
+    said += [line for kind in (KeptPairs, TruncatedLabels) for line in said_of(kind)]
 
     assert [BRACES.sub("{}", line) for line in rows()] == said
 
