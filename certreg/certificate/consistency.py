@@ -185,7 +185,8 @@ class RigidPairs(ConsistentPairs):
     """The same of rigid motions, which keep lengths: one unit for both clouds, one scale."""
 
     def _units(self, source: Reals, target: Reals, bounds: Reals) -> tuple[int, int]:
-        return (_exponent(target, bounds, source),) * 2
+        unit = _exponent(target, bounds, source)
+        return unit, unit
 
     def witness(self, rotation: Reals, translation: Reals, scale: float) -> Witness:  # noqa: ARG002
         """A motion in integers, next to one in doubles."""

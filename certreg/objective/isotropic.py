@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from itertools import product
 from operator import mul
-from typing import TYPE_CHECKING, ClassVar, Literal, TypeVar
+from typing import TYPE_CHECKING, ClassVar, Literal
 
 from certreg._loading import cached_property
 from certreg.exact.dyadic import power_of_two, quotient_or_zero
@@ -32,7 +32,7 @@ from certreg.native.eigenbasis import FIXED_BITS, fixed_eigenbasis
 from certreg.objective.classification import Classification, Pattern, classify, with_pattern
 from certreg.objective.form import Form, Reduced, bordered
 from certreg.objective.objective import Objective
-from certreg.objective.scaling import Scaling
+from certreg.objective.scaling import Real, Scaling
 from certreg.objective.structure import Structure
 from certreg.problem.exact_sums import UPPER
 from certreg.problem.moments import ExactMoments, exact_moments, trace
@@ -42,7 +42,6 @@ if TYPE_CHECKING:
     from certreg.problem.problem import RegistrationProblem
 
 
-Real = TypeVar("Real", Fraction, float)
 KEPT = 16  # alignments that are asked for again
 
 

@@ -12,7 +12,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from fractions import Fraction
 from math import inf, isqrt
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, ClassVar, TypeVar
 
 from certreg._loading import cached_property
 from certreg.errors import DegenerateProblemError
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
     from certreg.problem.motion import Motion
 
+Real = TypeVar("Real", Fraction, float)
 ROOT_BITS = 240  # of a root: its bounds are 2^-239 apart, far within what bounds a scale below
 SCALE_BITS = 96  # of the bounds of a scale: 2^-95 = 2.5e-29 of it, below 1e-20
 
@@ -86,9 +87,9 @@ class Scaling(Brief):
         squares = self.target - 2 * scale * alignment + scale**2 * self.source + shifted
         return squares / self.divisor(scale)
 
-    def divisor(self, scale: Fraction) -> Fraction:  # noqa: ARG002 - the symmetric one is
+    def divisor(self, scale: Real) -> Real | int:  # noqa: ARG002 - the symmetric one is
         """What the squares at a scale are over."""
-        return Fraction(1)
+        return 1
 
     def lost(self, alignment: Fraction, best: Fraction) -> Fraction:
         """What a rotation costs more than another, exactly."""
@@ -151,7 +152,7 @@ class SymmetricScaling(Scaling):
         """The objective, >= 0, at most `slack` less."""
         return 2 * max(self._mean[0] - alignment, Fraction(0))
 
-    def divisor(self, scale: Fraction) -> Fraction:
+    def divisor(self, scale: Real) -> Real | int:
         """The scale."""
         return scale
 

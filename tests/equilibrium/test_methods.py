@@ -64,6 +64,7 @@ def turned_apart(p, q):
 def test_an_entry_that_is_zero_decides_no_sign_of_an_enclosed_quaternion(sizes):
     octahedron = np.vstack([np.diag(sizes), -np.diag(sizes)])  # K is diagonal: axes are critical
     by_continuation = search(isotropic(octahedron), "homotopy").critical
+    assert by_continuation is not None
 
     units = sorted(tuple(map(abs, part.quaternion)) for part in by_continuation.components)
     assert units == sorted(part.quaternion for part in by_continuation.components)

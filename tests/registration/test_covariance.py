@@ -505,6 +505,7 @@ def test_springs_without_a_translation_have_the_translation_zero_and_no_doubt_of
         sigma=0.01,
     )
 
+    assert found.covariance is not None
     assert found.covariance.second_order == 0.0
     told = found.to_dict()["pose"]["uncertainty"]
     assert told["translation"] == [0.0, 0.0, 0.0]

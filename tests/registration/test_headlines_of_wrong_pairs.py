@@ -60,11 +60,14 @@ def said_of(kind: type) -> list[str]:
     tree = ast.parse(textwrap.dedent(inspect.getsource(kind)))
     tables = [one for one in ast.walk(tree) if isinstance(one, ast.AnnAssign)]
     (table,) = [one.value for one in tables if ast.unparse(one.target) == "SAID"]
-    said = {ast.unparse(key): line.body for key, line in zip(table.keys, table.values, strict=True)}
-    return [
-        f"{verdict.split('.')[-1]}: {''.join(text(part) for part in line.values)}"
-        for verdict, line in said.items()
-    ]
+    assert isinstance(table, ast.Dict)
+    lines: list[str] = []
+    for verdict, said in zip(table.keys, table.values, strict=True):
+        assert isinstance(verdict, ast.Attribute)
+        assert isinstance(said, ast.Lambda)
+        assert isinstance(said.body, ast.JoinedStr)
+        lines.append(f"{verdict.attr}: {''.join(map(text, said.body.values))}")
+    return lines
 
 
 def text(part: ast.expr) -> str:

@@ -41,7 +41,8 @@ def test_sigma_means_what_it_means_for_a_problem():
     x, y, sigma = drawn(7)
     normals = random_rotation(np.random.default_rng(7))[np.arange(len(x)) % 3]
     stated = RegistrationProblem(x, y, sigma=sigma)
-    for options in ({}, {"scale": "asymmetric"}, {"rotation_only": True}):
+    several: list[dict[str, Any]] = [{}, {"scale": "asymmetric"}, {"rotation_only": True}]
+    for options in several:
         found, expected = (
             register(x, y, sigma=sigma, **options),
             register(x, y, stated.weights, **options),

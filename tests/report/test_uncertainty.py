@@ -277,6 +277,7 @@ def test_where_the_centre_lands_is_told_to_its_deviation_at_any_size():
         found = certify(problem, relaxation=False, simulation=False)
         sigma, target = covariance_of(found).centre_sigma, problem.target.mean(axis=0)
         told = [float(word) for word in centre_words(found, covariance_of(found))]
+        assert sigma is not None
         assert np.allclose(told, target, rtol=0.0, atol=0.06 * sigma)
 
     assert told_to(math.nextafter(PLAIN_BELOW, 0.0), 1.0) == "999999999999999.9"
