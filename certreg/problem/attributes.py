@@ -139,7 +139,8 @@ def warn_of_unused_noise(source: Any, target: Any, *, depth: int) -> None:
     depth: how many calls are between the user and here.
     """
     for cloud, which in ((source, "source"), (target, "target")):
-        for name, (attribute, remedy) in NOISE_COLUMNS.items():
+        columns = () if isinstance(cloud, np.ndarray) else NOISE_COLUMNS.items()
+        for name, (attribute, remedy) in columns:
             if (place := _place(cloud, name, attribute)) is not None:
                 words = (
                     f"{which} has a column {name}, which is not used: all pairs count alike. "
@@ -151,8 +152,6 @@ def warn_of_unused_noise(source: Any, target: Any, *, depth: int) -> None:
 
 def _place(cloud: Any, name: str, attribute: str) -> str | None:
     """How Python reaches the column of this name; None where a cloud has none."""
-    if isinstance(cloud, np.ndarray):
-        return None
     if data_frame(cloud):
         return f'["{name}"]' if name in list(cloud.columns) else None
     held = getattr(cloud, attribute, None)

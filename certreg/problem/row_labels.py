@@ -73,10 +73,12 @@ def require_same_labels(source: Any, *, called: str = "source", **others: Any) -
     differ, and what to type.
     """
     first = labels_of(source)
+    if first is None:
+        return
     for name, other in others.items():
-        labels = None if first is None or other is None else labels_of(other)
-        row = None if first is None or labels is None else first.first_other(labels)
-        if first is None or labels is None or row is None:
+        labels = None if other is None else labels_of(other)
+        row = None if labels is None else first.first_other(labels)
+        if labels is None or row is None:
             continue
         known = [None if row >= len(each.values) else each.values[row] for each in (first, labels)]
         remedy = f"give {name}.loc[{called}.index]"

@@ -123,8 +123,9 @@ def register(  # noqa: PLR0913 - each is one question, and has its usual answer
     3.0
     """
     threads = checked_threads(threads)
-    require_known(springs, SpringArguments, "register")
-    on_springs = any(value is not None for value in springs.values())
+    if springs:
+        require_known(springs, SpringArguments, "register")
+    on_springs = bool(springs) and any(value is not None for value in springs.values())
     kind, about_origin = checked_scale(scale), checked_rotation_only(rotation_only)
     require_supported(Cell(springs=on_springs, scale=kind, rotation_only=about_origin))
     noisy = sigma is not None or weights is not None
@@ -140,7 +141,8 @@ def register(  # noqa: PLR0913 - each is one question, and has its usual answer
     y = _readable(cloud_array(target, "target"), "target")
     require_as_many(len(x), len(y))
     require_same_labels(source, target=target, sigma=sigma, weights=weights)
-    warn_of_unused(target, len(y), depth=1)
+    if target is not y:
+        warn_of_unused(target, len(y), depth=1)
     if sigma is not None:
         require_one_noise(sigma, weights)
         weights = weights_of_sigma(sigma, len(x))

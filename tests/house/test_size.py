@@ -14,7 +14,7 @@ from syntax import nodes
 import certreg
 
 PACKAGE = Path(certreg.__file__).parent
-MOST_STATEMENTS = 34_076
+MOST_STATEMENTS = 34_074
 MOST_FILES = 317
 
 
